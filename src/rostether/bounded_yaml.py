@@ -14,32 +14,32 @@ from typing import Any, Final, TypeVar
 
 T = TypeVar("T")
 
+# As many characters as MAX_VALUES allow in long texts.
 MAX_TEXT_CHARS: Final = 64 << 20
-"""As many characters as MAX_VALUES allow in long texts."""
 
+# Of one document, with aliases expanded; each takes 350 bytes. A colour image of 640 x 480 has 921,600.
 MAX_VALUES: Final = 1_000_000
-"""Of one document, with aliases expanded; each takes 350 bytes. A colour image of 640 x 480 has 921,600."""
 
+# Those that aliases and merges add. Files that people write repeat some hundred.
 MAX_ALIASED_VALUES: Final = 200_000
-"""Those that aliases and merges add. Files that people write repeat some hundred."""
 
+# Each `<<` moves the rest of its mapping: 300,000 in one mapping take minutes.
 MAX_MERGES: Final = 1_000
-"""Each `<<` moves the rest of its mapping: 300,000 in one mapping take minutes."""
 
+# Far deeper than any message or parameter; libyaml recurses in C and crashes at 20,000 levels.
 MAX_NESTING: Final = 1_000
-"""Far deeper than any message or parameter; libyaml recurses in C and crashes at 20,000 levels."""
 
+# A double written out has 325. The time for `1:1:1:...` grows with the square of its length.
 MAX_NUMBER_CHARS: Final = 400
-"""A double written out has 325. The time for `1:1:1:...` grows with the square of its length."""
 
+# A longer text counts as more values, so that repeated long texts are also bounded.
 _CHARS_PER_VALUE: Final = 64
-"""A longer text counts as more values, so that repeated long texts are also bounded."""
 
+# A text as short as this stays below the limits unless it has an alias.
 _HARMLESS_CHARS: Final = 10_000
-"""A text as short as this stays below the limits unless it has an alias."""
 
+# PyYAML raises these for values such as `2001-99-99`, `!!bool x` and `!!timestamp x`.
 _WRONG_VALUES: Final = (ValueError, ArithmeticError, LookupError, AttributeError, TypeError)
-"""PyYAML raises these for values such as `2001-99-99`, `!!bool x` and `!!timestamp x`."""
 
 
 class YamlError(ValueError):

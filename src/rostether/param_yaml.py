@@ -18,15 +18,15 @@ from rostether.xmlrpc.values import MAX_INT, MIN_INT
 
 T = TypeVar("T")
 
+# XML-RPC documents end there; YAML's anchors can nest without end.
 MAX_NESTING = 100
-"""XML-RPC documents end there; YAML's anchors can nest without end."""
 
+# Of all documents in one text. A robot description has 100 KB; a master holds what is loaded in memory.
 MAX_FILE_CHARS = 16 << 20
-"""Of all documents in one text. A robot description has 100 KB; a master holds what is loaded in memory."""
 
 DOCUMENT_END = "...\n"
+# A key of a document that says into which namespace it is loaded.
 NAMESPACE_KEY = "_ns"
-"""A key of a document that says into which namespace it is loaded."""
 
 
 _Safe: Any = safe_loader()

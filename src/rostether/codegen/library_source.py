@@ -11,8 +11,8 @@ from rostether.errors import CodegenError
 _PACKAGE = Path(__file__).parents[1]
 # In a wheel beside our modules, in a checkout beside `src`.
 _PLACES = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
+# The folder of a library that compilers search for headers.
 SOURCE_FOLDER = "src"
-"""The folder of a library that compilers search for headers."""
 
 
 def client_library() -> Path:

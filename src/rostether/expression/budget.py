@@ -14,17 +14,17 @@ import re
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import Any, Final
 
+# Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` takes 2.8 million for a VGA image.
 MAX_STEPS: Final = 10_000_000
-"""Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` takes 2.8 million for a VGA image."""
 
+# What a double can hold; `9**9**9` would compute for days.
 MAX_INTEGER_BITS: Final = 1024
-"""What a double can hold; `9**9**9` would compute for days."""
 
+# 170! has 1,019 bits.
 _MAX_FACTORIAL: Final = 200
-"""170! has 1,019 bits."""
 
+# Width and precision of a format, and digits of round(): no double has more.
 _MAX_DIGITS: Final = 1000
-"""Width and precision of a format, and digits of round(): no double has more."""
 
 _ATOMS: Final = frozenset((float, int, bool, type(None)))
 _TEXTS: Final = frozenset((str, bytes, bytearray, range))
@@ -34,8 +34,8 @@ _FORMAT: Final = re.compile(r"%(?:\([^)]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?")
 
 Function = Callable[..., Any]
 
+# Where a list begins with a number, these fail at the first list inside it, or do not look into it.
 _LINEAR: Final = (min, max, sum, sorted, any, all)
-"""Where a list begins with a number, these fail at the first list inside it, or do not look into it."""
 
 
 class Budget:

@@ -16,8 +16,8 @@ from rostether.errors import ConfigError
 from rostether.expression.budget import Budget
 from rostether.rostime import Duration, Time
 
+# More than users type; longer expressions could nest so deeply that they exhaust the stack.
 MAX_EXPRESSION_CHARS = 2000
-"""More than users type; longer expressions could nest so deeply that they exhaust the stack."""
 
 Scope: TypeAlias = Mapping[str, Any]
 Evaluate: TypeAlias = Callable[[Scope], Any]

@@ -9,8 +9,8 @@ from __future__ import annotations
 PLAIN = -1
 UNKNOWN = -2
 
+# Instructions between loading a pointer and the call: the arguments are loaded there.
 _MAX_DISTANCE = 24
-"""Instructions between loading a pointer and the call: the arguments are loaded there."""
 
 _MOVE_FROM_R0 = 0x2DE0
 _LOAD_R0_FROM_Z = 0x9001

@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from rostether.errors import ConfigError
 from rostether.firmware.properties import expand, parse_properties
 
+# What people call boards that boards.txt calls otherwise.
 _ALIASES = {
     "mega2560": "mega",
     "mega1280": "mega:atmega1280",
@@ -26,13 +27,12 @@ _ALIASES = {
     "duemilanove": "diecimila:atmega328",
     "promicro": "micro",
 }
-"""What people call boards that boards.txt calls otherwise."""
 
+# Boards of robots that people name without their platform.
 _OTHER_PLATFORMS = {"opencr": "OpenCR:OpenCR:OpenCR"}
-"""Boards of robots that people name without their platform."""
 
+# The boards that an error names: those most people have; all 26 do not fit a line.
 _SHOWN = ("uno", "mega", "leonardo", "nano", "micro", "promini", "mini", "ethernet")
-"""The boards that an error names: those most people have; all 26 do not fit a line."""
 
 _PLATFORM = ("arduino", "avr")
 

@@ -73,8 +73,8 @@ class BuiltFirmware:
 
 
 _ONLY_SIMULATED = ("Ethernet",)
+# Raised when the records of older versions must not be used any more.
 _CONTENT_VERSION = 1
-"""Raised when the records of older versions must not be used any more."""
 
 
 def find_board(name: str) -> Board:

@@ -19,13 +19,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+# A core with its objects takes 1 MB for each board, a sketch some 300 KB.
 MAX_CACHE_BYTES = 256 * 1024 * 1024
-"""A core with its objects takes 1 MB for each board, a sketch some 300 KB."""
 
 PRUNE_TO_BYTES = MAX_CACHE_BYTES * 3 // 4
 PRUNE_INTERVAL_S = 3600.0
+# What was used in the last hour stays in any case: a build at the same moment may be about to link it.
 RECENT_S = 3600.0
-"""What was used in the last hour stays in any case: a build at the same moment may be about to link it."""
 
 
 def cache_folder(environ: Mapping[str, str] | None = None) -> Path:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
 MAX_TOPIC_BYTES = 128
+# An endpoint takes some ten bytes; a large variable that happens to be called so is not searched.
 MAX_VARIABLE_BYTES = 64
-"""An endpoint takes some ten bytes; a large variable that happens to be called so is not searched."""
 
 _CLASSES = {
     "ros::Publisher": "publishes",

@@ -20,11 +20,11 @@ from rostether.firmware.libraries import Origin
 from rostether.firmware.origins import RUNTIME, START, TEXTS, Origins
 from rostether.firmware.stack import StackEstimate, estimate_stack
 
+# What must be left beside the estimated stack: a second interrupt's registers, and code we read wrongly.
 MARGIN_BYTES = 64
-"""What must be left beside the estimated stack: a second interrupt's registers, and code we read wrongly."""
 
+# More names for a group than these do not tell more.
 LARGEST_ITEMS = 5
-"""More names for a group than these do not tell more."""
 
 _OBJECT = 1
 _MANGLED = re.compile(r"_Z\w+")

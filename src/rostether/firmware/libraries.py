@@ -15,13 +15,13 @@ from rostether.errors import ConfigError
 from rostether.firmware.properties import parse_properties
 from rostether.firmware.sketch import SOURCE_SUFFIXES
 
+# The IDE's whole index has some 8000; a folder of more than that is no folder of libraries.
 MAX_LIBRARIES = 2000
-"""The IDE's whole index has some 8000; a folder of more than that is no folder of libraries."""
 
 _HEADER_SUFFIXES = (".h", ".hh", ".hpp")
 _ARCHITECTURE = "avr"
+# Libraries for when the user has none: Servo, and Ethernet on a chip that only simulated boards have.
 SIMULATION_LIBRARIES = Path(__file__).parent / "share" / "libraries"
-"""Libraries for when the user has none: Servo, and Ethernet on a chip that only simulated boards have."""
 
 
 class Origin(StrEnum):

@@ -9,8 +9,8 @@ import re
 import shlex
 from collections.abc import Mapping
 
+# Real recipes nest three deep; a file whose keys name each other in a circle must not hang us.
 MAX_EXPANSIONS = 64
-"""Real recipes nest three deep; a file whose keys name each other in a circle must not hang us."""
 
 _PLACEHOLDER = re.compile(r"\{([\w.\-]+)\}")
 

@@ -11,8 +11,8 @@ from rostether.firmware.libraries import Library, Origin, choose, include_folder
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch
 
+# Each round adds a library; one that needs more has libraries that include each other in a circle.
 MAX_ROUNDS = 50
-"""Each round adds a library; one that needs more has libraries that include each other in a circle."""
 
 
 @dataclass(slots=True)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 _FACADE = "ros.h"
 _FOLDERS = ("ros/", "tf/")
 _TYPE_HEADER = re.compile(r"(\w+)/(\w+)\.h")
+# What ros.h itself includes.
 _ALWAYS = frozenset(("rosserial_msgs", "std_msgs"))
-"""What ros.h itself includes."""
 _SKIPPED = "skipped.txt"
 _PACKAGE = Path(__file__).parents[1]
 

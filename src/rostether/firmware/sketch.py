@@ -9,8 +9,8 @@ from rostether.errors import FirmwareError
 
 INO_SUFFIXES = (".ino", ".pde")
 SOURCE_SUFFIXES = (".c", ".cpp", ".cc", ".cxx", ".S")
+# A home folder taken for a sketch must not be read to its end.
 MAX_SKETCH_FILES = 2000
-"""A home folder taken for a sketch must not be read to its end."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from rostether.firmware.call_graph import CallGraph
 from rostether.firmware.elf import ElfFile
 
+# Half a second of search. Only programs with many nested callbacks have more paths.
 MAX_WAYS = 50_000
-"""Half a second of search. Only programs with many nested callbacks have more paths."""
 
 
 _KEPT_OF_A_SHAPE = 2

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from rostether.firmware.avr_code import Instruction, Op, decode
 from rostether.firmware.avr_pointers import pointer_kind
 
+# More than any AVR has; stops the walk of code that pushes in a loop.
 MAX_DEPTH_BYTES = 65536
-"""More than any AVR has; stops the walk of code that pushes in a loop."""
 
 _FRAME_POINTER = 28
 _SHARED_REGISTERS = 18

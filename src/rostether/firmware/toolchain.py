@@ -14,17 +14,17 @@ from rostether.errors import FirmwareError
 from rostether.firmware.boards import Board, BoardTable
 from rostether.firmware.properties import command_line, expand, parse_properties
 
+# What `ARDUINO` is defined as: the last of Arduino's first generation, which libraries compare against.
 IDE_VERSION = 10819
-"""What `ARDUINO` is defined as: the last of Arduino's first generation, which libraries compare against."""
 
 INSTALL_LINE = "sudo apt install gcc-avr avr-libc arduino-core-avr"
+# Debian's package, an IDE unpacked by hand, and what arduino-cli or the IDE have downloaded.
 CORE_FOLDERS = (
     "/usr/share/arduino/hardware/arduino/avr",
     "/usr/local/share/arduino/hardware/arduino/avr",
     "~/.arduino15/packages/arduino/hardware/avr/*",
     "~/Library/Arduino15/packages/arduino/hardware/avr/*",
 )
-"""Debian's package, an IDE unpacked by hand, and what arduino-cli or the IDE have downloaded."""
 
 _TOOL_FOLDERS = (
     "~/.arduino15/packages/arduino/tools/avr-gcc/*/bin",

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from rostether.firmware.cpp_tokens import tokenize
 
+# More lines of one kind do not help: all of them come from the same pasted page.
 MAX_REPORTED = 8
-"""More lines of one kind do not help: all of them come from the same pasted page."""
 
 _PLAIN = {
     **dict.fromkeys("\u201c\u201d\u201e\u201f\u00ab\u00bb\u2033", '"'),

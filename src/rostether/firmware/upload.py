@@ -29,8 +29,8 @@ ListPorts = Callable[[], Sequence["SerialPort"]]
 Show = Callable[[Sequence[str]], None]
 
 TOUCH_BAUD = 1200
+# A boot loader comes up in two seconds, on a slow hub in five.
 TOUCH_LIMIT_S = 10.0
-"""A boot loader comes up in two seconds, on a slow hub in five."""
 
 _STAYED_S = 5.0
 # A port that never vanished in that time belongs to a board that was in its boot loader already.

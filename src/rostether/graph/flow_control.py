@@ -21,26 +21,24 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 
+# What waits for one subscriber before its oldest messages go: 0.3 s of the fastest flood we carry (13 MB/s),
+# three times the longest pause of a board, and 20 s of the fastest serial line.
 DEFAULT_QUEUE_BYTES = 4 << 20
-"""What waits for one subscriber before its oldest messages go: 0.3 s of the fastest flood we carry
-(13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line."""
 
+# 20 ms of that flood: keeps a subscriber busy until its publisher continues; the delay is not noticeable.
 HIGH_WATER_BYTES = 256 << 10
-"""20 ms of that flood: keeps a subscriber busy until its publisher continues; the delay is not noticeable."""
 
+# The flow resumes when the backlog is below this fraction of the high-water mark, so that it does not flap.
 LOW_WATER_SHARE = 4
-"""The flow resumes when the backlog is below this fraction of the high-water mark, so that it does not
-flap.
-"""
 
+# Three seconds of the bridge's pauses: so long may a busy system keep a healthy subscriber from running.
 STEPS = 32
-"""Three seconds of the bridge's pauses: so long may a busy system keep a healthy subscriber from running."""
 
+# Half a minute of them: a node that reads others for longer will not come back to this one.
 SMALL_STEPS = 300
-"""Half a minute of them: a node that reads others for longer will not come back to this one."""
 
+# Who takes less in a pause hangs: 160 kB/s in the bridge's, where dozens of floods share one subscriber.
 LEAST_TAKEN_BYTES = 16 << 10
-"""Who takes less in a pause hangs: 160 kB/s in the bridge's, where dozens of floods share one subscriber."""
 
 
 class PublicationFlow:

@@ -16,8 +16,8 @@ from rostether.graph.joint_marks import MARK_TYPE, MarkedNodes, new_joint_mark, 
 from rostether.graph.joint_parts import retry_backoff
 from rostether.graph.ports import Graph, JoinGraph, Level
 
+# How often changes of the graphs are looked through at most: many boards that come at once cost one look.
 LOOK_INTERVAL_S = 0.25
-"""How often changes of the graphs are looked through at most: many boards that come at once cost one look."""
 
 _log = logging.getLogger("rostether.graph")
 

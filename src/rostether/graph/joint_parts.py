@@ -17,11 +17,11 @@ from rostether.graph.ports import Graph
 from rostether.mechanisms.backoff import Backoff
 
 FIRST_RETRY_S = 0.2
+# A graph that is away comes back within seconds, or much later: then this seldom is soon enough.
 MAX_RETRY_S = 5.0
-"""A graph that is away comes back within seconds, or much later: then this seldom is soon enough."""
 
+# How long a hanging graph may delay the others; it continues to open in the background.
 SLOW_GRAPH_S = 1.0
-"""How long a hanging graph may delay the others; it continues to open in the background."""
 
 _log = logging.getLogger("rostether.graph")
 

@@ -12,8 +12,8 @@ from rostether.rostime import Time
 
 ROSOUT = "/rosout"
 
+# Log lines are for people; a longer one is data, and would fill the memory of viewers.
 MAX_LOG_TEXT_BYTES = 32 << 10
-"""Log lines are for people; a longer one is data, and would fill the memory of viewers."""
 
 _SEPARATOR = "=" * 80
 

@@ -18,8 +18,8 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.names.graph_name import join, validate_name
 from rostether.rostime import Time
 
+# The number of logs kept for later reads; a test reads a handful.
 MAX_LOGS = 1000
-"""The number of logs kept for later reads; a test reads a handful."""
 
 
 class MemoryNetwork:

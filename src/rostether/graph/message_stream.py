@@ -15,14 +15,14 @@ from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 
+# What waits for a loop that is busy: a second of the fastest sensor, and little memory.
 DEFAULT_QUEUE_MESSAGES = 1000
-"""What waits for a loop that is busy: a second of the fastest sensor, and little memory."""
 
+# The same bound for large messages: some ten camera images.
 MAX_QUEUE_BYTES = 64 << 20
-"""The same bound for large messages: some ten camera images."""
 
+# Definitions come from peers; a program that listens to more types than this forgets the first.
 MAX_LEARNED_TYPES = 256
-"""Definitions come from peers; a program that listens to more types than this forgets the first."""
 
 
 class LearnedTypes:

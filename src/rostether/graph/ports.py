@@ -22,8 +22,8 @@ ParamValue: TypeAlias = bool | int | float | str | bytes | list["ParamValue"] | 
 OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
 ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
 
+# In the reason that `Graph.wait_closed` returns when another node has the name now; rosmaster's words.
 NAME_TAKEN = "new node registered with same name"
-"""In the reason that `Graph.wait_closed` returns when another node has the name now; rosmaster's words."""
 
 
 class Level(IntEnum):

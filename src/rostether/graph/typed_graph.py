@@ -29,10 +29,9 @@ MessageLike: TypeAlias = Message | Mapping[str, Any]
 Handler: TypeAlias = Callable[[Message], MessageLike | Awaitable[MessageLike]]
 
 _SUBSCRIBER_POLL_S = 0.01
+# After this time without a publisher, a waiting program gets a log line; publishers are found within a
+# second.
 SILENCE_WARNING_S = 5.0
-"""After this time without a publisher, a waiting program gets a log line; publishers are found within a
-second.
-"""
 
 _LOG = logging.getLogger(__name__)
 

@@ -13,8 +13,8 @@ from rostether.names.graph_name import SEPARATOR, canonical
 from rostether.param_yaml import dump
 from rostether.ros1.node.master_client import MasterClient
 
+# The name under which a launch calls the master; `~` in a parameter's name stands for it.
 CALLER_ID = "/roslaunch"
-"""The name under which a launch calls the master; `~` in a parameter's name stands for it."""
 
 _RUN_ID = "/run_id"
 

@@ -17,11 +17,11 @@ from rostether.launch.scope import Scope
 from rostether.mechanisms.anonymous import anonymous_name
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
+# Of one text with its substitutions. A robot description, the longest in use, has some 100 KB.
 MAX_TEXT_CHARS = 4 << 20
-"""Of one text with its substitutions. A robot description, the longest in use, has some 100 KB."""
 
+# In one text: each of them copies the text.
 _MAX_SUBSTITUTIONS = 10_000
-"""In one text: each of them copies the text."""
 
 _EVAL_PREFIX = "$(eval "
 
@@ -39,8 +39,8 @@ class LaunchContext:
     served: frozenset[str] = frozenset()
 
 
+# Represents the folder of built-in packages, which have no files.
 SERVED_ROOT = "/rostether-serves"
-"""Represents the folder of built-in packages, which have no files."""
 
 
 def substitute(text: str, scope: Scope, context: LaunchContext) -> str:

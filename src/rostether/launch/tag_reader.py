@@ -22,8 +22,8 @@ from rostether.launch.values import check, truth
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
+# Of all texts of a launch together; each may be as long as a text can be.
 MAX_SUBSTITUTED_CHARS = 64 << 20
-"""Of all texts of a launch together; each may be as long as a text can be."""
 
 _CONDITIONS = ("if", "unless")
 

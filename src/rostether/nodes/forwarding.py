@@ -12,13 +12,13 @@ from rostether.graph.ports import Graph, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.nodes.output_topic import OutputTopic
 
+# How soon a lazy node notices a subscriber: the port does not report connections, and polling is cheap.
 LAZY_POLL_S = 0.05
-"""How soon a lazy node notices a subscriber: the port does not report connections, and polling is cheap."""
 
 Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
+# What a window of bytes remembers; empty messages cost none, and must not fill memory.
 MAX_SENT_MESSAGES = 100_000
-"""What a window of bytes remembers; empty messages cost none, and must not fill memory."""
 
 
 def everything(payloads: Sequence[bytes]) -> Sequence[bytes]:

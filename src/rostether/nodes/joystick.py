@@ -14,8 +14,8 @@ from enum import Enum
 EVENT = struct.Struct("<IhBB")
 _BUTTON, _AXIS, _INITIAL = 0x01, 0x02, 0x80
 _FULL = 32767.0
+# Above, hardly anything of an axis would be left.
 MAX_DEADZONE = 0.9
-"""Above, hardly anything of an axis would be left."""
 
 
 class When(Enum):

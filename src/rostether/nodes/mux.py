@@ -19,8 +19,8 @@ from rostether.nodes.output_topic import OutputTopic
 from rostether.serde.values import Message
 
 NO_INPUT = "__none"
+# Each costs a subscription, and a caller of `add` must not fill memory.
 MAX_INPUTS = 1_000
-"""Each costs a subscription, and a caller of `add` must not fill memory."""
 
 
 class Mux:

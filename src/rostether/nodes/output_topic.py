@@ -11,8 +11,8 @@ from rostether.errors import RostetherError
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 
+# What waits for the advertisement, which takes milliseconds; topic_tools queues as many.
 MAX_WAITING_MESSAGES = 10
-"""What waits for the advertisement, which takes milliseconds; topic_tools queues as many."""
 
 _log = logging.getLogger("rostether.nodes")
 

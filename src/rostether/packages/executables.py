@@ -16,8 +16,8 @@ from rostether.packages.locate import workspace_of
 from rostether.packages.python_scripts import is_module
 from rostether.packages.search_path import walk
 
+# Where Debian's packages have their programs, without a word in the environment.
 SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
-"""Where Debian's packages have their programs, without a word in the environment."""
 
 _BUILD_FOLDER = "build"
 _MAX_CMAKE_BYTES = 1 << 20  # those of large packages have some 50 KB

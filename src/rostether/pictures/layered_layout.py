@@ -19,8 +19,8 @@ Size: TypeAlias = tuple[float, float]
 Point: TypeAlias = tuple[float, float]
 Ends: TypeAlias = tuple[str, str]
 
+# The time grows with the square of it, and no one reads a larger picture.
 MAX_VERTICES = 2_000
-"""The time grows with the square of it, and no one reads a larger picture."""
 
 _ROW_GAP = 16.0
 _BEND_HEIGHT = 6.0

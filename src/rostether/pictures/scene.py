@@ -15,8 +15,8 @@ Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[int, int, int]
 
 WHITE: Color = (255, 255, 255)
+# The width of a character, in font sizes: that of the usual monospaced faces.
 ADVANCE = 0.6
-"""The width of a character, in font sizes: that of the usual monospaced faces."""
 
 _ELLIPSE_POINTS = 64  # corners that are invisible at the sizes of labels
 

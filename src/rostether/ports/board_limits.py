@@ -15,6 +15,7 @@ class Limit(NamedTuple):
 
 _MIB = 1024 * 1024
 
+# By the key in devices.toml; the settings are those of `bridge.settings.BridgeSettings`.
 BOARD_LIMITS = {
     "frame_bytes": Limit("frame_bytes", 64, 65535),
     "endpoints": Limit("endpoints", 1, 4096),
@@ -26,7 +27,6 @@ BOARD_LIMITS = {
     "service_s": Limit("service_timeout_s", 0.1, 3600),
     "parameter_s": Limit("parameter_timeout_s", 0.05, 60),
 }
-"""By the key in devices.toml; the settings are those of `bridge.settings.BridgeSettings`."""
 
 
 def may_be_broken(key: str) -> bool:

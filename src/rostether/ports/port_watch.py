@@ -19,17 +19,17 @@ from rostether.ports.folder_events import FolderEvents
 from rostether.ports.port_pattern import is_port_pattern, named_ports
 from rostether.transports.serial_port import SerialPort, find_usb_location
 
+# How soon a board is noticed on systems without notifications; one check takes about 0.2 ms.
 LOOK_PERIOD_S = 0.25
-"""How soon a board is noticed on systems without notifications; one check takes about 0.2 ms."""
 
+# After a change, every look makes the list: udev needs up to a second on small computers.
 SETTLING_S = 2.0
-"""After a change, every look makes the list: udev needs up to a second on small computers."""
 
+# Nothing changed that we could see; a list takes 2 ms.
 LIST_PERIOD_S = 60.0
-"""Nothing changed that we could see; a list takes 2 ms."""
 
+# Where ports are no files (Windows), or their folder may not tell (macOS), only the list itself does.
 BLIND_LIST_PERIOD_S = 2.0
-"""Where ports are no files (Windows), or their folder may not tell (macOS), only the list itself does."""
 
 DEVICE_FOLDER = "/dev"
 _FOLDERS_TELL = sys.platform == "linux"

@@ -13,6 +13,7 @@ from enum import Enum, auto
 _ARDUINO = 0x2341
 _ARDUINO_ORG = 0x2A03
 
+# Product ids of both Arduino vendors.
 _BOARDS = {
     0x0001: "Arduino Uno",
     0x0010: "Arduino Mega 2560",
@@ -37,7 +38,6 @@ _BOARDS = {
     0x8057: "Arduino Nano 33 IoT",
     0x805A: "Arduino Nano 33 BLE",
 }
-"""Product ids of both Arduino vendors."""
 
 _OTHERS = {
     (0x0403, 0x6001): "FTDI FT232R adapter",
@@ -60,6 +60,8 @@ _OTHERS = {
 }
 
 
+# FTDI, Silicon Labs and WCH chips that Nanos, RedBoards and ESP boards carry, but GPS mice and lidars too;
+# the id of ST's own example, which flight controllers and printers keep; a Python prompt.
 _LIKELY_BOARDS = frozenset(
     {
         (0x0403, 0x6001),
@@ -72,11 +74,9 @@ _LIKELY_BOARDS = frozenset(
         (0x239A, 0x80F4),
     }
 )
-"""FTDI, Silicon Labs and WCH chips that Nanos, RedBoards and ESP boards carry, but GPS mice and lidars too;
-the id of ST's own example, which flight controllers and printers keep; a Python prompt."""
 
+# In debug probes, servo buses (where a stray byte may move something) and GPS mice more than on boards.
 _CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303)})
-"""In debug probes, servo buses (where a stray byte may move something) and GPS mice more than on boards."""
 
 
 class Kind(Enum):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 
+# What SQLite leaves beside a file that found no room to be closed: the file is nothing without it.
 _LOG_SUFFIXES = ("-wal", "-shm", "-journal")
-"""What SQLite leaves beside a file that found no room to be closed: the file is nothing without it."""
 
 
 def end_active(active: Path, path: Path) -> None:

@@ -13,14 +13,14 @@ from collections.abc import Callable, Sequence
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Connection, RecordingWriter
 
+# As rosbag has it: about a minute of what bz2 takes.
 DEFAULT_BUFFER_BYTES = 256 << 20
-"""As rosbag has it: about a minute of what bz2 takes."""
 
+# How often a recording that is behind says so.
 REPORT_PERIOD_S = 5.0
-"""How often a recording that is behind says so."""
 
+# What a waiting message takes besides its payload, about.
 _MESSAGE_BYTES = 100
-"""What a waiting message takes besides its payload, about."""
 
 _Batch = tuple[int, int, Sequence[bytes], int]
 

@@ -15,14 +15,14 @@ from typing import Generic, Protocol, TypeVar
 
 from rostether.recording.compression import NONE
 
+# What open chunks hold unpacked; files written in order have one open, or a few.
 MAX_OPEN_BYTES = 256 << 20
-"""What open chunks hold unpacked; files written in order have one open, or a few."""
 
+# Larger chunks are read twice, because a list of their messages would take more memory than the chunks.
 MAX_LISTED_BYTES = 8 << 20
-"""Larger chunks are read twice, because a list of their messages would take more memory than the chunks."""
 
+# What a listed message takes: a tuple of four numbers.
 _ENTRY_BYTES = 220
-"""What a listed message takes: a tuple of four numbers."""
 
 Entry = tuple[int, int, int, int]
 """Time in ns, where the payload begins and ends in the unpacked chunk, and the connection's number."""

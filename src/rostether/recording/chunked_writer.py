@@ -15,8 +15,8 @@ from rostether.errors import RecordingError
 from rostether.recording.compression import check_compression
 from rostether.recording.output_file import OutputFile
 
+# What rosbag writes: enough to compress well, little enough to read for one message.
 DEFAULT_CHUNK_BYTES = 768 * 1024
-"""What rosbag writes: enough to compress well, little enough to read for one message."""
 
 
 class ChunkedWriter(ABC):

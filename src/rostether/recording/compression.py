@@ -16,19 +16,19 @@ BZ2 = "bz2"
 LZ4 = "lz4"
 COMPRESSIONS = (NONE, BZ2, LZ4)
 
+# Of MCAP files of others; ours are not written so.
 ZSTD = "zstd"
-"""Of MCAP files of others; ours are not written so."""
 
+# Recorders make chunks of a megabyte, or of one message when that is larger. A few bytes can unpack to any
+# size, and must not eat the memory.
 MAX_CHUNK_BYTES = 256 << 20
-"""Recorders make chunks of a megabyte, or of one message when that is larger. A few bytes can unpack to any
-size, and must not eat the memory."""
 
 MAX_UNPACKED_BYTES = 1 << 30
+# Packed chunks hold at most as many times their file's size, or MAX_UNPACKED_BYTES; 2 to 50 are usual.
 MAX_RATIO = 1000
-"""Packed chunks hold at most as many times their file's size, or MAX_UNPACKED_BYTES; 2 to 50 are usual."""
 
+# A signal interrupts between two steps; this one takes some 50 ms.
 _STEP_BYTES = 4 << 20
-"""A signal interrupts between two steps; this one takes some 50 ms."""
 
 
 def check_compression(name: str) -> None:

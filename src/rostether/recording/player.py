@@ -20,30 +20,30 @@ from rostether.rostime import NS_PER_S, Time
 
 CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 
+# How long a subscriber that is behind holds the others up; then it loses its oldest messages.
 DRAIN_S = 0.5
-"""How long a subscriber that is behind holds the others up; then it loses its oldest messages."""
 
+# Messages that leave before others get a turn: about 2 ms of reading.
 BATCH_MESSAGES = 500
-"""Messages that leave before others get a turn: about 2 ms of reading."""
 
+# What leaves before others get a turn where messages are large: less than any queue of a subscriber holds, so
+# that those that are due at once, as pictures are with `--immediate`, do not push one another out of it.
 BATCH_BYTES = 1 << 20
-"""What leaves before others get a turn where messages are large: less than any queue of a subscriber holds,
-so that those that are due at once, as pictures are with `--immediate`, do not push one another out of it."""
 
+# How long the end waits for subscribers that still take what was played: 50 MB on a busy machine.
 END_DRAIN_S = 5.0
-"""How long the end waits for subscribers that still take what was played: 50 MB on a busy machine."""
 
+# How many messages are read to estimate their size, if a queue of a number of messages is requested.
 SAMPLE_MESSAGES = 2000
-"""How many messages are read to estimate their size, if a queue of a number of messages is requested."""
 
+# How large a queue gets at most, whatever is asked for.
 MAX_QUEUE_BYTES = 1 << 30
-"""How large a queue gets at most, whatever is asked for."""
 
+# What a message takes of a queue besides its payload, at most.
 QUEUED_BYTES = 64
-"""What a message takes of a queue besides its payload, at most."""
 
+# How late a key is heeded at most.
 LONGEST_SLEEP_S = 0.05
-"""How late a key is heeded at most."""
 
 
 @dataclass(frozen=True, slots=True)

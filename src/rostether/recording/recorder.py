@@ -22,11 +22,11 @@ from rostether.recording.file_lock import FileLock
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
+# A kill loses no more than this; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5
-"""A kill loses no more than this; each flush of a slow topic costs a chunk's 200 bytes."""
 
+# What stands behind a file's name while it is written, as with rosbag.
 ACTIVE_SUFFIX = ".active"
-"""What stands behind a file's name while it is written, as with rosbag."""
 
 
 @dataclass(slots=True)

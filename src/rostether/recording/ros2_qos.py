@@ -20,10 +20,10 @@ _WORDS = {
     ),
 }
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
+# A publisher takes some 400.
 MAX_CHARACTERS = 1 << 18
-"""A publisher takes some 400."""
+# Files are untrusted; of a topic with more publishers, only the first are read.
 MAX_PROFILES = 1000
-"""Files are untrusted; of a topic with more publishers, only the first are read."""
 
 
 def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:

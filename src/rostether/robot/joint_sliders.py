@@ -8,8 +8,8 @@ from enum import Enum, auto
 
 from rostether.robot.joint_states import FreeJoint, JointStates
 
+# Key presses from one end of a slider to the other; ten times as fast with Page Up and Page Down.
 STEPS = 200
-"""Key presses from one end of a slider to the other; ten times as fast with Page Up and Page Down."""
 
 _FAST = 20
 _MIN_BAR = 10

@@ -23,8 +23,8 @@ from rostether.robot.robot_model import RobotModel
 STATE_TYPE = "sensor_msgs/JointState"
 DEFAULT_RATE_HZ = 10.0
 
+# More than a process can send; a rate beyond it is a mistake.
 MAX_RATE_HZ = 10_000.0
-"""More than a process can send; a rate beyond it is a mistake."""
 
 
 async def read_joint_states(graph: TypedGraph) -> JointStates:

@@ -16,8 +16,8 @@ from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, R
 from rostether.robot.transform import StampedTransform
 from rostether.rostime import NS_PER_S
 
+# A state older than this is probably stamped by another clock.
 OLD_STATE_NS = 30 * NS_PER_S
-"""A state older than this is probably stamped by another clock."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from rostether.robot.robot_state import RobotState, RobotStateSettings
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.rostime import NS_PER_S
 
+# As robot_state_publisher: joint states arrive fifty times a second, and so would their error reports.
 WARNING_INTERVAL_S = 10.0
-"""As robot_state_publisher: joint states arrive fifty times a second, and so would their error reports."""
 
 _FIXED_AHEAD_NS = NS_PER_S // 2  # so that fixed transforms on /tf hold until the next ones come
 _QUEUE_MESSAGES = 100  # two seconds of one source; several sources may each publish some joints

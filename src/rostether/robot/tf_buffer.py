@@ -24,14 +24,14 @@ from rostether.robot.transform import (
     quaternion_from_matrix,
 )
 
+# Steps towards the root, as in tf2: a longer way is a loop.
 MAX_DEPTH = 1_000
-"""Steps towards the root, as in tf2: a longer way is a loop."""
 
+# Hundreds of robots' worth; names are a peer's, and each costs memory permanently.
 MAX_FRAMES = 10_000
-"""Hundreds of robots' worth; names are a peer's, and each costs memory permanently."""
 
+# Real names are a few words with a prefix; a peer's 100 MB must not stay with us.
 MAX_FRAME_NAME_LENGTH = 1_024
-"""Real names are a few words with a prefix; a peer's 100 MB must not stay with us."""
 
 _NORM_TOLERANCE = 10e-3  # tf2's, on the square of the length
 

@@ -9,11 +9,11 @@ from rostether.errors import ExtrapolationError
 from rostether.robot.transform import Transform, interpolate
 from rostether.rostime import NS_PER_S
 
+# How far back tf2 remembers by default.
 DEFAULT_CACHE_NS = 10 * NS_PER_S
-"""How far back tf2 remembers by default."""
 
+# For one frame: ten seconds at 10 kHz, more than any sensor sends; a hostile peer's stamps could all fit.
 MAX_TRANSFORMS = 100_000
-"""For one frame: ten seconds at 10 kHz, more than any sensor sends; a hostile peer's stamps could all fit."""
 
 _SHORTEST_SPAN_S = 0.0001  # tf2's own, so that the rate of a single transform can be shown
 

@@ -15,8 +15,8 @@ from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE, from
 from rostether.robot.transform import StampedTransform
 from rostether.serde.codec import Codec
 
+# What tf2 calls a publisher that has not said its name.
 UNKNOWN_AUTHORITY = "unknown_publisher"
-"""What tf2 calls a publisher that has not said its name."""
 
 OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
 """Gets one message's transforms, the node they came from, and whether they are static."""

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from rostether.robot.transform import StampedTransform
 from rostether.rostime import NS_PER_S
 
+# Delays that are averaged, as in tf_monitor.
 WINDOW = 1_000
-"""Delays that are averaged, as in tf_monitor."""
 
+# Frames and nodes are a peer's to name; as many as a buffer holds.
 MAX_ROWS = 10_000
-"""Frames and nodes are a peer's to name; as many as a buffer holds."""
 
 
 @dataclass(slots=True)

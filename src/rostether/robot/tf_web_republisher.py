@@ -25,18 +25,18 @@ SERVICE = "republish_tfs"
 PACKAGE = "tf2_web_republisher"
 ACTION = f"{PACKAGE}/TFSubscriptionAction"
 
+# Each page has one request or a few; each costs lookups at its rate.
 MAX_REQUESTS = 256
-"""Each page has one request or a few; each costs lookups at its rate."""
 
+# Robots have a hundred frames; each is looked up at the request's rate.
 MAX_FRAMES = 1_000
-"""Robots have a hundred frames; each is looked up at the request's rate."""
 
 MAX_RATE_HZ = 100.0
+# Screens show 60 pictures a second; without a rate ten are enough to follow a robot.
 DEFAULT_RATE_HZ = 10.0
-"""Screens show 60 pictures a second; without a rate ten are enough to follow a robot."""
 
+# How long requests outlive their last page: closed pages do not withdraw their requests.
 IDLE_S = 15.0
-"""How long requests outlive their last page: closed pages do not withdraw their requests."""
 
 STATUS_PERIOD_S = 1.0
 _ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5

@@ -13,21 +13,21 @@ from rostether.ros1.environment import connect_host
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.header import HeaderDecoder, encode_header
 
+# A healthy peer answers in milliseconds; over a bad radio link TCP repeats a lost packet within 3 s.
 CONNECT_TIMEOUT_S = 10.0
-"""A healthy peer answers in milliseconds; over a bad radio link TCP repeats a lost packet within 3 s."""
 
+# What the kernel may hold unsent for one subscriber: 10 ms of a flood. More would hide from us that it is
+# behind, and could not be dropped.
 UNSENT_BYTES = 128 << 10
-"""What the kernel may hold unsent for one subscriber: 10 ms of a flood. More would hide from us that it is
-behind, and could not be dropped."""
 
+# A peer that reads takes what is left within milliseconds; one that does not is not waited for.
 CLOSE_GRACE_S = 1.0
-"""A peer that reads takes what is left within milliseconds; one that does not is not waited for."""
 
 # Nearly all headers are below; larger ones are counted together, so that many cannot fill the memory.
 _LARGE_HEADER_BYTES = 64 << 10
 
+# As rospy and roscpp set them: a peer that vanished without a word is noticed after 2.5 minutes.
 _KEEPALIVE = (("TCP_KEEPIDLE", 60), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 9))
-"""As rospy and roscpp set them: a peer that vanished without a word is noticed after 2.5 minutes."""
 
 _next_id = itertools.count(1)
 

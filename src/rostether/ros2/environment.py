@@ -13,8 +13,8 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 
+# The highest domain whose DDS ports still fit below 65536; every middleware keeps to it.
 MAX_DOMAIN_ID = 232
-"""The highest domain whose DDS ports still fit below 65536; every middleware keeps to it."""
 
 DEFAULT_DISTRO = "jazzy"
 ZENOH_MIDDLEWARE = "rmw_zenoh_cpp"

@@ -7,16 +7,16 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
+# Package folders found by the program that starts a script, besides those of ROS_PACKAGE_PATH.
 PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
-"""Package folders found by the program that starts a script, besides those of ROS_PACKAGE_PATH."""
 
+# Where this Python has rostether and what our rospy needs, for scripts that name another Python.
 IMPORT_VARIABLE = "ROSTETHER_IMPORT_PATH"
-"""Where this Python has rostether and what our rospy needs, for scripts that name another Python."""
 
 _NEEDED = ("rostether", "h11", "yaml")
 
+# Goes on PYTHONPATH. It only holds a sitecustomize.py, which adds our rospy where there is no real one.
 PATH_FOLDER = Path(__file__).with_name("path")
-"""Goes on PYTHONPATH. It only holds a sitecustomize.py, which adds our rospy where there is no real one."""
 
 
 def node_environment(

@@ -23,50 +23,50 @@ from enum import Enum, auto
 from rostether.rosserial.events import FrameDiscarded, HostEvent
 from rostether.rosserial.host_link import HostLink
 
+# In the order in which sketches have them: the library's default first, then what tutorials write.
 USUAL_BAUDS = (57600, 115200, 9600, 250000, 500000, 1000000, 38400, 19200, 230400, 460800, 921600, 2000000)
-"""In the order in which sketches have them: the library's default first, then what tutorials write."""
 
+# Opening a port resets many boards; their boot loaders take up to 2 s.
 BOOT_S = 2.5
-"""Opening a port resets many boards; their boot loaders take up to 2 s."""
 
+# The two likeliest rates take turns while a boot loader may be at work.
 FIRST_DWELL_S = 0.5
-"""The two likeliest rates take turns while a boot loader may be at work."""
 
+# Two requests; most sketches answer within 50 ms.
 QUICK_DWELL_S = 0.35
-"""Two requests; most sketches answer within 50 ms."""
 
+# Four requests, one of them in version 1; for a sketch whose loop() takes half a second.
 PATIENT_DWELL_S = 0.9
-"""Four requests, one of them in version 1; for a sketch whose loop() takes half a second."""
 
+# A GPS receiver sends once a second.
 LISTEN_S = 1.2
-"""A GPS receiver sends once a second."""
 
+# As above; text is believed when two such stretches bring it.
 SURVEY_DWELL_S = 1.1
-"""As above; text is believed when two such stretches bring it."""
 
+# What came before that was a boot message.
 QUIET_S = 4.0
-"""What came before that was a boot message."""
 
+# Noise passes for one message on an unknown topic id once in 65,536 tries, and not for two.
 MIN_MESSAGES = 2
-"""Noise passes for one message on an unknown topic id once in 65,536 tries, and not for two."""
 
+# Rates closer than this read some of each other's frames: bits are sampled 0.8 bits too late at the most.
 NEAR_RATIO = 1.12
-"""Rates closer than this read some of each other's frames: bits are sampled 0.8 bits too late at the most."""
 
+# At such a rate: what follows the first frame has come by then.
 CONFIRM_S = 0.1
-"""At such a rate: what follows the first frame has come by then."""
 
+# At such a rate: how much of what came may be damaged. At the near one more than half is.
 MAX_DAMAGE = 0.25
-"""At such a rate: how much of what came may be damaged. At the near one more than half is."""
 
+# Noise passes for this much text once in a million tries.
 MIN_TEXT_BYTES = 16
-"""Noise passes for this much text once in a million tries."""
 
+# What came at the right rate is handed on, so that its announcements are not lost.
 MAX_KEPT_BYTES = 64 * 1024
-"""What came at the right rate is handed on, so that its announcements are not lost."""
 
+# What of foreign bytes is kept to show: a line of text.
 SHOWN_BYTES = 60
-"""What of foreign bytes is kept to show: a line of text."""
 
 
 class Step(Enum):

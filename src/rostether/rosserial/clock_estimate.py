@@ -20,28 +20,26 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
+# A stamp further off is not the synchronised clock's: answers come every 2.5 s.
 SOUND_S = 5.0
-"""A stamp further off is not the synchronised clock's: answers come every 2.5 s."""
 
+# Stamps from before the answer may still be under way for this long.
 FRESH_S = 0.1
-"""Stamps from before the answer may still be under way for this long."""
 
+# Without an answer for longer a board unconfigures itself; an interval is cut here.
 MAX_INTERVAL_S = 12.0
-"""Without an answer for longer a board unconfigures itself; an interval is cut here."""
 
+# Both ends must be this far apart: with 1 ms of jitter, a shorter interval gives no result.
 MIN_SPAN_S = 0.8
-"""Both ends must be this far apart: with 1 ms of jitter, a shorter interval gives no result."""
 
+# Two and a half minutes: a crystal's drift changes with temperature, more slowly than this.
 INTERVALS = 60
-"""Two and a half minutes: a crystal's drift changes with temperature, more slowly than this."""
 
+# A median of fewer does not reject one that was spoilt.
 MIN_INTERVALS = 3
-"""A median of fewer does not reject one that was spoilt."""
 
+# If the least delayed stamp of an end is later than that of the interval by this, the whole end was delayed.
 MAX_EXCESS_S = 0.05
-"""If the least delayed stamp of an end is later than that of the interval by this, the whole end was
-delayed.
-"""
 
 _NS = 1e9
 

@@ -22,20 +22,20 @@ from rostether.rosserial.topic_table import EndpointKey, key_of
 
 Announcement: TypeAlias = tuple[int, TopicInfo]
 
+# Each costs a healthy board one more burst, so one must do.
 CLEAN_CONFIRMATIONS = 1
-"""Each costs a healthy board one more burst, so one must do."""
 
+# At 5 % loss an announcement is missed four times in a row once in 160,000 cases.
 LOSSY_CONFIRMATIONS = 3
-"""At 5 % loss an announcement is missed four times in a row once in 160,000 cases."""
 
+# An announcement missing in this many equal rounds was not lost: the device no longer has it.
 EQUAL_ROUNDS = 4
-"""An announcement missing in this many equal rounds was not lost: the device no longer has it."""
 
+# A device without endpoints is rare, one whose only announcement was lost is not.
 EMPTY_CONFIRMATIONS = 2
-"""A device without endpoints is rare, one whose only announcement was lost is not."""
 
+# Sixteen times as many as a link bridges; a device that makes up ever new ids fills no memory.
 MAX_HEARD = 4096
-"""Sixteen times as many as a link bridges; a device that makes up ever new ids fills no memory."""
 
 
 class Completeness:

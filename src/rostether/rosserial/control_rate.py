@@ -19,20 +19,20 @@ class Allowance(NamedTuple):
     saved: int
 
 
+# A negotiation of the largest device, 256 halves, takes some rounds; a line of 115200 baud brings 150/s.
 ANNOUNCEMENTS = Allowance(512.0, 2048)
-"""A negotiation of the largest device, 256 halves, takes some rounds; a line of 115200 baud brings 150/s."""
 
+# Each opens or closes something in the graph. The largest device starts at once, in 5 s as another.
 CHANGES = Allowance(50.0, 256)
-"""Each opens or closes something in the graph. The largest device starts at once, in 5 s as another."""
 
+# Log lines: as many as fit a full line of 115200 baud; users cannot read more.
 LOGS = Allowance(500.0, 2000)
-"""Log lines: as many as fit a full line of 115200 baud; users cannot read more."""
 
+# A board asks every 2.5 s, and once more for each probe and topic request.
 TIME_REQUESTS = Allowance(50.0, 50)
-"""A board asks every 2.5 s, and once more for each probe and topic request."""
 
+# Parameters: a board asks for the next when it has the one before.
 OTHERS = Allowance(200.0, 500)
-"""Parameters: a board asks for the next when it has the one before."""
 
 
 class ControlRate:

@@ -38,17 +38,17 @@ from rostether.rosserial.packets import (
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, SYNC_LOST_S, DeviceClock
 from rostether.rostime import Time
 
+# What must fit the output buffer beside the payload, in both versions (established library).
 PUBLISHER_OVERHEAD_BYTES = 8
-"""What must fit the output buffer beside the payload, in both versions (established library)."""
 
+# An unfinished frame must not swallow a probe; the established library waits 20 ms, networks need more.
 ABANDON_AFTER_S = 0.25
-"""An unfinished frame must not swallow a probe; the established library waits 20 ms, networks need more."""
 
+# Beyond this nothing more is published until the driver has taken some: a second of a 10 Mbit line.
 MAX_WAITING_BYTES = 1 << 20
-"""Beyond this nothing more is published until the driver has taken some: a second of a 10 Mbit line."""
 
+# The level, and the length of the text.
 LOG_OVERHEAD_BYTES = 5
-"""The level, and the length of the text."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ from collections import deque
 from rostether.errors import LocalProtocolError
 from rostether.rosserial.packets import ParameterRequest
 
+# Requests waiting for their turn; a sketch makes one at a time.
 MAX_REQUESTS = 16
-"""Requests waiting for their turn; a sketch makes one at a time."""
 
 
 class ParameterQueue:

@@ -33,6 +33,7 @@ class Input(Enum):
     STOP = auto()
 
 
+# Every other pair changes nothing.
 TRANSITIONS: dict[tuple[State, Input], tuple[State, tuple[str, ...]]] = {
     (State.UNCONFIGURED, Input.TOPIC_REQUEST): (State.CONFIGURED, ("ask_time", "announce")),
     (State.UNCONFIGURED, Input.WRONG_VERSION): (State.UNCONFIGURED, ("ask_time",)),
@@ -41,4 +42,3 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, tuple[str, ...]]] = {
     (State.CONFIGURED, Input.TIME_LOST): (State.UNCONFIGURED, ("fall_silent",)),
     (State.CONFIGURED, Input.STOP): (State.UNCONFIGURED, ("fall_silent",)),
 }
-"""Every other pair changes nothing."""

@@ -47,8 +47,8 @@ class DiscardReason(Enum):
     TOO_MANY = "announcement over the limit of endpoints"
 
 
+# The reasons that mean that the line damages frames.
 DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
-"""The reasons that mean that the line damages frames."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,26 +25,25 @@ from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, SYNC, Header, read_header
 from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
 
+# Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms.
 FIRST_LOOK_S = 0.1
-"""Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms."""
 
+# A frame that has had no byte for this long is not just coming in.
 RECEIVING_S = 0.05
-"""A frame that has had no byte for this long is not just coming in."""
 
+# Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found.
 MAX_LOOK_S = 1.0
-"""Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found."""
 
+# This many valid frames in a row are traffic that a false header has covered; by chance one in 65,536 is
+# sound.
 TELLING_FRAMES = 3
-"""This many valid frames in a row are traffic that a false header has covered; by chance one in 65,536 is
-sound.
-"""
 
+# Places where no frame begins after all, 2.5 to 6 µs each: a tenth of a CPU. At a megabaud no more than
+# 14,000 headers come in a second. Only a network brings more: it is read and counted, and its end looked at.
 VAIN_LOOKS_PER_S = 20_000
-"""Places where no frame begins after all, 2.5 to 6 µs each: a tenth of a CPU. At a megabaud no more than
-14,000 headers come in a second. Only a network brings more: it is read and counted, and its end looked at."""
 
+# What a quiet line saves up: 64 KiB of nothing but headers, in which every frame is still found.
 MAX_SAVED_LOOKS = 10_000
-"""What a quiet line saves up: 64 KiB of nothing but headers, in which every frame is still found."""
 
 
 @dataclass(slots=True)

@@ -24,20 +24,20 @@ from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, SYNC
 from rostether.rosserial.topic_id import FIRST_USER_ID
 
+# Stretches reported apart between two good frames; in worse noise the rest joins the last one.
 MAX_STRETCHES = 64
-"""Stretches reported apart between two good frames; in worse noise the rest joins the last one."""
 
 LOOK_SUMS_BYTES = 4096
+# Checksumming a false frame costs as much as one header check per this many bytes.
 LOOK_RUNNING_SUMS_BYTES = 64
-"""Checksumming a false frame costs as much as one header check per this many bytes."""
 
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
+# If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device.
 TAIL_SHARE = 64
-"""If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device."""
 
+# A few dozen topics times the lengths of their strings; when it is full, all headers are forgotten.
 MAX_KNOWN_HEADERS = 1024
-"""A few dozen topics times the lengths of their strings; when it is full, all headers are forgotten."""
 
 _SYNC = bytes((SYNC,))
 _VERSION = DiscardReason.VERSION

@@ -13,18 +13,18 @@ from rostether.rosserial.time_sync import AnswerGate
 from rostether.rosserial.topic_table import TopicTable
 from rostether.rostime import Time
 
+# A frame with a wrong version byte: an unconfigured board requests the time, a configured one ignores it.
 PROBE = b"\xff\x00"
-"""A frame with a wrong version byte: an unconfigured board requests the time, a configured one ignores it."""
 
+# Around a version 1 request while the version is not known: the last `ff` of a request would merge with the
+# next one in a sketch that reads both at once, however far apart they were sent.
 OTHER_VERSION_GUARD = b"\x00"
-"""Around a version 1 request while the version is not known: the last `ff` of a request would merge with the
-next one in a sketch that reads both at once, however far apart they were sent."""
 
+# For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use.
 DEFAULT_INPUT_BUFFER_BYTES = 280
-"""For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use."""
 
+# Unsent frames: a few hundred bytes a minute are normal, so the driver has stopped at this limit.
 MAX_WAITING_BYTES = 1 << 16
-"""Unsent frames: a few hundred bytes a minute are normal, so the driver has stopped at this limit."""
 
 
 class HostOutput:

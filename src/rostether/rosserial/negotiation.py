@@ -32,19 +32,18 @@ from rostether.rosserial.topic_table import EndpointKey, key_of
 
 _LOG = logging.getLogger(__name__)
 
+# A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud.
 QUIET_S = 0.1
-"""A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud."""
 
+# On a line with longer pauses between announcements: after this many times the longest one seen.
 QUIET_MARGIN = 1.5
-"""On a line with longer pauses between announcements: after this many times the longest one seen."""
 
+# Announcements further apart than this are taken for answers to two requests.
 MAX_QUIET_S = 1.0
-"""Announcements further apart than this are taken for answers to two requests."""
 
+# At 30 % loss one announcement in two million is missed each time; a device that still differs is left as it
+# is.
 MAX_ROUNDS = 12
-"""At 30 % loss one announcement in two million is missed each time; a device that still differs is left as it
-is.
-"""
 
 SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
 """(version to ask in, wait after it) while nothing is heard; the last two go on forever.
@@ -54,20 +53,20 @@ requests in the 64 bytes of a board whose sketch sleeps a second between spins s
 that a board which comes up later is found within a second.
 """
 
+# Waiting for an answer on a line that works; most boards answer within 20 ms (ANSWER_MARGIN: others).
 RETRY_S = 0.2
-"""Waiting for an answer on a line that works; most boards answer within 20 ms (ANSWER_MARGIN: others)."""
 
+# Three requests lost in a row, once in 8000 cases at 5 % loss, then cost less than a second.
 RETRY_GROWTH = 1.5
-"""Three requests lost in a row, once in 8000 cases at 5 % loss, then cost less than a second."""
 
+# Unanswered requests get rarer up to this: a user expects a lost board back within two seconds.
 MAX_RETRY_S = 1.0
-"""Unanswered requests get rarer up to this: a user expects a lost board back within two seconds."""
 
+# A sketch that spins rarely answers late every time: wait this many times its last answer's delay.
 ANSWER_MARGIN = 1.5
-"""A sketch that spins rarely answers late every time: wait this many times its last answer's delay."""
 
+# A device that answers a first request but no later one is asked for some seconds, then left in peace.
 MAX_UNANSWERED = 6
-"""A device that answers a first request but no later one is asked for some seconds, then left in peace."""
 
 
 class Phase(Enum):
@@ -89,6 +88,7 @@ class Input(Enum):
     ENOUGH = auto()
 
 
+# Every other pair leaves the phase as it is and does nothing.
 TRANSITIONS = {
     (Phase.IDLE, Input.ASK): Phase.ASKED,
     (Phase.ASKED, Input.UNANSWERED): Phase.ASKED,
@@ -100,7 +100,6 @@ TRANSITIONS = {
     (Phase.SETTLED, Input.ANSWER): Phase.LISTENING,
     (Phase.SETTLED, Input.ASK): Phase.ASKED,
 }
-"""Every other pair leaves the phase as it is and does nothing."""
 
 
 class Negotiation:

@@ -23,18 +23,17 @@ from rostether.errors import LocalProtocolError
 from rostether.rosserial.topic_id import FIRST_USER_ID, LAST_ID
 from rostether.rostime import NS_PER_S, Time
 
+# Longer names and types fit no board's buffer (150 to 512 bytes); one that claims more is damage.
 MAX_NAME_BYTES = 255
-"""Longer names and types fit no board's buffer (150 to 512 bytes); one that claims more is damage."""
 
+# A frame holds at most 65535 bytes; devices with more memory may round up, but none announces more than 1
+# MiB.
 MAX_BUFFER_BYTES = 1 << 20
-"""A frame holds at most 65535 bytes; devices with more memory may round up, but none announces more than 1
-MiB.
-"""
 
 TIME_BYTES = 8
 
+# A request has no content: some firmware sends it empty, and the established host answers it.
 TIME_REQUEST_BYTES = (0, TIME_BYTES)
-"""A request has no content: some firmware sends it empty, and the established host answers it."""
 
 _NAME = re.compile(r"(?!.*//)[A-Za-z~/][A-Za-z0-9_/]*\Z", re.ASCII)
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z", re.ASCII)

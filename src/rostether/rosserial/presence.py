@@ -32,26 +32,26 @@ from enum import Enum, auto
 
 _LOG = logging.getLogger(__name__)
 
+# A reset is found this long after the last message, so that messages flow again well within two seconds.
 PROBE_AFTER_S = 1.0
-"""A reset is found this long after the last message, so that messages flow again well within two seconds."""
 
+# Probes and their answers can be lost; a probe of two bytes at this interval does no harm.
 NEXT_PROBE_S = 0.4
-"""Probes and their answers can be lost; a probe of two bytes at this interval does no harm."""
 
+# A configured board requests the time every 2.5 s; half a second for the jitter of networks.
 EARLY_S = 2.0
-"""A configured board requests the time every 2.5 s; half a second for the jitter of networks."""
 
+# A timer that is handled this late means that this process stood still: it measured wrong intervals.
 LATE_S = 0.2
-"""A timer that is handled this late means that this process stood still: it measured wrong intervals."""
 
+# A healthy board may be silent for 3 s: it requests the time every 2.5 s, and sketches sleep.
 OVERDUE_S = 3.0
-"""A healthy board may be silent for 3 s: it requests the time every 2.5 s, and sketches sleep."""
 
+# A second for the answers to several topic requests, in case some are lost.
 SILENT_AFTER_S = 4.0
-"""A second for the answers to several topic requests, in case some are lost."""
 
+# A device that answers probes though configured looks reset each time; it is believed ever more rarely.
 MAX_QUARANTINE_S = 60.0
-"""A device that answers probes though configured looks reset each time; it is believed ever more rarely."""
 
 
 class State(Enum):
@@ -83,6 +83,7 @@ class Verdict(Enum):
     SILENT = auto()
 
 
+# Every other pair changes nothing.
 TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
     (State.ABSENT, Input.SIGN): (State.PRESENT, None),
     (State.ABSENT, Input.EARLY): (State.PRESENT, None),
@@ -102,14 +103,13 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
     (State.MISSED, Input.ON_TIME): (State.PRESENT, None),
     (State.MISSED, Input.SILENCE): (State.ABSENT, Verdict.SILENT),
 }
-"""Every other pair changes nothing."""
 
 
+# How long a state lasts before QUIET.
 _PATIENCE_S = {
     State.PRESENT: PROBE_AFTER_S,
     State.DOUBTED: NEXT_PROBE_S,
 }
-"""How long a state lasts before QUIET."""
 
 
 class Presence:

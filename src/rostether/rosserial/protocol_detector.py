@@ -15,11 +15,11 @@ from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
 from rostether.rosserial.packets import TIME_BYTES, Log, ParameterRequest, TopicInfo
 
+# An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most.
 HOLD_NOISE_S = 0.25
-"""An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most."""
 
+# Stretches of noise held back; more of them do not wait.
 MAX_HELD = 256
-"""Stretches of noise held back; more of them do not wait."""
 
 
 class ProtocolDetector:

@@ -19,8 +19,8 @@ from rostether.rosserial.topic_id import (
 )
 from rostether.rosserial.topic_table import EndpointKey, key_of
 
+# As many as endpoints; bounds the reports about a device that announces new names all the time.
 MAX_REFUSALS = 256
-"""As many as endpoints; bounds the reports about a device that announces new names all the time."""
 
 _Announcement: TypeAlias = tuple[int, TopicInfo]
 

@@ -10,17 +10,17 @@ from __future__ import annotations
 
 from rostether.rostime import Time
 
+# How often a configured device requests the time (established library: 5 s / 2).
 REQUEST_PERIOD_S = 2.5
-"""How often a configured device requests the time (established library: 5 s / 2)."""
 
+# Our own devices ask a little more often, so that one lost answer matters less.
 OUR_REQUEST_PERIOD_S = 2.2
-"""Our own devices ask a little more often, so that one lost answer matters less."""
 
+# Without an answer for this long a device takes itself for unconfigured (established library: 5 * 2.2 s).
 SYNC_LOST_S = 11.0
-"""Without an answer for this long a device takes itself for unconfigured (established library: 5 * 2.2 s)."""
 
+# With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up.
 HOLD_LIMIT_S = 5.0
-"""With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up."""
 
 
 class DeviceClock:

@@ -14,14 +14,14 @@ from enum import Enum, auto
 
 from rostether.rosserial.topic_table import EndpointKey
 
+# The time request of an introduction is sent right behind the last announcement, also over networks.
 CLOSING_S = 0.5
-"""The time request of an introduction is sent right behind the last announcement, also over networks."""
 
+# The first announcement of an answer comes right behind its time request; a board takes longer to start.
 OPENING_S = 0.25
-"""The first announcement of an answer comes right behind its time request; a board takes longer to start."""
 
+# A request is taken for lost when neither it nor an answer before it is younger than this.
 LATE_ANSWER_S = 5.0
-"""A request is taken for lost when neither it nor an answer before it is younger than this."""
 
 
 class TimeRequestMeaning(Enum):

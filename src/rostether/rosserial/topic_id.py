@@ -33,8 +33,8 @@ TX_STOP = 11
 FIRST_USER_ID = 100
 LAST_ID = 0xFFFF
 
+# The ids on which a device announces an endpoint.
 ANNOUNCEMENTS = range(PUBLISHER, SERVICE_CLIENT_RESPONSE + 1)
-"""The ids on which a device announces an endpoint."""
 
+# Announcements of endpoints that the device sends on; on the others it listens.
 DEVICE_SENDS_ON = frozenset({PUBLISHER, SERVICE_SERVER_RESPONSE, SERVICE_CLIENT_REQUEST})
-"""Announcements of endpoints that the device sends on; on the others it listens."""

@@ -19,13 +19,13 @@ from rostether.rosserial.events import (
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.packets import TopicInfo
 
+# The largest payload that makes sense from a device on each reserved id.
 CONTROL_LIMITS = {
     **dict.fromkeys(ids.ANNOUNCEMENTS, 800),  # three strings of at most 255 bytes, and 18 bytes
     ids.PARAMETER: 260,
     ids.LOG: 1024,  # a line longer than a board's buffer is not a log line
     ids.TIME: 8,
 }
-"""The largest payload that makes sense from a device on each reserved id."""
 
 _ROLES = {ids.PUBLISHER: TopicRole.PUBLISHER, ids.SUBSCRIBER: TopicRole.SUBSCRIBER}
 _SERVICES = {

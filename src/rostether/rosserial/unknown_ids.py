@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+# Between two questions about one id: an answer takes less, but a message may come every 10 ms.
 FIRST_PAUSE_S = 1.0
-"""Between two questions about one id: an answer takes less, but a message may come every 10 ms."""
 
+# A device that never announces an id it uses is asked about it ever more rarely.
 MAX_PAUSE_S = 60.0
-"""A device that never announces an id it uses is asked about it ever more rarely."""
 
+# Ids remembered; noise that passes for messages forgets the oldest.
 MAX_IDS = 256
-"""Ids remembered; noise that passes for messages forgets the oldest."""
 
 
 class UnknownIds:

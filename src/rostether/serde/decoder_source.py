@@ -27,17 +27,17 @@ from rostether.serde.values import Message, MessageClasses
 
 Decode = Callable[[bytes], Message]
 
+# How many variables a function grows to by nested structs inline; further ones become functions. Otherwise a
+# type holding a type twice, which holds one twice ..., would double the source at each level.
 _MAX_VARIABLES: Final = 512
-"""How many variables a function grows to by nested structs inline; further ones become functions.
-Otherwise a type holding a type twice, which holds one twice ..., would double the source at each level."""
 
+# How many elements of a fixed array become variables; beyond, one more unpacking is the smaller cost.
 _MAX_UNROLLED_LENGTH: Final = 64
-"""How many elements of a fixed array become variables; beyond, one more unpacking is the smaller cost."""
 
 _UNPACK_U32: Final = struct.Struct("<I").unpack_from
 
+# What decoding bytes of another layout raises.
 DECODE_ERRORS: Final = (struct.error, OverflowError)
-"""What decoding bytes of another layout raises."""
 
 
 def compile_decoder(tree: Struct, classes: MessageClasses) -> Decode:

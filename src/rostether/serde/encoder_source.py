@@ -23,15 +23,15 @@ from rostether.serde.values import Message, MessageClasses
 
 Encode = Callable[[Message], bytes]
 
+# How many fields a function grows to by nested structs inline; further ones become functions. Otherwise a
+# type holding a type twice, which holds one twice ..., would double the source at each level.
 _MAX_FIELDS: Final = 512
-"""How many fields a function grows to by nested structs inline; further ones become functions.
-Otherwise a type holding a type twice, which holds one twice ..., would double the source at each level."""
 
+# What encoding a value that does not fit raises.
 ENCODE_ERRORS: Final = (struct.error, AttributeError, KeyError, OverflowError, TypeError, ValueError)
-"""What encoding a value that does not fit raises."""
 
+# What a bool may be: anything equal to 0 or 1, as in genpy.
 FLAGS: Final = {False: 0, True: 1}
-"""What a bool may be: anything equal to 0 or 1, as in genpy."""
 
 
 def compile_encoder(tree: Struct, classes: MessageClasses) -> Encode:

@@ -14,18 +14,18 @@ from typing import Final, Protocol, TypeAlias
 from rostether.errors import DefinitionError
 from rostether.msgdef.spec import Constant, FieldType, MessageSpec
 
+# How deep types may nest. Real ones stay below 10; compiling recurses, so a peer's text must not go on.
 MAX_DEPTH: Final = 32
-"""How deep types may nest. Real ones stay below 10; compiling recurses, so a peer's text must not go on."""
 
+# How large the part of a type that never varies may be: its zero value is allocated whole (64 MiB).
 MAX_FIXED_BYTES: Final = 1 << 26
-"""How large the part of a type that never varies may be: its zero value is allocated whole (64 MiB)."""
 
+# How many objects a zero value may consist of: fixed arrays of structs multiply, and a text is cheap.
 MAX_ZERO_ELEMENTS: Final = 1 << 20
-"""How many objects a zero value may consist of: fixed arrays of structs multiply, and a text is cheap."""
 
+# How many objects an array of elements without content may hold: they take no bytes, so that the length of a
+# payload does not bound them, and four bytes could otherwise ask for four billion objects.
 MAX_EMPTY_ELEMENTS: Final = 256
-"""How many objects an array of elements without content may hold: they take no bytes, so that the length of
-a payload does not bound them, and four bytes could otherwise ask for four billion objects."""
 
 
 class DefinitionSource(Protocol):

@@ -16,8 +16,8 @@ from rostether.rostime import NS_PER_S, Duration, Time
 from rostether.serde.plain_form import clean_text
 from rostether.serde.values import Message
 
+# Strings that the YAML emitter would only put in quotes: no escapes, and short enough not to be folded.
 _PLAIN_TEXT: Final = re.compile(r"[ !#-\[\]-~]{1,70}")
-"""Strings that the YAML emitter would only put in quotes: no escapes, and short enough not to be folded."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,17 +12,17 @@ from collections.abc import Mapping
 
 from rostether.errors import RemoteProtocolError
 
+# A header is mostly its message_definition: the longest of Debian's message packages have 20 kB.
 MAX_HEADER_BYTES = 1 << 20
-"""A header is mostly its message_definition: the longest of Debian's message packages have 20 kB."""
 
+# The headers in use have ten fields.
 MAX_FIELDS = 64
-"""The headers in use have ten fields."""
 
+# The longest in use has 18.
 MAX_KEY_BYTES = 256
-"""The longest in use has 18."""
 
+# Names, types and errors; only a message_definition may be longer.
 MAX_VALUE_BYTES = 16 << 10
-"""Names, types and errors; only a message_definition may be longer."""
 
 _LENGTH = struct.Struct("<I")
 

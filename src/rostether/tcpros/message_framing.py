@@ -14,16 +14,16 @@ from collections.abc import Sequence
 
 from rostether.errors import RemoteProtocolError
 
+# Four times the largest messages seen in practice (64 MB point clouds): a length above it is a peer that lost
+# its framing or means harm. Memory is only taken for bytes that really arrived.
 MAX_MESSAGE_BYTES = 256 << 20
-"""Four times the largest messages seen in practice (64 MB point clouds): a length above it is a peer that
-lost its framing or means harm. Memory is only taken for bytes that really arrived."""
 
 _LENGTH = struct.Struct("<I")
 _pack_length = _LENGTH.pack
 _unpack_length = _LENGTH.unpack_from
 
+# Messages in a chunk from which looking for a run of equal lengths pays (measured).
 _MIN_RUN = 8
-"""Messages in a chunk from which looking for a run of equal lengths pays (measured)."""
 
 
 def encode_messages(payloads: Sequence[bytes]) -> bytes:

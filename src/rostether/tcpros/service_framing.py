@@ -13,8 +13,8 @@ from typing import NamedTuple
 from rostether.errors import RemoteProtocolError
 from rostether.tcpros.message_framing import MAX_MESSAGE_BYTES
 
+# An error is read by people; longer texts are cut before they are sent.
 MAX_ERROR_TEXT_BYTES = 64 << 10
-"""An error is read by people; longer texts are cut before they are sent."""
 
 _HEAD = struct.Struct("<BI")
 

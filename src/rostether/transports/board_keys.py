@@ -8,8 +8,8 @@ from types import MappingProxyType
 
 from rostether.errors import ConfigError
 
+# A certificate has some 2 KB; more is another file, given by mistake.
 MAX_CERTIFICATE_BYTES = 64 * 1024
-"""A certificate has some 2 KB; more is another file, given by mistake."""
 
 _NONE: Mapping[str, bytes] = MappingProxyType({})
 

@@ -20,11 +20,11 @@ from typing import Any, TypeAlias
 
 from rostether.errors import ConfigError
 
+# A chunk that was read at once has 64 KiB, thus 128 KiB of hex; a longer line is not from a capture.
 MAX_LINE_BYTES = 4 << 20
-"""A chunk that was read at once has 64 KiB, thus 128 KiB of hex; a longer line is not from a capture."""
 
+# Three years: a larger time is a mistake, and would be waited for.
 MAX_TIME_S = 1e8
-"""Three years: a larger time is a mistake, and would be waited for."""
 
 FIRST_LINK = 1
 

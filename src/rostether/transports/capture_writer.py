@@ -13,14 +13,14 @@ from rostether.transports.board_keys import Proof
 from rostether.transports.capture import FIRST_LINK
 from rostether.transports.transport import Receiver, Transport
 
+# An hour of a full line at 115200 baud, which compresses to what can be sent; and no disk gets full.
 DEFAULT_LIMIT_BYTES = 100 << 20
-"""An hour of a full line at 115200 baud, which compresses to what can be sent; and no disk gets full."""
 
+# A kill loses no more than this; more often would cost a system call for each chunk.
 FLUSH_PERIOD_S = 0.2
-"""A kill loses no more than this; more often would cost a system call for each chunk."""
 
+# What a flood may pile up before the period is over.
 FLUSH_BYTES = 256 * 1024
-"""What a flood may pile up before the period is over."""
 
 # The braces and keys around a chunk's bytes.
 _OVERHEAD_BYTES = 64

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+# Some systems permit a billion, and subprocesses then take long to close them.
 MOST_WANTED = 65_536
-"""Some systems permit a billion, and subprocesses then take long to close them."""
 
+# A board's connection, its node's two servers, the connections with the master and of its topics; where we
+# are the master, both their ends.
 BOARD_DESCRIPTORS = 10
-"""A board's connection, its node's two servers, the connections with the master and of its topics; where we
-are the master, both their ends."""
 
+# The master's connections, listeners, files: what must be left when all boards are there.
 _OTHER_DESCRIPTORS = 128
-"""The master's connections, listeners, files: what must be left when all boards are there."""
 
 
 def allow_many_descriptors() -> None:

@@ -21,8 +21,8 @@ from rostether.transports.tls import TlsFiles, connector_context, listener_conte
 if TYPE_CHECKING:
     import ssl
 
+# `psk=devices`: only the keys that devices.toml has for single boards.
 DEVICES_PSK = "devices"
-"""`psk=devices`: only the keys that devices.toml has for single boards."""
 
 
 class Greeting:

@@ -11,11 +11,11 @@ from typing import Protocol
 
 from rostether.transports.port_holders import Holder, find_holders, is_character_device
 
+# More do not fit a line.
 LISTED_PORTS = 6
-"""More do not fit a line."""
 
+# Debian's, Ubuntu's and Fedora's; Arch has uucp.
 USUAL_GROUP = "dialout"
-"""Debian's, Ubuntu's and Fedora's; Arch has uucp."""
 
 _GROUP_MAY_USE = 0o060
 _LIKELY_PREFIXES = ("ttyACM", "ttyUSB", "cu.usb")

@@ -22,17 +22,17 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, RemoteProtocolError
 
+# A board on Wi-Fi answers within a second; a peer that does not answer takes a connection.
 PSK_LIMIT_S = 5.0
-"""A board on Wi-Fi answers within a second; a peer that does not answer takes a connection."""
 
+# A shorter key can be guessed offline from one recorded hello.
 MIN_KEY_BYTES = 16
-"""A shorter key can be guessed offline from one recorded hello."""
 
+# More is another file, given by mistake.
 MAX_KEY_FILE_BYTES = 4096
-"""More is another file, given by mistake."""
 
+# The longest line has 105 bytes: a longer one is not a hello.
 MAX_LINE_BYTES = 160
-"""The longest line has 105 bytes: a longer one is not a hello."""
 
 _WORD = "RSPSK1"
 _ANSWER = re.compile(rb"RSPSK1 ([0-9a-f]{32}) ([0-9a-f]{64})")

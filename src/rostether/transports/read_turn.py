@@ -6,18 +6,18 @@ as much as costs one turn at the highest recent cost, and at most twice the last
 
 from __future__ import annotations
 
+# What one connection may use at a time: with a hundred others a message still takes less than 10 ms.
 TURN_S = 0.002
-"""What one connection may use at a time: with a hundred others a message still takes less than 10 ms."""
 
+# What a connection that was quiet is read at first: a chunk of nothing but announcements costs 4 ms then.
 FIRST_READ_BYTES = 2 * 1024
-"""What a connection that was quiet is read at first: a chunk of nothing but announcements costs 4 ms then."""
 
+# Announcements cost most, 2 µs a byte, and what is smaller than this is not worth the wake-up.
 MIN_READ_BYTES = 1024
-"""Announcements cost most, 2 µs a byte, and what is smaller than this is not worth the wake-up."""
 
+# What is left of a price after each read: half after 69. Hostile bytes cost much only now and then, and then
+# many at once; a pause of the garbage collector, which looks alike, is forgotten after 0.3 MB.
 FORGETTING = 0.99
-"""What is left of a price after each read: half after 69. Hostile bytes cost much only now and then, and then
-many at once; a pause of the garbage collector, which looks alike, is forgotten after 0.3 MB."""
 
 
 class ReadTurn:

@@ -10,8 +10,8 @@ from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.transport import Transport
 
+# As many as a TCP listener accepts: a capture is untrusted, and each link becomes a session.
 MAX_LINKS = 128
-"""As many as a TCP listener accepts: a capture is untrusted, and each link becomes a session."""
 
 # Only while a capture is played without pauses.
 _TAKEN_POLL_S = 0.001

@@ -11,8 +11,8 @@ from rostether.errors import ConfigError
 if TYPE_CHECKING:
     import ssl
 
+# Small boards take 2 s for their part of a handshake; a peer that does not answer takes a connection.
 HANDSHAKE_LIMIT_S = 5.0
-"""Small boards take 2 s for their part of a handshake; a peer that does not answer takes a connection."""
 
 
 @dataclass(frozen=True, slots=True)

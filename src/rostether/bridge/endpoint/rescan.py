@@ -7,10 +7,9 @@ from collections.abc import Callable
 from rostether.rosserial.events import HostEvent
 from rostether.rosserial.host_link import HostLink
 
+# Nested searches. Noise within noise passes its checksum once in 65,536 times, and a board that sends only
+# noise makes the scanner read each byte that many more times.
 MAX_DEPTH = 2
-"""Nested searches. Noise within noise passes its checksum once in 65,536 times, and a board that sends only
-noise makes the scanner read each byte that many more times.
-"""
 
 
 class Rescan:

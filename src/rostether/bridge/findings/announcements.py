@@ -10,11 +10,11 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
 from rostether.rosserial.packets import TopicInfo
 
+# One damaged frame in 256 passes its checksum: once may be the line.
 MIN_COUNT = 2
-"""One damaged frame in 256 passes its checksum: once may be the line."""
 
+# More than any board has room for; bounds the memory for a device that announces new names all the time.
 MAX_KEPT = 64
-"""More than any board has room for; bounds the memory for a device that announces new names all the time."""
 
 
 _PACKETS: dict[int | None, str] = {

@@ -16,8 +16,8 @@ from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.serde.store import TypeStore
 
+# 5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000.
 DRIFT_PPM = 2000
-"""5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000."""
 
 _LEVELS = {Severity.WARN: Level.WARN, Severity.ERROR: Level.ERROR}
 

@@ -7,15 +7,15 @@ from collections import deque
 from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
+# Long enough for a percentage on a board that sends once a second, short enough to follow a cable.
 WINDOW_S = 30.0
-"""Long enough for a percentage on a board that sends once a second, short enough to follow a cable."""
 
 MIN_DAMAGED = 3
+# A reset in the middle of a frame, and what the boot loader prints, damage two.
 RESET_DAMAGES = 2
-"""A reset in the middle of a frame, and what the boot loader prints, damage two."""
 
+# One in 500: a lower loss is not noticeable, and radio links are never better.
 MIN_SHARE = 0.002
-"""One in 500: a lower loss is not noticeable, and radio links are never better."""
 
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 _REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})

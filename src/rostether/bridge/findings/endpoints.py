@@ -14,15 +14,15 @@ from rostether.errors import DefinitionError, RostetherError, TypeMismatchError,
 from rostether.rosserial.events import ServiceRole
 from rostether.rosserial.packets import TopicInfo
 
+# How long a loss is reported after it happened.
 RECENT_S = 30.0
-"""How long a loss is reported after it happened."""
 
 MIN_MISFITS = 3
+# Damage that passes its checksum, one in 256, is the line's; more is another definition.
 MISFIT_SHARE = 0.05
-"""Damage that passes its checksum, one in 256, is the line's; more is another definition."""
 
+# What must fit a board's output buffer beside the payload.
 PUBLISHER_OVERHEAD_BYTES = 8
-"""What must fit a board's output buffer beside the payload."""
 
 _LARGER = "enlarge it in the sketch: ros::NodeHandle_<ArduinoHardware, 25, 25, INPUT, OUTPUT>, in bytes"
 

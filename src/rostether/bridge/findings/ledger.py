@@ -7,11 +7,11 @@ from collections.abc import Iterable
 
 from rostether.bridge.findings.finding import Code, Finding, Severity
 
+# A finding that comes and goes is reported once; after a minute without it, it is reported again.
 FORGET_AFTER_S = 60.0
-"""A finding that comes and goes is reported once; after a minute without it, it is reported again."""
 
+# Boards choose the subjects; dropping the oldest keys keeps a hostile board from filling the memory.
 MAX_KEYS = 256
-"""Boards choose the subjects; dropping the oldest keys keeps a hostile board from filling the memory."""
 
 
 class FindingLedger:

@@ -13,22 +13,22 @@ from statistics import median
 from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
+# Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms.
 SLOW_LISTENER_S = 0.1
-"""Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms."""
 
+# A board that only publishes loses nothing; the library's own first example sleeps a second in loop().
 SLOW_TALKER_S = 0.6
-"""A board that only publishes loses nothing; the library's own first example sleeps a second in loop()."""
 
+# Later than this is late whatever was asked meanwhile.
 OVERDUE_S = 0.4
-"""Later than this is late whatever was asked meanwhile."""
 
 TOLERANCE_S = 0.1
 
+# A board that usually requests the time sooner than this does not wait 2.5 s.
 SURELY_OURS_S = 2.4
-"""A board that usually requests the time sooner than this does not wait 2.5 s."""
 
+# Beyond 11 s a board was away, not slow.
 MAX_LATE_S = 9.0
-"""Beyond 11 s a board was away, not slow."""
 
 KEPT = 16
 MIN_COUNT = 2

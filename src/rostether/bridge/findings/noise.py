@@ -6,20 +6,20 @@ import re
 
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 
+# A line of a sketch's own Serial.print.
 SHOWN_BYTES = 60
-"""A line of a sketch's own Serial.print."""
 
+# Enough to judge by, and for the lines that a crashed ESP prints before it starts again.
 KEPT_BYTES = 512
-"""Enough to judge by, and for the lines that a crashed ESP prints before it starts again."""
 
+# Fewer printable bytes in a row come about by chance: each one has a chance of 3 in 8.
 MIN_TEXT_BYTES = 8
-"""Fewer printable bytes in a row come about by chance: each one has a chance of 3 in 8."""
 
+# A board that is reset in the middle of its announcements leaves one piece of text, and noise some more.
 MIN_PIECES = 4
-"""A board that is reset in the middle of its announcements leaves one piece of text, and noise some more."""
 
+# The rest of one announcement comes within this at 9600 baud, a few bytes at a time.
 PIECE_GAP_S = 0.1
-"""The rest of one announcement comes within this at 9600 baud, a few bytes at a time."""
 
 # Only the words: with the whole line in the pattern, noise without a line end takes 20 ms.
 _CRASH = re.compile(

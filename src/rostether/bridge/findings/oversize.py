@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, read_header
 
+# A damaged header that passes its check, one in 256, claims three times the same of no topic.
 MIN_COUNT = 3
-"""A damaged header that passes its check, one in 256, claims three times the same of no topic."""
 
+# After a while, a corrected problem is no longer reported.
 RECENT_S = 30.0
-"""After a while, a corrected problem is no longer reported."""
 
+# The rest of one frame comes within this at 9600 baud, a few bytes at a time.
 REST_GAP_S = 0.1
-"""The rest of one frame comes within this at 9600 baud, a few bytes at a time."""
 
+# More than any board has room for; bounds the memory for a device that uses new ids all the time.
 MAX_IDS = 64
-"""More than any board has room for; bounds the memory for a device that uses new ids all the time."""
 
 
 @dataclass(slots=True)

@@ -7,14 +7,14 @@ from collections import deque
 from rostether.bridge.findings.finding import Code, Finding, error
 
 WINDOW_S = 60.0
+# Someone who presses the button, and an upload, reset a board twice.
 MIN_RESETS = 3
-"""Someone who presses the button, and an upload, reset a board twice."""
 
+# At 57600 baud fifty announcements and their confirmation take 2 s; this is four times that.
 UNSETTLED_S = 8.0
-"""At 57600 baud fifty announcements and their confirmation take 2 s; this is four times that."""
 
+# As often did the board begin to answer: a healthy one does three or four times.
 MIN_STARTS = 8
-"""As often did the board begin to answer: a healthy one does three or four times."""
 
 
 class Resets:

@@ -19,11 +19,11 @@ from rostether.errors import GraphError
 from rostether.graph.ports import Level, Publisher
 from rostether.serde.store import TypeStore
 
+# What diagnostic tools expect.
 PERIOD_S = 1.0
-"""What diagnostic tools expect."""
 
+# Looked at in one go, which takes a millisecond or two: a hundred at once would delay every message.
 TURN_BOARDS = 4
-"""Looked at in one go, which takes a millisecond or two: a hundred at once would delay every message."""
 
 
 class HealthRound:

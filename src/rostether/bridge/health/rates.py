@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Generic, TypeVar
 
+# A topic at 1 Hz shows a steady figure, and a change within a few seconds.
 WINDOW_S = 5.0
-"""A topic at 1 Hz shows a steady figure, and a change within a few seconds."""
 
 Key = TypeVar("Key")
 

@@ -19,11 +19,11 @@ from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 from rostether.transports.transport import Transport
 
+# It includes three time requests, which show the speed of loop(), and enough frames for a percentage.
 WATCH_S = 8.0
-"""It includes three time requests, which show the speed of loop(), and enough frames for a percentage."""
 
+# How long to watch a board that was reset or whose time request was late: by then a pattern is visible.
 UNREST_S = 20.0
-"""How long to watch a board that was reset or whose time request was late: by then a pattern is visible."""
 
 _LOOK_S = 0.1
 _FIND_PERIOD_S = 1.0

@@ -18,8 +18,8 @@ from rostether.ports.port_watch import PortWatch
 from rostether.ports.usb_boards import board_of
 from rostether.transports.serial_port import SerialPort
 
+# Ports that were reported as not opened.
 MAX_OFFERS = 256
-"""Ports that were reported as not opened."""
 
 
 class Discovery:

@@ -29,21 +29,21 @@ from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Transport
 
 FIRST_RETRY_S = 0.25
+# A port in use is looked at this seldom at most: each look walks through /proc.
 MAX_RETRY_S = 5.0
-"""A port in use is looked at this seldom at most: each look walks through /proc."""
 
 FIRST_ASK_AGAIN_S = 5.0
+# A board that answered before, or that the user named, is asked again; it may be without power.
 MAX_ASK_AGAIN_S = 60.0
-"""A board that answered before, or that the user named, is asked again; it may be without power."""
 
+# How often an ignored port is checked (not opened) for signs that another program used it.
 LOOK_PERIOD_S = 1.0
-"""How often an ignored port is checked (not opened) for signs that another program used it."""
 
+# A port is gone from the list a moment after it is lost.
 AFTER_LOSS_S = 0.1
-"""A port is gone from the list a moment after it is lost."""
 
+# Linux raises DTR at the first opening; left up, later ones reset no board. Elsewhere it must be raised.
 RESETS_AT_CLOSE = sys.platform != "linux"
-"""Linux raises DTR at the first opening; left up, later ones reset no board. Elsewhere it must be raised."""
 
 
 class FoundPort:

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
     from rostether.ros1.node.master_client import MasterClient
 
+# The longest wait after Tab; a master on this machine answers in milliseconds.
 TIMEOUT_S = 1.0
-"""The longest wait after Tab; a master on this machine answers in milliseconds."""
 
+# DDS takes a second or two to discover other nodes.
 ROS2_TIMEOUT_S = 3.0
-"""DDS takes a second or two to discover other nodes."""
 
 
 def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

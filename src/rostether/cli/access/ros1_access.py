@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
+# The caller id of commands that start no node, and the meaning of `~` in their names.
 OUR_NAME = "/rostether"
-"""The caller id of commands that start no node, and the meaning of `~` in their names."""
 
 _ENVIRONMENT_OF_ARGUMENT = {
     "__ns": "ROS_NAMESPACE",

@@ -26,11 +26,11 @@ T = TypeVar("T")
 
 HIDDEN_NAME = "/_rostether"
 LOOK_INTERVAL_S = 0.05
+# The longest wait for a given name. DDS announces it at once, and again after 3 s if that is lost; zenoh's
+# router has announced it before the command starts.
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
-"""The longest wait for a given name. DDS announces it at once, and again after 3 s if that is lost;
-zenoh's router has announced it before the command starts."""
+# A listing is complete when nothing new arrived for this long.
 QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
-"""A listing is complete when nothing new arrived for this long."""
 
 
 class ToolNode:

@@ -6,8 +6,8 @@ from datetime import datetime
 
 from rostether.rostime import NS_PER_S
 
+# What MB means in all options and sizes of recordings, as with rosbag.
 MEGABYTE = 1024 * 1024
-"""What MB means in all options and sizes of recordings, as with rosbag."""
 
 
 def size_text(size_bytes: float) -> str:

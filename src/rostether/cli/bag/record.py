@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 BEGIN_TOPIC = "/begin_write"
+# What -b 0 is, with which rosbag means no bound at all.
 MAX_BUFFER_MB = 4096
-"""What -b 0 is, with which rosbag means no bound at all."""
 
 KILOBYTE = 1024
 _UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}

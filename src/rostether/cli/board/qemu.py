@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from rostether.simulation.qemu import QemuBoard
 
 
+# Boards with a Cortex-M, which qemu simulates.
 MACHINES = ("lm3s6965evb",)
-"""Boards with a Cortex-M, which qemu simulates."""
 
 
 async def start_in_qemu(

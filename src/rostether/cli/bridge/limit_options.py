@@ -20,14 +20,15 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _MIB = 1024 * 1024
 
+# Of `bridge.settings.BridgeSettings`, by the name that a user writes.
 BRIDGE_LIMITS = {
     **{key.replace("_", "-"): limit for key, limit in BOARD_LIMITS.items()},
     "connections": Limit("connections", 1, 4096),
     "connections-per-host": Limit("connections_per_host", 1, 4096),
     "grace-s": Limit("grace_s", 0, 86400),
 }
-"""Of `bridge.settings.BridgeSettings`, by the name that a user writes."""
 
+# Of `ros1.graph_limits.GraphLimits`.
 GRAPH_LIMITS = {
     "xmlrpc-bytes": Limit("body_bytes", 65536, 1024 * _MIB),
     "xmlrpc-connections": Limit("xmlrpc_connections", 8, 65536),
@@ -41,7 +42,6 @@ GRAPH_LIMITS = {
     "tcpros-connections": Limit("tcpros_connections", 8, 65536),
     "tcpros-connections-per-host": Limit("tcpros_connections_per_host", 4, 65536),
 }
-"""Of `ros1.graph_limits.GraphLimits`."""
 
 
 def limit_option(limits: Mapping[str, Limit]) -> Callable[[Function], Function]:

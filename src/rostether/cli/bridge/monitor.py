@@ -31,23 +31,23 @@ if TYPE_CHECKING:
 TOPIC = "/diagnostics"
 TYPE = "diagnostic_msgs/DiagnosticArray"
 
+# Boards report once a second; half of that shows new values early enough.
 REFRESH_S = 0.5
-"""Boards report once a second; half of that shows new values early enough."""
 
+# After two missing reports the board or its bridge counts as gone.
 STALE_S = 3.0
-"""After two missing reports the board or its bridge counts as gone."""
 
+# How long a board that is gone stays in the table.
 FORGET_S = 15.0
-"""How long a board that is gone stays in the table."""
 
+# The longest time that --once listens: rates are known after a board's second report.
 ONCE_S = 6.0
-"""The longest time that --once listens: rates are known after a board's second report."""
 
+# How long --once waits for a publisher: a newly connected board advertises within a second.
 NOBODY_S = 2.5
-"""How long --once waits for a publisher: a newly connected board advertises within a second."""
 
+# Any node may publish on /diagnostics; no user needs more boards than this.
 MAX_BOARDS = 512
-"""Any node may publish on /diagnostics; no user needs more boards than this."""
 
 NOTHING = (
     "no board publishes on /diagnostics; start `rostether serve` (without --no-diagnostics) and connect a "

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from rostether.firmware.footprint import Footprint, Group, Item
     from rostether.firmware.stack import StackEstimate
 
+# Wider tables are no easier to read.
 MAX_COLUMNS = 100
-"""Wider tables are no easier to read."""
 SHOWN_ITEMS = 3
 _BAR_CELLS = 20
 _TEMPLATE = re.compile(r"<[^<>]*>")

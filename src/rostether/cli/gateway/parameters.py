@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
 
 _TRUE = ("true", "1", "yes", "on")
+# What launch files write for a parameter that they leave open; "None" is how Python's own nodes say it.
 _NOTHING = (None, "", "None")
-"""What launch files write for a parameter that they leave open; "None" is how Python's own nodes say it."""
 
 
 async def private_parameters(graph: TypedGraph) -> dict[str, Any]:

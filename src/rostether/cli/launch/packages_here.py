@@ -11,8 +11,8 @@ from rostether.cli.shell.output import warn
 from rostether.packages.locate import package_folders
 from rostether.packages.search_path import OnNamesake
 
+# Warnings about packages with the same name; more appear only if a whole workspace was copied.
 MAX_TOLD = 3
-"""Warnings about packages with the same name; more appear only if a whole workspace was copied."""
 
 
 def packages_here() -> dict[str, Path]:

@@ -66,6 +66,7 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("topic_tools", "mux_list"): ("role", "mux-list"),
 }
 
+# The part of the dashboard that replaces a window.
 _WINDOWS = {
     "rviz": "the robot in 3D",
     "rviz2": "the robot in 3D",
@@ -80,7 +81,6 @@ _WINDOWS = {
     "rqt_reconfigure": "parameters and sets them",
     "rqt_robot_steering": "a joystick that drives the robot",
 }
-"""The part of the dashboard that replaces a window."""
 
 # In a terminal these show the same at once.
 _TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}

@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from rostether.transports.replay import CaptureListener
     from rostether.transports.transport import Transport
 
+# The time for subscribers to connect to a new topic in a replay without pauses.
 SUBSCRIBE_S = 0.5
-"""The time for subscribers to connect to a new topic in a replay without pauses."""
 
+# How often a replay without pauses checks whether the types of new topics are found.
 SEARCH_POLL_S = 0.005
-"""How often a replay without pauses checks whether the types of new topics are found."""
 
+# How long the node stays after the last byte, so that subscribers receive everything.
 AFTER_S = 1.0
-"""How long the node stays after the last byte, so that subscribers receive everything."""
 
 
 @click.command(

@@ -15,8 +15,8 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 
+# rosnode's own: a node answers within milliseconds, over a bad radio link within a second or two.
 NODE_TIMEOUT_S = 3.0
-"""rosnode's own: a node answers within milliseconds, over a bad radio link within a second or two."""
 
 _CONNECTION = re.compile(r"\w+ connection on port (\d+) to \[(.*) on socket (\d+)\]")
 

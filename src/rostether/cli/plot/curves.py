@@ -12,11 +12,11 @@ from rostether.pictures.plot import Curve
 from rostether.rostime import Duration, Time
 from rostether.serde.values import Message
 
+# Four rounds of colors: more cannot be distinguished, and a laser scan has hundreds of ranges.
 MAX_CURVES = 28
-"""Four rounds of colors: more cannot be distinguished, and a laser scan has hundreds of ranges."""
 
+# Of all curves: 10 minutes of seven curves at 50 Hz; the oldest are forgotten first.
 MAX_POINTS = 200_000
-"""Of all curves: 10 minutes of seven curves at 50 Hz; the oldest are forgotten first."""
 
 _LEFT_OUT = "header"  # a count and a stamp: in a plot of a whole message they hide all else
 

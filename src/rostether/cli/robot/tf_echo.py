@@ -14,8 +14,8 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line
 
+# Faster than a person can read; a script that needs every message echoes /tf.
 MAX_RATE_HZ = 1_000.0
-"""Faster than a person can read; a script that needs every message echoes /tf."""
 
 
 @click.command(

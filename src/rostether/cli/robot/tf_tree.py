@@ -14,8 +14,8 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line
 
+# Long enough for what comes at 1 Hz, and for a rate to be known.
 DEFAULT_LISTENING_S = 2.0
-"""Long enough for what comes at 1 Hz, and for a rate to be known."""
 
 
 @click.command(

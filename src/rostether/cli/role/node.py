@@ -18,8 +18,8 @@ from rostether.ros1.environment import RosEnvironment
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
 
+# For commands with a node's arguments: `-0.1` is a number there, no option.
 NODE_SETTINGS = {"ignore_unknown_options": True}
-"""For commands with a node's arguments: `-0.1` is a number there, no option."""
 
 
 def node_arguments(words: Sequence[str]) -> Arguments:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 
+# Larger than any message or parameter; /dev/zero and pipes are endless.
 MAX_FILE_BYTES = 64 << 20
-"""Larger than any message or parameter; /dev/zero and pipes are endless."""
 
 STDIN = Path("-")
 

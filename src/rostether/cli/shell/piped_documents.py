@@ -12,8 +12,8 @@ from rostether.errors import ConfigError
 
 SEPARATOR = "---"
 
+# Larger than any usual message as text; without a limit a pipe could fill memory.
 MAX_DOCUMENT_BYTES = 64 << 20
-"""Larger than any usual message as text; without a limit a pipe could fill memory."""
 
 
 async def piped_documents(stream: TextIO) -> AsyncIterator[str]:

@@ -25,11 +25,11 @@ from rostether.transports.descriptors import allow_many_descriptors
 
 T = TypeVar("T")
 
+# After a signal, a loop that is busy for this long is interrupted; 50 ms is a defect.
 BUSY_S = 2.0
-"""After a signal, a loop that is busy for this long is interrupted; 50 ms is a defect."""
 
+# What a shell reports for a program that SIGTERM ended.
 EXIT_TERMINATED = 143
-"""What a shell reports for a program that SIGTERM ended."""
 
 
 def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool | None = False) -> T:

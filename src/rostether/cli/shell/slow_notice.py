@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+# A cached sketch and a built simulator start sooner; the first build of both takes ten seconds.
 LONG_S = 1.5
-"""A cached sketch and a built simulator start sooner; the first build of both takes ten seconds."""
 
 
 @contextmanager

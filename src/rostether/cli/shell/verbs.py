@@ -14,8 +14,8 @@ from click.shell_completion import CompletionItem
 
 from rostether.cli.shell.optional_value import OptionalValueOption
 
+# Maximum width of help text: longer lines are hard to read on wide terminals.
 HELP_WIDTH = 100
-"""Maximum width of help text: longer lines are hard to read on wide terminals."""
 
 _LONG_DASHES = ("\u2013", "\u2014", "\u2212")
 

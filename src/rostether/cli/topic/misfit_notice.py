@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from rostether.errors import SerializationError
     from rostether.graph.message_stream import MessageStream
 
+# A publisher with a wrong definition sends hundreds a second, and all have the same fault.
 NOTICE_PERIOD_S = 10.0
-"""A publisher with a wrong definition sends hundreds a second, and all have the same fault."""
 
 
 @asynccontextmanager

@@ -18,8 +18,8 @@ from rostether.serde.field_path import FieldPath
 if TYPE_CHECKING:
     from rostether.serde.store import TypeStore
 
+# How often the master is asked for a topic that is not there yet, as rostopic does.
 POLL_S = 0.1
-"""How often the master is asked for a topic that is not there yet, as rostopic does."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.serde.field_path import FieldPath
 
+# How often the graph is asked for a topic that is not there yet.
 POLL_S = 0.1
-"""How often the graph is asked for a topic that is not there yet."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,8 +17,8 @@ from rostether.serde.values import Message
 DEFAULT_TRUNCATE_LENGTH = 128
 _CUT = "..."
 _ESCAPED = "\\U000"
+# Columns that no line has: YAML would fold longer ones.
 _WIDE = (1 << 31) - 1
-"""Columns that no line has: YAML would fold longer ones."""
 
 # What IDL calls our primitives.
 _IDL_NAMES = {

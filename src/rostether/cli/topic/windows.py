@@ -7,11 +7,11 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
+# Messages in a window that was not limited: about 15 minutes at 50 Hz, 400 kB.
 UNBOUNDED_WINDOW = 50_000
-"""Messages in a window that was not limited: about 15 minutes at 50 Hz, 400 kB."""
 
+# rostopic bw's own: short enough to follow a change within seconds.
 DEFAULT_BANDWIDTH_WINDOW = 100
-"""rostopic bw's own: short enough to follow a change within seconds."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,8 +19,8 @@ from rostether.recording.compression import decompress
 from rostether.recording.time_order import TimeOrder
 from rostether.rostime import NS_PER_S
 
+# A broken bag can have one fault in each chunk; a longer report does not help.
 MAX_FAULTS = 50
-"""A broken bag can have one fault in each chunk; a longer report does not help."""
 
 _ENTRY = struct.Struct("<III")
 

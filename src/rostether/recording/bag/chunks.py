@@ -34,11 +34,11 @@ from rostether.recording.bag.records import (
 from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, check_unpacked_size, decompress
 from rostether.recording.recorded import Connection
 
+# Ten times those of a fleet recorded for a day; a compressed chunk can hold millions in a few bytes.
 MAX_CONNECTIONS = 100_000
-"""Ten times those of a fleet recorded for a day; a compressed chunk can hold millions in a few bytes."""
 
+# Their headers, each with its definition, which take a few KB.
 MAX_CONNECTIONS_BYTES = 256 << 20
-"""Their headers, each with its definition, which take a few KB."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,10 +28,8 @@ OP_CHUNK = 0x05
 OP_CHUNK_INFO = 0x06
 OP_CONNECTION = 0x07
 
+# The bag header and the spaces behind it, without their lengths: rosbag overwrites exactly that many bytes.
 BAG_HEADER_BYTES = 4096
-"""The bag header and the spaces behind it, without their lengths: rosbag overwrites exactly that many
-bytes.
-"""
 
 INDEX_VERSION = 1
 CHUNK_INFO_VERSION = 1

@@ -19,8 +19,8 @@ from rostether.serde.codec import Codec
 from rostether.serde.field_path import FieldPath
 from rostether.serde.type_tree import Array, Node, Stamp, Struct
 
+# Elements of an array that have columns of their own: a covariance has 36.
 MAX_SPREAD = 64
-"""Elements of an array that have columns of their own: a covariance has 36."""
 
 _INDEX = re.compile(r"\[[^\]]*\]")
 _WHOLE = "[:]"

@@ -13,11 +13,11 @@ from rostether.recording.export.columns import Column, columns_of
 from rostether.recording.export.tables import Table
 from rostether.recording.recorded import Connection, RecordingReader
 
+# Files open at a time, and what they hold in memory; more topics are written in several readings.
 MAX_OPEN_TABLES = 100
-"""Files open at a time, and what they hold in memory; more topics are written in several readings."""
 
+# What all tables together keep until it is written; as Python's values it takes a few times as much.
 MAX_WAITING_BYTES = 32 << 20
-"""What all tables together keep until it is written; as Python's values it takes a few times as much."""
 
 _CELL_BYTES = 8
 

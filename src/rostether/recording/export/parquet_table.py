@@ -16,8 +16,8 @@ from rostether.rostime import NS_PER_S
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message
 
+# Rows that are written together: enough for columns to pack well.
 MAX_GROUP_ROWS = 50_000
-"""Rows that are written together: enough for columns to pack well."""
 
 _NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
 

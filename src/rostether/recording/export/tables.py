@@ -16,8 +16,8 @@ from rostether.serde.plain_form import clean_text
 from rostether.serde.type_tree import Array, Number, Struct, Text
 from rostether.serde.values import Message
 
+# The time columns of a message, before its fields.
 TIME_COLUMNS = ("time_s", "time_ns")
-"""The time columns of a message, before its fields."""
 
 
 class Table(Protocol):

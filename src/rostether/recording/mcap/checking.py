@@ -38,8 +38,8 @@ from rostether.recording.mcap.records import (
 
 Buffer: TypeAlias = bytes | memoryview
 
+# A broken file can have one fault in each record; a longer report does not help.
 MAX_FAULTS = 50
-"""A broken file can have one fault in each record; a longer report does not help."""
 
 
 def faults_of(data: Buffer) -> list[str]:

@@ -43,11 +43,11 @@ from rostether.recording.mcap.records import (
 
 Buffer: TypeAlias = bytes | memoryview
 
+# Schemas and channels together, each a few KB: a compressed chunk can hold gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
-"""Schemas and channels together, each a few KB: a compressed chunk can hold gigabytes of them."""
 
+# Messages that stand in no chunk are taken together up to this.
 MAX_LOOSE_BYTES = 4 << 20
-"""Messages that stand in no chunk are taken together up to this."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,8 +47,8 @@ from rostether.recording.mcap.records import (
 )
 from rostether.recording.recorded import Connection
 
+# The format numbers them in two bytes.
 MAX_CHANNELS = 0xFFFF
-"""The format numbers them in two bytes."""
 
 _MAX_TIME_NS = (1 << 64) - 1
 

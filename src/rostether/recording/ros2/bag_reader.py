@@ -18,8 +18,8 @@ from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.recording.ros2.metadata import FILE_NAME, Metadata, read_metadata
 
 _SUFFIXES = (".mcap", ".db3", ".mcap.active", ".db3.active", ".mcap.zstd", ".db3.zstd")
+# A few bytes can unpack to any size; recordings of that size fill a disk as well.
 MAX_UNPACKED_BYTES = 64 << 30
-"""A few bytes can unpack to any size; recordings of that size fill a disk as well."""
 MAX_MESSAGE_BYTES = 1 << 30
 
 

@@ -15,8 +15,8 @@ from rostether.recording.ros2_reading import CDR, Ros2Topics
 
 MAGIC = b"SQLite format 3\0"
 MAX_TOPICS = 65536
+# The largest message that is read; SQLite's own limit is the same.
 MAX_VALUE_BYTES = 1 << 30
-"""The largest message that is read; SQLite's own limit is the same."""
 
 
 class Db3Reader:

@@ -18,10 +18,10 @@ from rostether.ros2.types.type_support import Ros2Types
 SCHEMA_VERSION = 4
 _ROW_BYTES = 40  # what SQLite needs for a message and its place in the index, beside the payload
 _MAX_WAITING_ROWS = 10_000
+# What waits for the next commit: some 10 ms of writing.
 _MAX_WAITING_BYTES = 1 << 20
-"""What waits for the next commit: some 10 ms of writing."""
+# Who reads the file while it is written holds its lock for moments only; waiting holds everything up.
 _LOCK_WAIT_S = 0.2
-"""Who reads the file while it is written holds its lock for moments only; waiting holds everything up."""
 _MAX_TIME_NS = (1 << 63) - 1
 
 _TABLES = """

@@ -24,8 +24,8 @@ from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.values import XmlRpcValue
 
+# What leaving costs at most when the master hangs.
 UNREGISTER_TIMEOUT_S = 2.0
-"""What leaving costs at most when the master hangs."""
 
 
 class Endpoints:

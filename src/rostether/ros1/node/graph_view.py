@@ -14,8 +14,8 @@ from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
+# People who watch a graph do not notice less; two small calls a second do not load a master.
 POLL_INTERVAL_S = 1.0
-"""People who watch a graph do not notice less; two small calls a second do not load a master."""
 
 _log = logging.getLogger("rostether.ros1")
 

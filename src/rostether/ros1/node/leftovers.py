@@ -8,11 +8,11 @@ from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 
+# A node that runs answers within milliseconds; a loaded computer within a second or two.
 ANSWER_TIMEOUT_S = 3.0
-"""A node that runs answers within milliseconds; a loaded computer within a second or two."""
 
+# Failures in a row after which a machine that does not answer at all counts as gone; Wi-Fi may pause.
 PATIENT_FAILURES = 3
-"""Failures in a row after which a machine that does not answer at all counts as gone; Wi-Fi may pause."""
 
 
 class Leftovers:

@@ -13,14 +13,14 @@ from rostether.ros1.tcpros_connection import ConnectionRecord, connect
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.tcpros.message_framing import MessageDecoder
 
+# A publisher that restarts its server, or registered before it listens, is reachable again at once.
 FIRST_RETRY_S = 0.1
-"""A publisher that restarts its server, or registered before it listens, is reachable again at once."""
 
+# Each retry to a publisher that is gone costs one refused connection; longer waits annoy users.
 MAX_RETRY_S = 5.0
-"""Each retry to a publisher that is gone costs one refused connection; longer waits annoy users."""
 
+# Failures in a row before a word is said, after 0.7 s: a publisher that ends is unregistered by then.
 PATIENT_FAILURES = 4
-"""Failures in a row before a word is said, after 0.7 s: a publisher that ends is unregistered by then."""
 
 _log = logging.getLogger("rostether.ros1")
 

@@ -17,8 +17,8 @@ from zlib import crc32
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.node.master_client import MasterClient
 
+# One small call each; a master that came back has our topics again within about this time.
 DEFAULT_CHECK_INTERVAL_S = 2.0
-"""One small call each; a master that came back has our topics again within about this time."""
 
 # A thousand nodes of one process that ask every 2 s would use a sixth of a core, and the master as much.
 MAX_CHECKS_HZ = 200

@@ -26,8 +26,8 @@ from rostether.tcpros.handshake import check_server, client_fields, probe_fields
 from rostether.tcpros.message_framing import encode_messages
 from rostether.tcpros.service_framing import AnswerDecoder, ServiceAnswer
 
+# How often to look for a service that is not there yet, as rospy does.
 POLL_INTERVAL_S = 0.3
-"""How often to look for a service that is not there yet, as rospy does."""
 
 
 class ServiceClient:

@@ -17,8 +17,8 @@ from rostether.tcpros.header import encode_header
 from rostether.tcpros.message_framing import MessageDecoder
 from rostether.tcpros.service_framing import encode_error, encode_response
 
+# The header of the client whose call a handler answers; rospy shows it to the program.
 CALLER_FIELDS: ContextVar[Mapping[str, str]] = ContextVar("CALLER_FIELDS")
-"""The header of the client whose call a handler answers; rospy shows it to the program."""
 
 
 class ServiceServer:

@@ -11,14 +11,13 @@ from rostether.graph.flow_control import PublicationFlow, Reader, SubscriberFlow
 from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, limit_unsent
 from rostether.tcpros.message_framing import measure_oldest
 
+# A subscriber that keeps falling behind and catching up would fill the log; the line has the total of lost
+# messages.
 SLOW_REPORT_INTERVAL_S = 10.0
-"""A subscriber that keeps falling behind and catching up would fill the log; the line has the total of lost
-messages.
-"""
 
+# How much of a queue is joined for one write: more would only wait in the transport, undroppable, and a slow
+# subscriber would take part of it for long before it is seen to take anything.
 _WRITE_BYTES = 64 << 10
-"""How much of a queue is joined for one write: more would only wait in the transport, undroppable, and a slow
-subscriber would take part of it for long before it is seen to take anything."""
 
 
 # Of all publications in this process, by caller id and topic.

@@ -15,14 +15,14 @@ from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
 from rostether.transports.sockets import system_bind_errors
 
+# Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers.
 MAX_HANDSHAKES = 256
-"""Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers."""
 
+# The same for one address that is not this machine, so that it leaves room for others.
 MAX_HANDSHAKES_PER_HOST = 64
-"""The same for one address that is not this machine, so that it leaves room for others."""
 
+# What all headers that are being received may take together: a few of the largest at once.
 MAX_HEADERS_BYTES = 8 << 20
-"""What all headers that are being received may take together: a few of the largest at once."""
 
 _BIND_ATTEMPTS = 5
 

@@ -11,8 +11,8 @@ from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, value_of_
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 from rostether.serde.values import Message
 
+# What people wait for a node that is busy before they think that it hangs.
 CALL_TIMEOUT_S = 3.0
-"""What people wait for a node that is busy before they think that it hangs."""
 
 LIST_SERVICE = "list_parameters"
 

@@ -27,8 +27,8 @@ from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
 
 PARAMETERS_KEY = "ros__parameters"
 
+# The largest files in use (navigation of a whole robot) are some 50 KB.
 MAX_FILE_BYTES = 4 << 20
-"""The largest files in use (navigation of a whole robot) are some 50 KB."""
 
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
 _TIMESTAMP_TAG = "tag:yaml.org,2002:timestamp"

@@ -13,17 +13,17 @@ from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedV
 
 USE_SIM_TIME = "use_sim_time"
 
+# Any node on the graph can set parameters; the largest nodes (navigation) have about a thousand.
 MAX_PARAMETERS = 4096
-"""Any node on the graph can set parameters; the largest nodes (navigation) have about a thousand."""
 
+# Names that a board asked for and that are not set; line noise can produce any number of names.
 MAX_ASKED_NAMES = 256
-"""Names that a board asked for and that are not set; line noise can produce any number of names."""
 
+# Names in use are below 100.
 MAX_NAME_CHARACTERS = 256
-"""Names in use are below 100."""
 
+# Parameters that every node has; these are of one type and stay.
 FIXED_TYPES = {USE_SIM_TIME: ParameterType.BOOL}
-"""Parameters that every node has; these are of one type and stay."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.types.type_support import ServiceSupport
 
+# How often a subscriber looks for publishers, as rclpy does not report them; users do not notice 0.2 s.
 LOOK_AT_PUBLISHERS_INTERVAL_S = 0.2
-"""How often a subscriber looks for publishers, as rclpy does not report them; users do not notice 0.2 s."""
 
 
 class Endpoints:

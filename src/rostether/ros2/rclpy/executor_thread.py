@@ -16,8 +16,8 @@ from typing import Any, TypeVar
 from rostether.errors import GraphError
 from rostether.ros2.rclpy.installation import load_rclpy
 
+# How long to wait for the thread at the end: the longest thing it does is making a node, far below this.
 MAX_JOIN_S = 5.0
-"""How long to wait for the thread at the end: the longest thing it does is making a node, far below this."""
 
 _Result = TypeVar("_Result")
 _log = logging.getLogger("rostether.ros2")

@@ -16,8 +16,8 @@ from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import name_policy, publisher_profile
 from rostether.ros2.types.type_support import MessageSupport
 
+# How long a publisher stays for subscribers that miss its last messages: time for many round trips.
 ACKNOWLEDGE_S = 0.1
-"""How long a publisher stays for subscribers that miss its last messages: time for many round trips."""
 
 
 ACKNOWLEDGE_POLL_S = 0.01

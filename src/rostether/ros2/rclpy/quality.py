@@ -12,23 +12,23 @@ from typing import Any, Final
 
 from rostether.ros2.rclpy.installation import load_rclpy
 
+# Messages kept for subscribers that have not confirmed them: 50 ms of the fastest flood we carry, so that a
+# burst of one chunk of a board is never lost on a machine that is busy for a moment.
 PUBLISHER_DEPTH: Final = 1000
-"""Messages kept for subscribers that have not confirmed them: 50 ms of the fastest flood we carry, so that
-a burst of one chunk of a board is never lost on a machine that is busy for a moment."""
 
+# Messages kept until our thread takes them: 200 ms of that flood, longer than a node takes to be made.
 SUBSCRIBER_DEPTH: Final = 4000
-"""Messages kept until our thread takes them: 200 ms of that flood, longer than a node takes to be made."""
 
+# A latched topic of ROS 1 greets with its last message, and no more.
 LATCHED_DEPTH: Final = 1
-"""A latched topic of ROS 1 greets with its last message, and no more."""
 
+# Calls, and answers, kept until our thread reads them. With rclpy's default of 10, a burst of 20 loses half
+# without an error at the caller. Three times as many as may wait for a board; 100 answers are 10 KB.
 SERVICE_DEPTH: Final = 100
-"""Calls, and answers, kept until our thread reads them. With rclpy's default of 10, a burst of 20 loses half
-without an error at the caller. Three times as many as may wait for a board; 100 answers are 10 KB."""
 
 ROSOUT_DEPTH: Final = 1000
+# As rcl declares them: who comes later sees the last 1000 messages that are not older than 10 s.
 ROSOUT_LIFESPAN_S: Final = 10
-"""As rcl declares them: who comes later sees the last 1000 messages that are not older than 10 s."""
 
 
 class Wish(Enum):

@@ -17,14 +17,14 @@ from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.types.type_support import ServiceSupport
 
+# How long finding a service may take: DDS announces it at once, and again after 3 s if that was lost.
 DISCOVERY_S = 3.5
-"""How long finding a service may take: DDS announces it at once, and again after 3 s if that was lost."""
 
+# How often to look for a server that is being discovered.
 LOOK_INTERVAL_S = 0.01
-"""How often to look for a server that is being discovered."""
 
+# How often to check that the server of a pending call is alive: middlewares do not report it.
 SERVER_CHECK_INTERVAL_S = 0.25
-"""How often to check that the server of a pending call is alive: middlewares do not report it."""
 
 
 class RclpyServiceClient:

@@ -26,11 +26,11 @@ from rostether.ros2.rclpy.quality import Wish, is_latching, name_policy, subscri
 from rostether.ros2.rclpy.view import UNKNOWN_NODE
 from rostether.ros2.types.type_support import MessageSupport
 
+# Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds.
 MAX_BATCH = 1000
-"""Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds."""
 
+# The number of different reports of one subscription, so that invalid messages cannot fill the log.
 MAX_COMPLAINTS = 16
-"""The number of different reports of one subscription, so that invalid messages cannot fill the log."""
 
 _GID_BYTES = 16
 

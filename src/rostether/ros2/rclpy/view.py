@@ -11,11 +11,11 @@ from typing import Any
 
 from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
 
+# People who watch a graph notice no less, and a hundred nodes are a hundredth of one processor.
 POLL_INTERVAL_S = 0.5
-"""People who watch a graph notice no less, and a hundred nodes are a hundredth of one processor."""
 
+# What rmw calls a node while only its endpoints have been discovered.
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
-"""What rmw calls a node while only its endpoints have been discovered."""
 
 
 def take_snapshot(node: Any) -> Snapshot:

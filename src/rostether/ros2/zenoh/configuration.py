@@ -21,13 +21,13 @@ from rostether.ros2.environment import Ros2Environment
 ROUTER_PORT = 7447
 ROUTER_ENDPOINT = f"tcp/localhost:{ROUTER_PORT}"
 _ALL_ADDRESSES = ("/0.0.0.0:", "/[::]:")
+# A router on this machine accepts within a millisecond; one on a machine that swaps, within this.
 PROBE_TIMEOUT_S = 1.0
-"""A router on this machine accepts within a millisecond; one on a machine that swaps, within this."""
 
+# How long a full link may hold up the loop, as long as any slow subscriber may pause a board: a process that
+# is not scheduled for a while loses nothing. Zenoh does not wait for a link again before that one has sent
+# something.
 WAIT_BEFORE_DROP_US = 100_000
-"""How long a full link may hold up the loop, as long as any slow subscriber may pause a board: a process that
-is not scheduled for a while loses nothing. Zenoh does not wait for a link again before that one has sent
-something."""
 
 _SHARED = {
     "scouting/multicast/enabled": "false",

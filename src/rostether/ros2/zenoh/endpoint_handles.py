@@ -22,12 +22,12 @@ from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.subscription import Subscription, Taker
 from rostether.ros2.zenoh.tokens import Kind, Token
 
+# How long a service that is not known may still be on its way to us: news takes a millisecond on one machine,
+# and less than this through several routers.
 NEWS_TIME_S = 0.2
-"""How long a service that is not known may still be on its way to us: news takes a millisecond on one
-machine, and less than this through several routers."""
 
+# Services that one node calls before it forgets the first ones; a board's sketch holds a handful.
 MAX_CLIENTS = 256
-"""Services that one node calls before it forgets the first ones; a board's sketch holds a handful."""
 
 Report = Callable[[Level, str], None]
 

@@ -12,8 +12,8 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.zenoh.tokens import Kind, Token, parse_token
 
+# A fleet of a hundred robots with a thousand endpoints each; endpoints over this limit are not listed.
 MAX_TOKENS = 100_000
-"""A fleet of a hundred robots with a thousand endpoints each; endpoints over this limit are not listed."""
 
 _log = logging.getLogger("rostether.ros2")
 

@@ -24,14 +24,14 @@ from rostether.ros2.zenoh.put_queue import PutQueue, Puts
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
+# A put that takes this long has waited for room; others take a hundredth of it.
 STALL_NS = 300_000
-"""A put that takes this long has waited for room; others take a hundredth of it."""
 
+# Such puts before a thread does the rest of a batch: one may be the scheduler's doing.
 MAX_STALLS = 2
-"""Such puts before a thread does the rest of a batch: one may be the scheduler's doing."""
 
+# A put that takes this long has timed out, and zenoh has dropped its message.
 DROP_NS = WAIT_BEFORE_DROP_US * 1000
-"""A put that takes this long has timed out, and zenoh has dropped its message."""
 
 Report = Callable[[Level, str], None]
 

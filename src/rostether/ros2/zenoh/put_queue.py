@@ -24,23 +24,23 @@ from dataclasses import dataclass
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
 
+# What a thread puts at a time, as much as a batch of zenoh's; the rest may lose its oldest meanwhile.
 JOB_BYTES = 64 << 10
-"""What a thread puts at a time, as much as a batch of zenoh's; the rest may lose its oldest meanwhile."""
 
+# A put that takes this long has waited for a link: it is not the scheduler's doing.
 VERY_LONG_NS = 50_000_000
-"""A put that takes this long has waited for a link: it is not the scheduler's doing."""
 
+# One that takes this long delays the messages of others, if it is done in the loop.
 LONG_NS = 10_000_000
-"""One that takes this long delays the messages of others, if it is done in the loop."""
 
+# Two of these within this time are no accident either.
 LONG_AGAIN_S = 2.0
-"""Two of these within this time are no accident either."""
 
+# How long a thread puts after a put that would have held up the loop.
 WARY_S = 60.0
-"""How long a thread puts after a put that would have held up the loop."""
 
+# How long a closing publication waits for its remaining puts.
 FINISH_LIMIT_S = 1.0
-"""How long a closing publication waits for its remaining puts."""
 
 _log = logging.getLogger("rostether.ros2")
 

@@ -14,11 +14,11 @@ from typing import Any
 
 import zenoh
 
+# A machine on a busy Wi-Fi accepts within a second; one that is off never answers.
 PROBE_TIMEOUT_S = 3.0
-"""A machine on a busy Wi-Fi accepts within a second; one that is off never answers."""
 
+# In TLS 1.3 a refusal of our certificate comes after the handshake: how long to wait for it.
 REFUSAL_TIMEOUT_S = 1.0
-"""In TLS 1.3 a refusal of our certificate comes after the handshake: how long to wait for it."""
 
 _LOOPBACK = ("localhost", "127.", "[::1]")
 _TLS = "transport/link/tls"

@@ -16,11 +16,11 @@ import time
 
 import zenoh
 
+# A machine that is refused tries again every few seconds.
 REPEAT_S = 60.0
-"""A machine that is refused tries again every few seconds."""
 
+# The number of different refusals remembered, so that peers cannot fill the memory.
 MAX_KINDS = 32
-"""The number of different refusals remembered, so that peers cannot fill the memory."""
 
 _LINE = re.compile(rb"WARN .*zenoh_link_(?:tls|quic)\S*: (?P<reason>.*)$")
 _COLOR = re.compile(rb"\x1b\[[0-9;]*m")

@@ -17,14 +17,14 @@ from rostether.ros2.zenoh.attachment import Attachment, gid_of
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
+# A query must have a time limit; a call without one ends when its server does, long before this.
 ENDLESS_S = 7 * 24 * 3600.0
-"""A query must have a time limit; a call without one ends when its server does, long before this."""
 
+# How long after its token a server's queryable may become known; on one machine it is a millisecond.
 REACH_S = 2.0
-"""How long after its token a server's queryable may become known; on one machine it is a millisecond."""
 
+# What a server says of its failure is a line for people.
 MAX_ERROR_CHARACTERS = 2000
-"""What a server says of its failure is a line for people."""
 
 
 class ServiceClient:

@@ -23,14 +23,14 @@ from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
+# Pending calls of one service; a board answers one by one, so the last would wait too long.
 MAX_CALLS = 1000
-"""Pending calls of one service; a board answers one by one, so the last would wait too long."""
 
+# Pending refusals; calls beyond them get no answer and end by the caller's time limit.
 MAX_REFUSALS = 100
-"""Pending refusals; calls beyond them get no answer and end by the caller's time limit."""
 
+# How long a service that ends waits until its callers have received an error; bounds hanging callers.
 LAST_WORDS_S = 0.2
-"""How long a service that ends waits until its callers have received an error; bounds hanging callers."""
 
 _log = logging.getLogger("rostether.ros2")
 

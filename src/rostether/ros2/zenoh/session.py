@@ -38,22 +38,22 @@ from rostether.ros2.zenoh.tokens import Token, all_tokens
 if TYPE_CHECKING:
     from rostether.ros2.zenoh.node import ZenohGraph
 
+# Changes of the graph between two turns of the loop: twice all the tokens that we keep.
 MAX_WAITING_NEWS = 200_000
-"""Changes of the graph between two turns of the loop: twice all the tokens that we keep."""
 
+# How long a new session waits for the state of the graph; a running router answers at once.
 FIRST_LOOK_TIMEOUT_S = 2.0
-"""How long a new session waits for the state of the graph; a running router answers at once."""
 
+# How long a session waits for its first connection, which zenoh does not; a router here takes 10 ms.
 FIRST_LINK_TIMEOUT_S = 0.5
-"""How long a session waits for its first connection, which zenoh does not; a router here takes 10 ms."""
 
 LINK_POLL_S = 0.005
 
+# Publications that wait for room at a time, a thread each while they do; the others wait for a thread.
 MAX_PUT_THREADS = 8
-"""Publications that wait for room at a time, a thread each while they do; the others wait for a thread."""
 
+# Requests and answers of services that wait for room: zenoh gives up a link that has none for 5 s.
 MAX_CALL_THREADS = 8
-"""Requests and answers of services that wait for room: zenoh gives up a link that has none for 5 s."""
 
 _log = logging.getLogger("rostether.ros2")
 

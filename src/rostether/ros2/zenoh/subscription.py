@@ -24,11 +24,11 @@ from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
+# What a subscriber asks of a latched publisher's past: ROS 1's latch has one message.
 LATCHED_SAMPLES = 1
-"""What a subscriber asks of a latched publisher's past: ROS 1's latch has one message."""
 
+# Types that a subscriber of any type learns; one topic has one type, and a peer may make up names.
 MAX_LEARNT_TYPES = 64
-"""Types that a subscriber of any type learns; one topic has one type, and a peer may make up names."""
 
 Report = Callable[[Level, str], None]
 OnConnection = Callable[[Mapping[str, str]], None]

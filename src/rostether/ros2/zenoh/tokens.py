@@ -18,8 +18,8 @@ from rostether.ros2.zenoh.qos_text import format_qos, parse_qos
 ADMIN_SPACE = "@ros2_lv"
 _NODE_PARTS = 9
 _ENDPOINT_PARTS = 13
+# Eight names of ROS 2's greatest length; a longer token is no node's and would only fill our memory.
 MAX_TOKEN_CHARACTERS = 4096
-"""Eight names of ROS 2's greatest length; a longer token is no node's and would only fill our memory."""
 
 
 class Kind(Enum):

@@ -20,11 +20,11 @@ from rostether.rospy.client.subscriber import Subscriber
 
 DEFAULT_QUEUE_SIZE = 50
 DEFAULT_STATUS_HZ = 5.0
+# How long a goal stays in the list after its end, so that its client receives the result.
 DEFAULT_LISTED_S = 5.0
-"""How long a goal stays in the list after its end, so that its client receives the result."""
 
+# Goals and cancel requests that a list holds: beyond it the oldest that has ended goes early.
 MAX_LISTED = 10_000
-"""Goals and cancel requests that a list holds: beyond it the oldest that has ended goes early."""
 
 _CANCELLED_BEFORE = (
     "This goal handle was canceled by the action server because its timestamp is before the timestamp of the "

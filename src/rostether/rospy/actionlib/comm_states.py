@@ -36,6 +36,7 @@ class TerminalState:
     to_string: ClassVar = classmethod(name_of_state)
 
 
+# The statuses of goals that have ended.
 ENDED = frozenset(
     {
         GoalStatus.PREEMPTED,
@@ -46,7 +47,6 @@ ENDED = frozenset(
         GoalStatus.LOST,
     }
 )
-"""The statuses of goals that have ended."""
 
 _PENDING, _ACTIVE, _RESULT = CommState.PENDING, CommState.ACTIVE, CommState.WAITING_FOR_RESULT
 _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING
@@ -78,6 +78,7 @@ _FROM_CANCELLING: _Ways = {
 _ENDED_BY_SERVER = (GoalStatus.REJECTED, GoalStatus.RECALLED, GoalStatus.PREEMPTED)
 _ENDED_BY_WORK = (GoalStatus.SUCCEEDED, GoalStatus.ABORTED)
 
+# State and status to the states that follow; a status that is missing does not fit the state.
 WAYS: dict[int, _Ways] = {
     CommState.WAITING_FOR_GOAL_ACK: {
         **_FROM_PENDING,
@@ -111,4 +112,3 @@ WAYS: dict[int, _Ways] = {
     },
     CommState.DONE: dict.fromkeys((*_ENDED_BY_SERVER, *_ENDED_BY_WORK), ()),
 }
-"""State and status to the states that follow; a status that is missing does not fit the state."""

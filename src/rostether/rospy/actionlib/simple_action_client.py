@@ -16,8 +16,8 @@ from rostether.rospy.client.names import resolve_name
 from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.shutdown import is_shutdown
 
+# How often a wait looks at the clock, which may be simulated.
 _POLL_S = 0.1
-"""How often a wait looks at the clock, which may be simulated."""
 
 
 class SimpleGoalState:

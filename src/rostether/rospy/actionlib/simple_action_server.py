@@ -13,8 +13,8 @@ from rostether.rospy.actionlib.server_goal import ServerGoalHandle
 from rostether.rospy.client.logs import logdebug, logerr, logwarn
 from rostether.rospy.client.shutdown import is_shutdown
 
+# How often the thread that executes goals looks whether the node is shut down.
 _POLL_S = 0.1
-"""How often the thread that executes goals looks whether the node is shut down."""
 
 _ANOTHER_CAME = "This goal was canceled because another goal was received by the simple action server"
 _ACCEPTED = "This goal has been accepted by the simple action server"

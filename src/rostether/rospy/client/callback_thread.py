@@ -13,12 +13,12 @@ from typing import Generic, TypeVar
 
 _T = TypeVar("_T")
 
+# How long a thread waits for more before it ends; a new one costs a tenth of a millisecond.
 IDLE_S = 5.0
-"""How long a thread waits for more before it ends; a new one costs a tenth of a millisecond."""
 
 HIGH_WATER_ITEMS = 1000
+# When to ask the source to stop and go on: a callback that is too slow must not fill the memory.
 LOW_WATER_ITEMS = 100
-"""When to ask the source to stop and go on: a callback that is too slow must not fill the memory."""
 
 
 class CallbackThread(Generic[_T]):

@@ -13,8 +13,8 @@ from rostether.names.graph_name import canonical, is_global, is_private
 from rostether.names.resolve import resolve_name as _resolve
 from rostether.rospy.client.exceptions import ROSInitException
 
+# What a program is called until init_node.
 UNNAMED = "unnamed"
-"""What a program is called until init_node."""
 
 _REMAP = re.compile(r"([~/A-Za-z_][\w/]*):=(.*)", re.DOTALL)
 

@@ -23,8 +23,8 @@ _T = TypeVar("_T")
 
 """How often to look for a master that is not there yet: it may be starting beside us."""
 
+# What leaving the graph may cost a program that ends.
 LEAVE_TIMEOUT_S = 5.0
-"""What leaving the graph may cost a program that ends."""
 
 
 class Node:

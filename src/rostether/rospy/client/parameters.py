@@ -60,6 +60,7 @@ def search_param(param_name: str) -> str | None:
     return node.call(node.master().search_param(names.mappings.get(param_name, param_name)))
 
 
+# Methods whose first argument is a name.
 _RESOLVED = frozenset(
     {
         "deleteParam",
@@ -80,7 +81,6 @@ _RESOLVED = frozenset(
         "getPublishedTopics",
     }
 )
-"""Methods whose first argument is a name."""
 
 
 class MasterProxy:

@@ -20,14 +20,14 @@ from rostether.rospy.client.topic import Topic, topics
 from rostether.tcpros.message_framing import encode_messages
 
 MAX_WAITING_MESSAGES = 100
+# What may wait for the loop's thread before a program that floods waits for it.
 MAX_WAITING_BYTES = 4 << 20
-"""What may wait for the loop's thread before a program that floods waits for it."""
 
+# How long it waits at most: a graph that is shutting down takes nothing any more.
 MAX_WAIT_S = 1.0
-"""How long it waits at most: a graph that is shutting down takes nothing any more."""
 
+# How long a subscriber that is behind may hold a program up at a time.
 MAX_PAUSE_S = 0.1
-"""How long a subscriber that is behind may hold a program up at a time."""
 
 
 class SubscribeListener:

@@ -16,8 +16,8 @@ from rostether.rospy.client.node import node
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 from rostether.rostime import NS_PER_S
 
+# How often simulated time is looked at: it comes a hundred times a second or so.
 SIMULATED_POLL_S = 0.002
-"""How often simulated time is looked at: it comes a hundred times a second or so."""
 
 
 class Duration(stamps.Duration):

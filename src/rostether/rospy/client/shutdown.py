@@ -12,8 +12,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
+# How long the end of a program waits for one thread.
 MAX_JOIN_S = 5.0
-"""How long the end of a program waits for one thread."""
 
 
 class Shutdown:

@@ -20,8 +20,8 @@ from rostether.robot.transform import StampedTransform, Transform
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.ros_time import Duration, Time, get_rostime, sleep
 
+# Which part of a timeout passes between two looks, as in tf2_ros.
 POLLING_SCALE = 0.01
-"""Which part of a timeout passes between two looks, as in tf2_ros."""
 
 _NO_TIME = Duration(0)
 

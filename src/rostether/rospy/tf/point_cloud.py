@@ -14,6 +14,7 @@ from rostether.rospy.client.message_types import all_types
 _PointCloud2: Any = all_types().message_class("sensor_msgs/PointCloud2")
 _PointField: Any = all_types().message_class("sensor_msgs/PointField")
 
+# PointField's types to those of `struct`, with their sizes.
 DATATYPES = {
     _PointField.INT8: ("b", 1),
     _PointField.UINT8: ("B", 1),
@@ -24,7 +25,6 @@ DATATYPES = {
     _PointField.FLOAT32: ("f", 4),
     _PointField.FLOAT64: ("d", 8),
 }
-"""PointField's types to those of `struct`, with their sizes."""
 
 
 def read_points(

@@ -11,8 +11,8 @@ from typing import Any
 
 from rostether.rospy.client.ros_time import get_rostime
 
+# How many messages a figure is of, where no window is given.
 MAX_WINDOW = 50_000
-"""How many messages a figure is of, where no window is given."""
 
 
 class ROSTopicHz:

@@ -38,12 +38,13 @@ from rostether.serde.generated_source import indented
 
 Convert = Callable[[bytes], bytes]
 
+# The encapsulation of what we write: plain CDR, little endian, no options.
 LITTLE_ENDIAN: Final = b"\0\1\0\0"
-"""The encapsulation of what we write: plain CDR, little endian, no options."""
 
+# The exceptions of reading bytes with another layout.
 ERRORS: Final = (struct.error, OverflowError, IndexError)
-"""The exceptions of reading bytes with another layout."""
 
+# The zeros up to the next aligned index, by the index modulo the alignment; `nul...` end a text as well.
 _PADS: Final = {
     f"{name}{alignment}": tuple(
         nul + bytes(((4 if alignment == 8 else 0) - index) % alignment) for index in range(alignment)
@@ -51,7 +52,6 @@ _PADS: Final = {
     for name, nul in (("pad", b""), ("nul", b"\0"))
     for alignment in (2, 4, 8)
 }
-"""The zeros up to the next aligned index, by the index modulo the alignment; `nul...` end a text as well."""
 
 
 def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], bytes]) -> Convert:

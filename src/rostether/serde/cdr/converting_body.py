@@ -12,8 +12,8 @@ from rostether.serde.cdr.reading_body import Functions, ReadingBody
 from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.generated_source import indented
 
+# The depth of nested loops; elements of deeper loops get separate functions.
 _MAX_LOOPS: Final = 2
-"""The depth of nested loops; elements of deeper loops get separate functions."""
 
 
 class ConvertingBody(ReadingBody):

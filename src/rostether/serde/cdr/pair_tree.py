@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, TypeAlias
 
+# The one uint8 that a ROS 2 message without fields has, as rosidl writes it.
 DUMMY_NAME: Final = "structure_needs_at_least_one_member"
-"""The one uint8 that a ROS 2 message without fields has, as rosidl writes it."""
 
 
 class Side(Enum):

@@ -32,8 +32,8 @@ from rostether.serde.type_tree import MAX_DEPTH, MAX_FIXED_BYTES
 
 Lookup = Callable[[str], Ros2Message]
 
+# A bool is 0 or 1 in CDR, and other bytes are refused there; ROS 1 lets any byte pass.
 _BOOLS: Final = Translation(*[bytes([0]) + bytes([1]) * 255] * 2)
-"""A bool is 0 or 1 in CDR, and other bytes are refused there; ROS 1 lets any byte pass."""
 
 _NUMBERS: Final[dict[str, str]] = {
     "bool": "?",
@@ -50,11 +50,11 @@ _NUMBERS: Final[dict[str, str]] = {
     "float32": "f",
     "float64": "d",
 }
+# (ROS 1, ROS 2): `byte` is signed in ROS 1 and an octet in ROS 2; both mean eight bits.
 _SAME_NUMBERS: Final = frozenset(
     {("byte", "int8"), ("byte", "uint8"), ("char", "uint8"), ("char", "byte")}
     | {("int8", "byte"), ("uint8", "byte"), ("uint8", "char")}
 )
-"""(ROS 1, ROS 2): `byte` is signed in ROS 1 and an octet in ROS 2; both mean eight bits."""
 
 _STAMPS: Final = {"time": "builtin_interfaces/msg/Time", "duration": "builtin_interfaces/msg/Duration"}
 _DUMMY: Final = Slot("", DUMMY_NAME, Plain(1, 1), ((1, b"\0"),))

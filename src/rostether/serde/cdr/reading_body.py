@@ -9,10 +9,10 @@ from rostether.serde.cdr.place import Place
 from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
+# How many numbers, strings and arrays a function grows to by nested records inline; further ones become
+# functions of their own, so that a type holding a type twice, which holds one twice ..., does not double the
+# source at each level.
 MAX_PARTS: Final = 256
-"""How many numbers, strings and arrays a function grows to by nested records inline; further ones become
-functions of their own, so that a type holding a type twice, which holds one twice ..., does not double the
-source at each level."""
 
 
 class Functions(Protocol):

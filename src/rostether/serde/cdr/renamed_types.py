@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from rostether.serde.cdr.pair_tree import Translation
 
+# ROS 1's name to ROS 2's. Types of the same name need no row, nor do fields that changed only their case.
 RENAMED_MESSAGES = MappingProxyType(
     {
         "rosgraph_msgs/Log": "rcl_interfaces/msg/Log",
@@ -14,12 +15,11 @@ RENAMED_MESSAGES = MappingProxyType(
         "tf/tfMessage": "tf2_msgs/msg/TFMessage",
     }
 )
-"""ROS 1's name to ROS 2's. Types of the same name need no row, nor do fields that changed only their case."""
 
 RENAMED_SERVICES = MappingProxyType({"roscpp/Empty": "std_srvs/srv/Empty"})
 
+# (ROS 1 message, field) to ROS 2's field.
 RENAMED_FIELDS = MappingProxyType({("rosgraph_msgs/Log", "header"): "stamp"})
-"""(ROS 1 message, field) to ROS 2's field."""
 
 _ROS2_LEVELS = ((16, 50), (8, 40), (4, 30), (2, 20), (1, 10), (0, 0))
 _ROS1_LEVELS = ((50, 16), (40, 8), (30, 4), (20, 2), (0, 1))
@@ -29,11 +29,12 @@ def _levels(steps: tuple[tuple[int, int], ...]) -> bytes:
     return bytes(next(to for least, to in steps if value >= least) for value in range(256))
 
 
+# (ROS 1 message, field of one byte) to what its values become: a severity between two is the lower one.
 RENAMED_VALUES = MappingProxyType(
     {("rosgraph_msgs/Log", "level"): Translation(_levels(_ROS2_LEVELS), _levels(_ROS1_LEVELS))}
 )
-"""(ROS 1 message, field of one byte) to what its values become: a severity between two is the lower one."""
 
+# ROS 2's name to ROS 1's, where ROS 1 has no message of ROS 2's own name.
 ROS1_MESSAGES = MappingProxyType(
     {
         "builtin_interfaces/msg/Duration": "std_msgs/Duration",
@@ -41,7 +42,6 @@ ROS1_MESSAGES = MappingProxyType(
         "rcl_interfaces/msg/Log": "rosgraph_msgs/Log",
     }
 )
-"""ROS 2's name to ROS 1's, where ROS 1 has no message of ROS 2's own name."""
 
 
 def ros2_message_name(ros1_name: str) -> str:
