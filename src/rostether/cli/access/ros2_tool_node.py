@@ -88,16 +88,19 @@ async def tool_node(
     *,
     is_quiet: bool = False,
     needs_router: bool = False,
+    needs_definitions: bool = True,
 ) -> AsyncIterator[ToolNode]:
     """Run a hidden node until the end of the block; a quiet one gives no advice.
 
-    With `needs_router`, a missing zenoh router is an error, not a warning.
+    With `needs_router`, a missing zenoh router is an error, not a warning. Without `needs_definitions`,
+    messages of unknown types are handed on as CDR.
 
     Raises ConfigError, GraphError with advice.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeTypes
+    from rostether.ros2.types.undefined_types import UndefinedTypes
     from rostether.serde.store import TypeStore
 
     middleware = options.ros2
@@ -105,7 +108,7 @@ async def tool_node(
     registry = NativeRegistry.from_environment(msg_paths)
     # A tool runs briefly: it must not be the router that others depend on.
     reach = ZenohReach(router="never")
-    types = NativeTypes(registry)
+    types = NativeTypes(registry) if needs_definitions else UndefinedTypes(registry)
     async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH and not is_quiet:
             await warn_without_router(is_error=needs_router)

@@ -13,7 +13,7 @@ from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import wait_for_topic
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_MESSAGE
 
@@ -112,17 +112,29 @@ async def ros1_meter(
 
 @asynccontextmanager
 async def ros2_meter(
-    graph: GraphOptions, topics: Iterable[str], msg_paths: Iterable[Path], *, quiet: bool
+    graph: GraphOptions,
+    topics: Iterable[str],
+    msg_paths: Iterable[Path],
+    *,
+    quiet: bool,
+    needs_definitions: bool,
 ) -> AsyncIterator[TopicMeter]:
     """Join a ROS 2 graph and wait for the topics; `quiet` leaves out the lines about that."""
     from rostether.cli.access.ros2_tool_node import tool_node
     from rostether.cli.topic.ros2_chosen_topic import choose_topic
 
-    async with tool_node(graph, msg_paths) as tool:
-        chosen_topics = [await choose_topic(tool, topic) for topic in topics]
+    async with tool_node(graph, msg_paths, needs_definitions=needs_definitions) as tool:
+        chosen_topics = [
+            await choose_topic(tool, topic, needs_definition=needs_definitions) for topic in topics
+        ]
         meter = TopicMeter(tool.graph, [each.topic for each in chosen_topics], quiet, is_ros2=True)
         for each in chosen_topics:
-            support = tool.types.message(tool.registry.message_type(each.type))
+            try:
+                support = tool.types.message(tool.registry.message_type(each.type))
+            except UnknownTypeError:
+                if needs_definitions:
+                    raise
+                continue
             meter.encoders[each.topic] = support.converter.to_cdr
         async with aclosing(meter):
             yield meter

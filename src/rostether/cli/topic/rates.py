@@ -82,7 +82,8 @@ def hz(  # noqa: PLR0913 - one for each option of the command
         test = compile_filter(expression)
 
     async def measure() -> None:
-        async with topics_of(graph).meter(topics, msg_paths, quiet=as_json) as measuring:
+        meter = topics_of(graph).meter(topics, msg_paths, quiet=as_json, needs_definitions=test is not None)
+        async with meter as measuring:
             windows = {name: IntervalWindow(-1 if window is None else window) for name in measuring.names}
 
             def now_s() -> float:
@@ -146,7 +147,8 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
     sizes = SizeWindow(window)
 
     async def measure() -> None:
-        async with topics_of(graph).meter((topic,), (), quiet=as_json) as measuring:
+        meter = topics_of(graph).meter((topic,), (), quiet=as_json, needs_definitions=False)
+        async with meter as measuring:
             name = measuring.names[0]
 
             def add(payloads: Sequence[bytes]) -> None:
@@ -188,7 +190,8 @@ def delay(
     delays = DelayWindow(-1 if window is None else window)
 
     async def measure() -> None:
-        async with topics_of(graph).meter((topic,), msg_paths, quiet=as_json) as measuring:
+        meter = topics_of(graph).meter((topic,), msg_paths, quiet=as_json, needs_definitions=True)
+        async with meter as measuring:
             name = measuring.names[0]
 
             def add(message: Any) -> None:

@@ -74,7 +74,7 @@ class Ros1Topics:
         publish(self._graph, topic, type_name, values, options)
 
     def meter(
-        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool
+        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
         """Join the graph and wait for the topics; `quiet` leaves out the lines about that."""
         from rostether.cli.topic.meter import ros1_meter

@@ -42,7 +42,12 @@ class ChosenTopic:
 
 
 async def choose_topic(
-    tool: ToolNode, text: str, type_name: str | None = None, field: str = ""
+    tool: ToolNode,
+    text: str,
+    type_name: str | None = None,
+    field: str = "",
+    *,
+    needs_definition: bool = True,
 ) -> ChosenTopic:
     """Return the topic that was typed, waiting for its first publisher unless its type was typed too.
 
@@ -68,6 +73,8 @@ async def choose_topic(
         raise TypeMismatchError(
             f"topic {found} has more than one type ({', '.join(types)}): give the type after the topic"
         )
+    if not needs_definition and found == wanted:
+        return ChosenTopic(found, short_name(types[0]))
     return _with_field(tool, found, short_name(types[0]), field or wanted[len(found) + 1 :])
 
 

@@ -61,9 +61,9 @@ class Ros2Topics:
         publish(self._graph, topic, type_name, values, options)
 
     def meter(
-        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool
+        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
         """Join the graph and wait for the topics; `quiet` leaves out the lines about that."""
         from rostether.cli.topic.meter import ros2_meter
 
-        return ros2_meter(self._graph, topics, msg_paths, quiet=quiet)
+        return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)

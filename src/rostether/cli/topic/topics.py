@@ -35,9 +35,12 @@ class Topics(Protocol):
         """Publish messages."""
 
     def meter(
-        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool
+        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` leaves out the lines about that."""
+        """Join the graph and wait for the topics; `quiet` leaves out the lines about that.
+
+        Only to decode messages, definitions are needed.
+        """
 
 
 def topics_of(graph: GraphOptions) -> Topics:

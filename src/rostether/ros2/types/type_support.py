@@ -17,6 +17,9 @@ from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.cdr.renamed_types import ros1_message_name, ros1_service_name
 
+ANY_HASH = ""
+"""The hash of a type that is received whatever its definition is."""
+
 _MD5SUM_OF_NOTHING = digest("")  # of messages without fields, whose text may well be empty
 
 

@@ -15,7 +15,7 @@ from rostether.graph.ports import Level, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
-from rostether.ros2.types.type_support import MessageSupport
+from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.foreign_threads import stay_known
@@ -228,7 +228,7 @@ class Subscription:
         except RostetherError as error:
             self._taker.report(Level.WARN, f"cannot receive {self.topic}: {error}")
             return None
-        if support.type_hash != type_hash and type_hash.startswith("RIHS"):
+        if support.type_hash not in (type_hash, ANY_HASH) and type_hash.startswith("RIHS"):
             self._taker.report(
                 Level.WARN,
                 f"cannot receive {self.topic}: its {name} is not the known one ({type_hash:.80}, not "
@@ -239,7 +239,7 @@ class Subscription:
         return support
 
     def _declare_token(self, support: MessageSupport) -> None:
-        if support.name not in self._tokens:
+        if support.name not in self._tokens and support.type_hash != ANY_HASH:
             self._tokens[support.name] = self._node.declare(
                 Kind.SUBSCRIBER, self.topic, dds_name(support.name), support.type_hash
             )

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import asyncio
 import re
 from pathlib import Path
 
+from rostether.msgdef.registry import Registry
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
 
@@ -171,6 +173,30 @@ def test_rates(world: ZenohWorld, shell: Shell) -> None:
     )
     (record,) = shell("topic", "delay", "-n", "1", "--json", "/imu").records
     assert record["min_s"] > 1e9
+
+
+def test_rates_need_no_definition(world: ZenohWorld, shell: Shell) -> None:
+    # A type that only its publisher knows.
+    registry = Registry(bundled=False)
+    registry.add_full_text("far_msgs/Odd", "float64[4] values\n")
+    publisher = world.do(world.board.advertise("/odd", registry.message_type("far_msgs/Odd")))
+
+    async def talk() -> None:
+        while True:
+            publisher.publish_raw([bytes(32)])
+            await asyncio.sleep(0.02)
+
+    async def start() -> asyncio.Task[None]:
+        return asyncio.ensure_future(talk())
+
+    talking = world.do(start())
+    try:
+        assert "average rate: " in shell.output("topic", "hz", "-n", "2", "/odd")
+        assert "Message size mean: 0.04 KB" in shell.output("topic", "bw", "-n", "2", "/odd")
+        assert "far_msgs" in shell.failure("topic", "delay", "-n", "1", "/odd")
+    finally:
+        world.stop(talking)
+        world.do(publisher.close())
 
 
 def test_what_is_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:

@@ -44,6 +44,10 @@ class ZenohWorld:
             assert time.monotonic() < deadline_s, "it never became true"
             time.sleep(0.002)
 
+    def stop(self, task: asyncio.Task[None]) -> None:
+        """Cancel what runs in the thread."""
+        self._loop.call_soon_threadsafe(task.cancel)
+
     def close(self) -> None:
         """End everything."""
         self._loop.call_soon_threadsafe(self._publishing.cancel)
