@@ -54,6 +54,10 @@ VERBS = {
     "firmware": VerbEntry(
         "rostether.cli.firmware.group:firmware", "Build, measure and flash sketches; generate their library."
     ),
+    "new": VerbEntry("rostether.cli.firmware.new:new", "Write a new sketch."),
+    "flash": VerbEntry(
+        "rostether.cli.firmware.flash:flash", "Build and flash a sketch, and connect the board."
+    ),
     "env": VerbEntry(
         "rostether.cli.launch.env:env", "Type roslaunch, rostopic and other ROS 1 commands as before."
     ),

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 
+OLD_OPTIONS = {"--for": "--duration"}
+
+
 @dataclass(frozen=True, slots=True)
 class _Start:
     board: str
@@ -37,7 +40,7 @@ class _Start:
 
 @click.command(
     cls=Verb,
-    old_options={"--for": "--duration"},
+    old_options=OLD_OPTIONS,
     examples="""
     rostether board run blink.ino --watch D13
     rostether board run Ultrasound.ino --link /tmp/board --range 0.5

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rostether.cli.board.run import board_run
+from rostether.cli.board.run import OLD_OPTIONS, board_run
 from rostether.cli.firmware.options import build, build_options
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -22,6 +22,7 @@ _OURS = frozenset(("program", "board", "msg_paths"))
 @click.command(
     "sim",
     cls=Verb,
+    old_options=OLD_OPTIONS,
     examples="""
     rostether firmware sim blink.ino --watch D13
     rostether firmware sim robot --board mega --library ~/libs/Encoder --link /tmp/board

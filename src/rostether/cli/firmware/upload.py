@@ -34,10 +34,11 @@ def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: 
     A sketch that does not fit is not flashed. If only the stack may be too large, the command prints a
     warning first.
     """
-    run(_upload(sketch, board_name, options, port))
+    run(upload_sketch(sketch, board_name, options, port))
 
 
-async def _upload(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
+async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> str:
+    """Build and flash a sketch; returns the port of the board. Raises FirmwareError, ConfigError."""
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure_built
     from rostether.firmware.upload import choose_port, upload
@@ -51,3 +52,4 @@ async def _upload(sketch: Path, board_name: str, options: BuildOptions, port: st
     write_line(f"flashing {built.board.title} on {chosen}: {describe_sizes(built, elf)}")
     await upload(built, chosen, uses_arduino_cli=options.uses_arduino_cli, show=options.show)
     write_line("done; the board now runs the sketch")
+    return chosen

@@ -1,0 +1,55 @@
+"""`rostether flash`: a sketch onto a board, which is then served."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.firmware.options import build_options
+from rostether.cli.firmware.upload import upload_sketch
+from rostether.cli.launch.run import become
+from rostether.cli.launch.served_nodes import our_command
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.firmware.build import BuildOptions
+
+_BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
+
+
+@click.command(
+    "flash",
+    cls=Verb,
+    examples="""
+    rostether flash ultrasound                     to the only board plugged in
+    rostether flash robot --board mega --port /dev/ttyACM0
+    """,
+)
+@build_options
+@click.option("-p", "--port", metavar="PORT", help="The board's serial port (default: the only one found).")
+def flash(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
+    """Build a sketch, flash it, and connect the board to the ROS graph until Ctrl-C.
+
+    It is `rostether firmware upload` and `rostether serve` in one; the log shows the board's topics.
+    """
+    chosen = run(upload_sketch(sketch, board_name, options, port))
+    address = address_of(sketch, chosen)
+    write_line(f"rostether serve '{address}'" if "?" in address else f"rostether serve {address}")
+    become(our_command("serve", address), os.environ)
+
+
+def address_of(sketch: Path, port: str) -> str:
+    """Return the link address of a port, with the baud rate that the sketch sets."""
+    from rostether.firmware.sketch import open_sketch
+
+    found = open_sketch(sketch)
+    for file in (*found.inos, *found.sources):
+        if match := _BAUD.search(file.read_text(encoding="utf-8", errors="replace")):
+            return f"{port}?baud={match[1]}"
+    return port

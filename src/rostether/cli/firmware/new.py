@@ -1,0 +1,80 @@
+"""`rostether new`: a sketch to begin with."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.errors import ConfigError
+
+_VERBS = {"sensor": VerbEntry("rostether.cli.firmware.new:new_sensor", "Write the sketch of a sensor.")}
+
+
+@click.group(cls=LazyGroup, verbs=_VERBS, examples="rostether new sensor ultrasound")
+def new() -> None:
+    """Write a new sketch."""
+
+
+@click.command(
+    "sensor",
+    cls=Verb,
+    examples="""
+    rostether new sensor                                   asks for the sensor, its pins and its topic
+    rostether new sensor ultrasound
+    rostether new sensor ultrasound front --pin TRIG=3 --pin ECHO=4 --topic front/range
+    rostether new sensor temperature --pin SENSOR=A2 --board mega
+    """,
+)
+@click.argument("kind", required=False, metavar="[SENSOR]")
+@click.argument("name", required=False, metavar="[NAME]")
+@click.option("--pin", "pins", multiple=True, metavar="NAME=PIN", help="Use another pin; may be repeated.")
+@click.option("--topic", metavar="TOPIC", help="The topic (default: the sensor's).")
+@click.option("--board", default="uno", show_default=True, help="The board, for the next command.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    default=Path(),
+    metavar="DIR",
+    help="The folder for the sketch's folder (default: this one).",
+)
+def new_sensor(
+    kind: str | None, name: str | None, pins: tuple[str, ...], topic: str | None, board: str, output: Path
+) -> None:
+    """Write a sketch that publishes a sensor: ultrasound, infrared, temperature or button.
+
+    NAME is the name of the sketch (the sensor's). On a terminal, a missing SENSOR is asked for.
+    """
+    from rostether.codegen.library_source import client_library
+    from rostether.firmware.new_sketch import KINDS, write_sketch
+    from rostether.mechanisms.text import did_you_mean
+
+    chosen = dict(_read_pin(each) for each in pins)
+    if kind is None:
+        if not sys.stdin.isatty():
+            raise click.UsageError(f"name a sensor: {', '.join(KINDS)}")
+        for each, described in KINDS.items():
+            write_line(f"  {each:<12} {described.summary}")
+        kind = click.prompt("Sensor", type=click.Choice(list(KINDS)), show_choices=False)
+        for pin, default in KINDS[kind].pins.items():
+            chosen.setdefault(pin, click.prompt(f"Pin of {pin}", default=default))
+        topic = topic or click.prompt("Topic", default=KINDS[kind].topic)
+    if kind not in KINDS:
+        hint = did_you_mean(kind, KINDS) or f"there are {', '.join(KINDS)}"
+        raise ConfigError(f"no sensor {kind!r}; {hint}")
+    described = KINDS[kind]
+    topic = topic or described.topic
+    file = write_sketch(output / (name or kind), described, client_library() / "examples", chosen, topic)
+    write_line(f"wrote {file}; its first lines show the wiring")
+    write_line(f"next: rostether flash {file.parent} --board {board}")
+
+
+def _read_pin(text: str) -> tuple[str, str]:
+    name, equals, pin = text.partition("=")
+    if not equals:
+        raise click.UsageError(f"--pin {text}: write NAME=PIN, such as TRIG=6")
+    return name.upper(), pin.upper()
