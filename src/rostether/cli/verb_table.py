@@ -56,7 +56,7 @@ VERBS = {
     ),
     "new": VerbEntry("rostether.cli.firmware.new:new", "Write a new sketch."),
     "flash": VerbEntry(
-        "rostether.cli.firmware.flash:flash", "Build and flash a sketch, and connect the board."
+        "rostether.cli.launch.flash:flash", "Build and flash a sketch, and connect the board."
     ),
     "env": VerbEntry(
         "rostether.cli.launch.env:env", "Type roslaunch, rostopic and other ROS 1 commands as before."

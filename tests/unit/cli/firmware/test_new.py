@@ -1,12 +1,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
-from rostether.cli.firmware import flash as flash_module
 from rostether.cli.firmware import new as new_module
 from rostether.cli.firmware.new import new_sensor
 from unit.cli.command_shell import Shell
@@ -46,22 +44,3 @@ def test_on_a_terminal_it_asks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 def test_without_a_terminal_the_sensor_must_be_named(shell: Shell) -> None:
     assert "name a sensor: ultrasound, infrared" in shell.failure("new", "sensor", code=2)
-
-
-@pytest.mark.parametrize(
-    ("code", "address"),
-    [("", "/dev/ttyACM0"), ("nh.getHardware()->setBaud(115200);", "/dev/ttyACM0?baud=115200")],
-)
-def test_flash_uploads_and_then_serves(
-    tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch, code: str, address: str
-) -> None:
-    (tmp_path / "a.ino").write_text(f"void setup() {{ {code} }}\nvoid loop() {{}}\n")
-    started: list[list[str]] = []
-
-    async def uploaded(*_: Any) -> str:
-        return "/dev/ttyACM0"
-
-    monkeypatch.setattr(flash_module, "upload_sketch", uploaded)
-    monkeypatch.setattr(flash_module, "become", lambda words, _: started.append(words))
-    assert address in shell.output("flash", str(tmp_path / "a.ino"))
-    assert started[0][-2:] == ["serve", address]
