@@ -121,7 +121,7 @@ class BoardRegistry:
         self._leave(board)
 
     async def close(self) -> None:
-        """Take every board out of the graph, in less than a second."""
+        """Remove every board from the graph, in less than a second."""
         for board in list(self._boards.values()):
             self._leave(board)
         leaving = [board.leaving for board in self._boards.values() if board.leaving is not None]

@@ -83,7 +83,7 @@ class ParameterRelay:
         self._on_answered = on_answered
 
     def ask(self, name: str) -> None:
-        """Take a question from the board."""
+        """Handle a parameter request of the board."""
         if len(self._names) >= MAX_WAITING:
             self._notices.episode(
                 "parameters", Level.WARN, f"too many parameter requests at once; {name} gets no answer"

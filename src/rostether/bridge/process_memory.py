@@ -29,7 +29,7 @@ class BoardObjects:
         self._is_closed = False
 
     def connected(self) -> None:
-        """Take note of a board that has connected."""
+        """Note that a board has connected."""
         self._boards += 1
         self._freeze_soon()
 
@@ -40,7 +40,7 @@ class BoardObjects:
         self._freeze_soon()
 
     def node_left(self) -> None:
-        """Take note of a board's node that left the graph, mostly some time after the board."""
+        """Note that a board's node left the graph, usually some time after the board."""
         self._left += 1
         if self._release_timer is None and not self._is_closed:
             self._release_timer = asyncio.get_running_loop().call_later(RELEASE_AFTER_S, self._release)

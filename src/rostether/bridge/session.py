@@ -158,7 +158,7 @@ class Session:
         self._end(None)
 
     def data_received(self, data: bytes) -> None:
-        """Take a chunk from the transport."""
+        """Handle a chunk from the transport."""
         if self._ended.done():
             return
         now_s = self.heard_at_s = self._loop.time()

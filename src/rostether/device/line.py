@@ -104,7 +104,7 @@ class DeviceLine:
             self._report(self._link.handle_timer(self._clock()))
 
     def data_received(self, data: bytes) -> None:
-        """Take a chunk from the host."""
+        """Handle a chunk from the host."""
         if self._transport is not None:
             self._report(self._link.receive_data(data, self._clock()))
 

@@ -49,7 +49,7 @@ class ServiceServer:
         self._task: asyncio.Task[None] | None = None
 
     def receive(self, payloads: Iterable[bytes]) -> None:
-        """Take requests."""
+        """Handle requests."""
         self._waiting.extend(payloads)
         if self._task is None and self._waiting:
             self._task = asyncio.get_running_loop().create_task(self._answer_all())
@@ -120,7 +120,7 @@ class ServiceClient:
         return self._response_codec.decode(response)
 
     def receive(self, payloads: Iterable[bytes]) -> None:
-        """Take an answer; one that comes after its call was given up is dropped."""
+        """Handle an answer; one that comes after its call was given up is dropped."""
         for payload in payloads:
             if self._in_flight is not None and not self._in_flight.done():
                 self._in_flight.set_result(payload)

@@ -96,7 +96,7 @@ class CallGraph:
         return self._calls[entry]
 
     def reachable(self, entries: Iterable[int], *, through_pointers: bool = True) -> list[int]:
-        """Return all functions that are called below some, these included."""
+        """Return the given functions and all functions that they call, directly or not."""
         seen: dict[int, None] = {}
         pending = list(entries)
         while pending:

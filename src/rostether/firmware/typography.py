@@ -46,7 +46,7 @@ class Typographic:
 
 
 def find_typographic(text: str) -> list[Typographic]:
-    """Return the typographic characters outside of comments and complete strings, the first few."""
+    """Return the first typographic characters outside comments and complete strings."""
     found: list[Typographic] = []
     for token in tokenize(text):
         if token.kind == "comment" or (token.kind in ("string", "char") and _is_complete(token.text)):

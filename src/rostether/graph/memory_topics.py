@@ -134,11 +134,11 @@ class MemorySubscriber:
         return len(self.links)
 
     def pause(self) -> None:
-        """Take nothing until resume; publishers queue."""
+        """Pause until resume; publishers queue."""
         self.is_paused = True
 
     def resume(self) -> None:
-        """Take what has queued, and go on."""
+        """Receive the queued messages, and continue."""
         self.is_paused = False
         for link in self.links:
             link.deliver_soon()

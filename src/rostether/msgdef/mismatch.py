@@ -114,7 +114,7 @@ class _Version(NamedTuple):
 
     @classmethod
     def of(cls, spec: MessageSpec, sums: Mapping[str, str]) -> _Version:
-        """Take a definition as it is."""
+        """Return a definition unchanged."""
         constants = tuple((declarations_text([each], (), sums), each) for each in spec.constants)
         fields = tuple((declarations_text((), [each], sums), each) for each in spec.fields)
         return cls(spec, constants, fields)

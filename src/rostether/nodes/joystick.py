@@ -48,7 +48,7 @@ class Joystick:
         self.deadzone = min(max(deadzone, 0.0), MAX_DEADZONE)
 
     def feed(self, data: bytes) -> When:
-        """Take bytes of the device, whole events or parts of them; returns when to publish."""
+        """Handle bytes of the device, whole events or parts of them; returns when to publish."""
         data = self._rest + data
         end = len(data) - len(data) % EVENT.size
         self._rest = data[end:]

@@ -30,7 +30,7 @@ class KnownBoards:
         return self._bauds.get(key)
 
     def remember(self, key: str, baud: int) -> None:
-        """Note a board's speed; the file is written only when that is news."""
+        """Record a board's speed; the file is written only if it changed."""
         is_news = self._bauds.pop(key, None) != baud
         self._bauds[key] = baud
         while len(self._bauds) > MAX_BOARDS:

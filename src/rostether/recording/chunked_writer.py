@@ -56,7 +56,7 @@ class ChunkedWriter(ABC):
         return self._file.position + self._chunk_bytes
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
+        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
         if not payloads:
             return
         index = self._index.get(number)

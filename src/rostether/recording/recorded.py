@@ -108,7 +108,7 @@ class RecordingWriter(Protocol):
         """Return the connection's number; equal connections share one."""
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time."""
+        """Write messages that arrived at one time."""
 
     def flush(self) -> None:
         """Hand all that was taken to the operating system: a killed process loses nothing of it."""

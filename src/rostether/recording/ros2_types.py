@@ -36,7 +36,7 @@ class RecordedDefinitions(Ros2Definitions):
         self._texts: dict[str, str] = {}
 
     def learn(self, origin: Ros2Origin) -> None:
-        """Take the texts that came with a topic. Raises DefinitionError."""
+        """Handle the texts that came with a topic. Raises DefinitionError."""
         if origin.encoding != ROS2MSG or not origin.definition:
             return
         for name, text in split_full_text(origin.type_name, origin.definition).items():

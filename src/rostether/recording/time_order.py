@@ -17,7 +17,7 @@ class TimeOrder:
         self._first = ""
 
     def add(self, time_ns: int) -> None:
-        """Take the next message's time."""
+        """Record the next message's time."""
         if time_ns < self._last_ns - _JUMP_NS:
             self._count += 1
             if not self._first:

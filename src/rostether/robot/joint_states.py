@@ -86,7 +86,7 @@ class JointStates:
         velocities: Sequence[float] = (),
         efforts: Sequence[float] = (),
     ) -> None:
-        """Take over what a source says of our joints; lists that are too short say nothing of the rest."""
+        """Store a source's values of the robot's joints; short lists leave the other joints unchanged."""
         for values, attribute in ((positions, "position"), (velocities, "velocity"), (efforts, "effort")):
             for name, value in zip(names, values, strict=False):
                 if name in self.free:

@@ -47,7 +47,7 @@ class RpcUri:
 
 
 def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
-    """Take a node's or master's URI apart. Raises ConfigError."""
+    """Parse the URI of a node or master. Raises ConfigError."""
     match = _URI.fullmatch(uri.strip())
     if match is None or match["scheme"] != scheme or not 0 < int(match["port"]) < 65536:
         raise ConfigError(f"{uri!r:.200} is not a URI like {scheme}://192.168.1.7:11311; give host and port")

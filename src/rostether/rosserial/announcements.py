@@ -25,7 +25,7 @@ class Announcements:
     def handle_packet(
         self, kind: int, payload: bytes, now_s: float
     ) -> tuple[TopicInfo | None, list[HostEvent]]:
-        """Take a packet on reserved id `kind`; return what the device has, None if that is not known."""
+        """Handle a packet on reserved id `kind`; return what the device has, None if that is not known."""
         info = TopicInfo.read(payload)
         if info is None:
             return None, [FrameDiscarded(DiscardReason.PACKET, payload, kind)]

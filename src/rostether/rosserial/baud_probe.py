@@ -139,7 +139,7 @@ class BaudProbe:
         self._next(now_s)
 
     def receive_data(self, data: bytes, now_s: float) -> None:
-        """Take a chunk from the port."""
+        """Handle a chunk from the port."""
         if self.result is not None:
             return
         self._received += data[: MAX_KEPT_BYTES - len(self._received)]

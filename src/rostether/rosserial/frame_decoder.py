@@ -125,7 +125,7 @@ class FrameDecoder:
         return None if self._pending else self._scanner.only_frame(data)
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
-        """Take a chunk, cut anywhere; return what it completes.
+        """Handle a chunk, cut anywhere; return what it completes.
 
         First come the frames of reserved ids, in their order; then the messages, one group for each topic id;
         then the discarded bytes, in their order.

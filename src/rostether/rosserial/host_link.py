@@ -98,7 +98,7 @@ class HostLink:
         return events
 
     def receive_message(self, data: bytes, now_s: float) -> tuple[int, bytes] | None:
-        """Take a chunk that is one message on an announced id, from a board at work; return id and payload.
+        """Handle a chunk that is one message on an announced id, from a board at work; return id and payload.
 
         None, and nothing taken, if it is anything else: `receive_data` takes it then. Such a message makes
         nothing due earlier and gives nothing to send, so that boards which send one at a time cost half.

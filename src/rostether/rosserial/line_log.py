@@ -39,7 +39,7 @@ class LineLog:
         self._topics: dict[int, str] = {}
 
     def feed(self, time_s: float, from_device: bool, data: bytes) -> Iterator[LineEntry]:
-        """Take bytes of one side and yield what they complete."""
+        """Handle bytes of one side and yield what they complete."""
         decoder = self._decoders[from_device]
         while (due_s := decoder.get_timer()) is not None and due_s <= time_s:
             yield from self._entries(due_s, from_device, decoder.handle_timer(due_s))

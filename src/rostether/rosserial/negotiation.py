@@ -186,7 +186,7 @@ class Negotiation:
         self._answers.forget()
 
     def time_requested(self, now_s: float) -> TimeRequestMeaning:
-        """Take a time request, which may begin an answer; return what it means."""
+        """Handle a time request, which may begin an answer; return what it means."""
         has_topics = self._completeness.has_heard_anything
         meaning = self._answers.time_requested(now_s, has_topics=has_topics)
         if self.phase is Phase.SETTLED:

@@ -137,7 +137,7 @@ class Presence:
         self.heard_s = now_s
 
     def message(self, now_s: float) -> None:
-        """Take a message on an announced id: only a configured board sends one."""
+        """Handle a message on an announced id: only a configured board sends one."""
         self._alarms = 0
         self.sign(now_s)
 
@@ -155,7 +155,7 @@ class Presence:
         self.sign(now_s)
 
     def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:
-        """Take a time request; `is_excused`: it may answer an earlier topic request."""
+        """Handle a time request; `is_excused`: it may answer an earlier topic request."""
         self.heard_s = now_s
         # After a standstill of this process, a request that waited looks late and the next one early.
         is_measured = now_s - self._stalled_s >= EARLY_S

@@ -52,7 +52,7 @@ class ProtocolDetector:
             reader.limits_changed()
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
-        """Take a chunk; return nothing until a version is found or noise has waited long enough."""
+        """Handle a chunk; return nothing until a version is found or noise has waited long enough."""
         return self._sift(
             {version: reader.feed(data, now_s) for version, reader in self._candidates.items()}, now_s
         )

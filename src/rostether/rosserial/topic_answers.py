@@ -84,7 +84,7 @@ class TopicAnswers:
         self._heard_s = now_s
 
     def time_requested(self, now_s: float, *, has_topics: bool) -> TimeRequestMeaning:
-        """Take a time request; `has_topics`: an answer would hold announcements."""
+        """Handle a time request; `has_topics`: an answer would hold announcements."""
         before, self._burst = self._burst, _Burst.NONE
         pause_s, self._heard_s = now_s - self._heard_s, now_s
         if before is _Burst.INTRODUCTION and pause_s <= CLOSING_S:

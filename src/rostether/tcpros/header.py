@@ -82,7 +82,7 @@ class HeaderDecoder:
         return len(self._buffer)
 
     def feed(self, data: bytes) -> dict[str, str] | None:
-        """Take a chunk; return the fields once the header is complete.
+        """Handle a chunk; return the fields once the header is complete.
 
         Raises RemoteProtocolError for a header longer than the limit or broken fields.
         """

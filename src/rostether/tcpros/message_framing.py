@@ -67,7 +67,7 @@ class MessageDecoder:
         self._missing_bytes = 0
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Take a chunk and return the payloads that are complete, in order.
+        """Handle a chunk and return the payloads that are complete, in order.
 
         Raises RemoteProtocolError for a length above the limit: the connection cannot go on.
         """

@@ -50,7 +50,7 @@ class AnswerDecoder:
         self._buffer = bytearray()
 
     def feed(self, data: bytes) -> list[ServiceAnswer]:
-        """Take a chunk and return the answers that are complete.
+        """Handle a chunk and return the answers that are complete.
 
         Raises RemoteProtocolError for a length above the limit.
         """

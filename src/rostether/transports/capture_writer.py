@@ -204,7 +204,7 @@ class RecordedTransport:
         await self._inner.wait_closed()
 
     def data_received(self, data: bytes) -> None:
-        """Take a chunk from the inner transport."""
+        """Handle a chunk from the inner transport."""
         if not self._is_ended:
             self._writer.note(self._link, "device", data)
         if self._receiver is not None:

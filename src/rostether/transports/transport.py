@@ -15,7 +15,7 @@ class Receiver(Protocol):
     """Who uses a transport implements this."""
 
     def data_received(self, data: bytes) -> None:
-        """Take a chunk, in order, cut anywhere."""
+        """Handle a chunk, in order, cut anywhere."""
 
     def connection_lost(self, error: TransportError | None) -> None:
         """Learn once that the pipe ended; None after our own close()."""

@@ -60,7 +60,7 @@ class EndpointOpenings:
             self._opening[endpoint] = self._run(self._open(endpoint, endpoint.renew, None))
 
     def close(self, slot: Slot, endpoint: Endpoint) -> None:
-        """Take an endpoint out of the graph."""
+        """Remove an endpoint from the graph."""
         self._log(endpoint, "closing")
         self._unwanted.add(endpoint)
         self._refused.discard(endpoint)

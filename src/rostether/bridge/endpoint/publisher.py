@@ -68,7 +68,7 @@ class PublisherEndpoint:
         return self._publisher.dropped_count if self._publisher is not None else 0
 
     def attach(self, line: BoardLine, info: TopicInfo) -> None:
-        """Take the messages of a connection."""
+        """Handle the messages of a connection."""
         self.detach()
         self.info = info
         self._line = line
@@ -101,7 +101,7 @@ class PublisherEndpoint:
             await self._publisher.close()
 
     def receive(self, payloads: list[bytes]) -> None:
-        """Take messages from the board."""
+        """Handle messages from the board."""
         if self._accepts_all(payloads):
             self._take(payloads)
         else:
@@ -154,7 +154,7 @@ class PublisherEndpoint:
         return payloads[:admitted]
 
     def _sort_out(self, payloads: list[bytes]) -> None:
-        """Take what fits, and look for swallowed frames in what does not, in the order in which they came."""
+        """Accept valid messages, and search invalid ones for swallowed frames, in their order of arrival."""
         accepts = self._layout.accepts
         line = self._line
         fitting: list[bytes] = []

@@ -53,7 +53,7 @@ class ServiceClientEndpoint:
         self._calling: asyncio.Task[None] | None = None
 
     def attach(self, line: BoardLine, info: ServiceAnnounced) -> None:
-        """Take the requests of a connection."""
+        """Handle the requests of a connection."""
         self.detach()
         self.info = info
         self._line = line
@@ -89,7 +89,7 @@ class ServiceClientEndpoint:
             await listed.close()
 
     def receive(self, payloads: list[bytes]) -> None:
-        """Take requests from the board."""
+        """Handle requests from the board."""
         line = self._line
         if line is None:
             return

@@ -110,7 +110,7 @@ class ServiceServerEndpoint:
         self._past_call.set()
 
     def receive(self, payloads: list[bytes]) -> None:
-        """Take responses from the board."""
+        """Handle responses from the board."""
         for payload in payloads:
             response = self._response
             if response is None or response.done():

@@ -91,7 +91,7 @@ class SubscriberEndpoint:
         await self.open()
 
     def deliver(self, payloads: Sequence[bytes]) -> None:
-        """Take messages from the graph."""
+        """Handle messages from the graph."""
         line, lane = self._line, self._lane
         if line is None or lane is None:
             return

@@ -80,7 +80,7 @@ class LineWatch:
         return self._alive_s is not None
 
     def handle_event(self, event: HostEvent, now_s: float) -> None:  # noqa: C901 - one branch for each kind of event
-        """Take an event."""
+        """Handle an event."""
         if isinstance(event, FrameDiscarded):
             self._discarded(event, now_s)
             return

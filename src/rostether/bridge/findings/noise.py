@@ -71,7 +71,7 @@ class Noise:
         return bytes(self._first)
 
     def handle_discarded(self, event: FrameDiscarded, now_s: float, *, is_alive: bool) -> bool:
-        """Take what was discarded; returns whether it was text. `is_alive`: frames come as well."""
+        """Handle discarded bytes; returns whether it was text. `is_alive`: frames come as well."""
         data = event.data
         self.byte_count += len(data)
         self._first += data[: KEPT_BYTES - len(self._first)]
@@ -101,7 +101,7 @@ class Noise:
         return lines[-1].decode("utf-8", "replace").strip()[:SHOWN_BYTES] if lines else None
 
     def _note_text(self, size: int, now_s: float) -> None:
-        """Take text for a sketch's own if it has an end of line or comes again and again.
+        """Treat text as printed by the sketch if it has an end of line or comes again and again.
 
         The rest of a damaged announcement is text too.
         """

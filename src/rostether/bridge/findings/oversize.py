@@ -40,7 +40,7 @@ class Oversizes:
         self._piece_s = 0.0
 
     def handle_discarded(self, event: FrameDiscarded, version: int | None, now_s: float) -> bool:
-        """Take what was discarded; returns whether it is, or was, of a message that was too long."""
+        """Handle discarded bytes; returns whether it is, or was, of a message that was too long."""
         if event.reason is DiscardReason.TOO_LONG:
             self._cut = b""
             self._note(event.data, version, now_s)

@@ -40,7 +40,7 @@ class Stamps:
         self.estimate.answered(time.to_ns(), now_s)
 
     def track(self, topic_id: int, payloads: list[bytes], now_s: float) -> None:
-        """Take the messages of a topic that has an offset."""
+        """Handle the messages of a topic that has an offset."""
         if now_s < self._next_s:
             return
         self._next_s = now_s + SAMPLE_PERIOD_S

@@ -74,7 +74,7 @@ class _Probing:
         return found
 
     def data_received(self, data: bytes) -> None:
-        """Take a chunk."""
+        """Handle a chunk."""
         if self._probe.result is None:
             self._probe.receive_data(data, self._loop.time())
             self._apply()

@@ -25,7 +25,7 @@ class Ros2Access:
     """A session on a ROS 2 graph: its node factory, its types, and a line for users.
 
     Over zenoh, `listens_on` and `connects_to` are endpoints of the session, and
-    `is_router` tells whether it is the router of this machine.
+    `is_router` is true if it is the router of this machine.
     """
 
     join: JoinGraph

@@ -154,7 +154,7 @@ class _Place:
         return self._file or self._folder / f"{table.name}.{self._format}"
 
     def remove(self) -> None:
-        """Take away what was begun: half a table looks like a whole one."""
+        """Remove the incomplete file: half a table looks like a whole one."""
         for path in self._created:
             path.unlink(missing_ok=True)
 

@@ -45,6 +45,6 @@ class ProgressLine:
             before, before_s = now, now_s
 
     def clear(self) -> None:
-        """Take the line away before another is written."""
+        """Erase the line before another is written."""
         if self._is_shown:
             show("")

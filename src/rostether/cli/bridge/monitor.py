@@ -62,7 +62,7 @@ class BoardsSeen:
         self._seen: dict[str, tuple[float, BoardStatus, int]] = {}
 
     def add_status(self, status: BoardStatus, now_s: float) -> None:
-        """Take a status."""
+        """Handle a status."""
         if status.name in self._seen or len(self._seen) < MAX_BOARDS:
             count = self._seen[status.name][2] if status.name in self._seen else 0
             self._seen[status.name] = now_s, status, count + 1

@@ -72,7 +72,7 @@ class Curves:
             self._points.setdefault(name, {})
 
     def add(self, now_s: float, name: str, value: Any) -> bool:
-        """Take a field's value, or the numbers in it; False when there are none."""
+        """Add a field's value, or the numbers in it; False if there are none."""
         self.expect(name)
         group = self._points[name]
         found = False

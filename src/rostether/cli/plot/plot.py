@@ -195,7 +195,7 @@ class _Session:
         self._problems: set[str] = set()
 
     def add_message(self, name: str, message: Any, path: Any) -> None:
-        """Take what a path selects in a message. Raises ConfigError when it holds no number."""
+        """Add the values that a path selects in a message. Raises ConfigError if they are not numbers."""
         now_s = asyncio.get_running_loop().time()
         if self._begin_s is None:
             self._begin_s = now_s

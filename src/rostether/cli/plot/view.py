@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 _LEAST_COLUMNS, _LEAST_ROWS = 20, 4
-_MOST_COLUMNS = 400  # whatever a terminal says of itself
+_MOST_COLUMNS = 400  # even if the terminal reports more
 
 Piece = tuple[str, int | None]
 """Text, and the number of the curve whose color it has."""

@@ -65,7 +65,7 @@ class BagContent:
     connections_bytes: int = 0
 
     def add_connection(self, fields: Fields, header: Buffer) -> None:
-        """Take a connection record. Raises RecordingError, also when there are more than any robot has."""
+        """Handle a connection record. Raises RecordingError, also when there are more than any robot has."""
         self.connections_bytes += len(header)
         if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
             found = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"

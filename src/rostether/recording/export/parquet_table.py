@@ -55,7 +55,7 @@ class ParquetTable:
                 raise
 
     def add(self, time_ns: int, message: Message) -> None:
-        """Take a row, and write those that wait when they are many."""
+        """Add a row; write the buffered rows if there are many."""
         values = self._values
         values[0].append(time_ns / NS_PER_S)
         values[1].append(time_ns)

@@ -24,10 +24,10 @@ class Table(Protocol):
     """One table being written. Every method raises RecordingError when the disk takes no more."""
 
     def add(self, time_ns: int, message: Message) -> None:
-        """Take a row."""
+        """Add a row."""
 
     def flush(self) -> None:
-        """Write what waits: all tables together may take too much memory."""
+        """Write the buffered rows: all tables together may need too much memory."""
 
     def close(self) -> None:
         """Write what waits, and end the table. Idempotent."""

@@ -78,7 +78,7 @@ class McapContent:
     definition_bytes: int = 0
 
     def define(self, op: int, data: Buffer, start: int, end: int) -> None:
-        """Take a schema or a channel, the same ones again too. Raises RecordingError."""
+        """Handle a schema or a channel, the same ones again too. Raises RecordingError."""
         self.definition_bytes += end - start
         if self.definition_bytes > MAX_DEFINITION_BYTES:
             raise RecordingError(f"it has more than {MAX_DEFINITION_BYTES} bytes of definitions")
@@ -245,7 +245,7 @@ def _packed_bytes(data: Buffer) -> int:
 
 
 def _add_cut_chunk(content: McapContent, data: Buffer, position: int) -> None:
-    """Take the whole messages of a chunk at whose end the file is cut, when it is not packed."""
+    """Read the complete messages of an uncompressed chunk that is truncated at the end of the file."""
     start = position + RECORD_HEAD.size
     if start > len(data) or data[position] != OP_CHUNK:
         return

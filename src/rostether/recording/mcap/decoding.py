@@ -64,7 +64,7 @@ class _Fields:
         return self.data().decode("utf-8", "surrogateescape")
 
     def part(self, form: struct.Struct = U32) -> _Fields:
-        """Take a length and the fields below it."""
+        """Read a length and the fields after it."""
         length = self.unpack(form)[0]
         position = self._advance(length)
         return _Fields(self._data, position, position + length, self._kind)

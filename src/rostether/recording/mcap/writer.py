@@ -112,7 +112,7 @@ class McapWriter(ChunkedWriter):
         return number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
+        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
         super().write(number, min(max(time_ns, 0), _MAX_TIME_NS), payloads)
 
     def flush(self) -> None:

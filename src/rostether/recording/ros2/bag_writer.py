@@ -135,7 +135,7 @@ class Ros2FileWriter:
         return self._storage.add_connection(connection)
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time. Raises RecordingError."""
+        """Write messages that arrived at one time. Raises RecordingError."""
         self._storage.write(number, time_ns, payloads)
 
     def flush(self) -> None:

@@ -95,7 +95,7 @@ class Db3Writer:
         return channel.number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time."""
+        """Write messages that arrived at one time."""
         cdr = self.channels.converted(self.channels.channels[number - 1], payloads)
         if not cdr:
             return

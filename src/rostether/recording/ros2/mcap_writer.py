@@ -65,6 +65,6 @@ class Ros2McapWriter(McapWriter):
         return number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Take messages that came at one time. Raises RecordingError when the disk takes no more."""
+        """Write messages that arrived at one time. Raises RecordingError if the disk rejects them."""
         channel: Channel = self.channels.channels[number - 1]
         super().write(number, time_ns, self.channels.converted(channel, payloads))

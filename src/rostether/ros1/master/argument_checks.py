@@ -50,19 +50,19 @@ def _text(label: str, value: XmlRpcValue) -> str:
 
 
 def any_value(value: XmlRpcValue, _caller_id: str) -> XmlRpcValue:
-    """Take everything."""
+    """Accept everything."""
     return value
 
 
 def some_value(value: XmlRpcValue, _caller_id: str) -> XmlRpcValue:
-    """Take everything but nil."""
+    """Accept everything except nil."""
     if value is None:
         raise BadArgumentError("ERROR: parameter [value] must be specified")
     return value
 
 
 def param_key(value: XmlRpcValue, _caller_id: str) -> str:
-    """Take a parameter's name as it is; each method resolves it, or searches for it."""
+    """Accept a parameter's name unchanged; each method resolves it, or searches for it."""
     if not value:
         raise BadArgumentError("ERROR: parameter [key] must be specified and non-empty")
     if not isinstance(value, str) or len(value) > MAX_NAME_LENGTH:

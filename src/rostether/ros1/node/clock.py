@@ -28,7 +28,7 @@ class Clock:
         self._simulated: Time | None = None
 
     def simulate(self) -> None:
-        """Take the time from `take_messages` from now on; it is zero before the first."""
+        """From now on, use the time from `take_messages`; it is zero before the first."""
         self._simulated = Time()
 
     @property
@@ -41,6 +41,6 @@ class Clock:
         return self._wall_time() if self._simulated is None else self._simulated
 
     def handle_messages(self, payloads: Sequence[bytes]) -> None:
-        """Take serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
+        """Handle serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
         if len(payloads[-1]) == _CLOCK.size:
             self._simulated = Time(*_CLOCK.unpack(payloads[-1]))

@@ -50,7 +50,7 @@ async def watch_changes(
 ) -> AsyncIterator[Snapshot]:
     """Yield a snapshot now and one after each change, until `closed` is set.
 
-    A master that is away changes nothing; only the first snapshot raises MasterUnreachableError.
+    An unreachable master changes nothing; only the first snapshot raises MasterUnreachableError.
     """
     latest = await take_snapshot(master)
     yield latest

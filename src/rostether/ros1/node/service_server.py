@@ -105,7 +105,7 @@ class ServiceConnection(asyncio.Protocol):
             self._transport.close()
 
     def data_received(self, data: bytes) -> None:
-        """Take requests; read no more of them until these are answered."""
+        """Handle requests; read no more of them until these are answered."""
         try:
             self._requests.extend(self._decoder.feed(data))
         except ProtocolError as error:

@@ -150,7 +150,7 @@ class Endpoints:
                 return
             del self._listed[key]
             client = self._clients.pop(key, None)
-            # With the node, `close` has ended it already.
+            # `close` has already ended it with the node.
             if client is not None:
                 await self._own.thread.run(client.end)
 

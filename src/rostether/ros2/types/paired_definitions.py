@@ -50,7 +50,7 @@ class PairedDefinitions:
         )
 
     def counterpart(self, ros1_name: str) -> Ros2Message:
-        """Return what a ROS 1 message `package/Name` is in ROS 2. Raises as `message`."""
+        """Return the ROS 2 form of a ROS 1 message `package/Name`. Raises as `message`."""
         name = ros2_message_name(ros1_name)
         if self._definitions.has(name):
             return self._definitions.message(name)

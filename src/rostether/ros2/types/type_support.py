@@ -101,7 +101,7 @@ class Ros2Types:
         return support
 
     def by_name(self, name: str) -> MessageSupport:
-        """Return a ROS 2 message: as ROS 1's message of the name if there is one that fits, else as it is.
+        """Return a ROS 2 message: as the ROS 1 message of the same name if one fits, else unchanged.
 
         Raises UnknownTypeError, DefinitionError.
         """

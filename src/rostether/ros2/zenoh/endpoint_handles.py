@@ -171,7 +171,7 @@ class Endpoints:
             return
         del self._listed[key]
         client = self._clients.pop(key, None)
-        # With the node, `close` has ended it already.
+        # `close` has already ended it with the node.
         if client is not None:
             client.close()
 

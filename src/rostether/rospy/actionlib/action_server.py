@@ -167,7 +167,7 @@ class ActionServer:
                 self.status_pub.publish(message)
 
     def internal_goal_callback(self, goal: Any) -> None:
-        """Take a goal."""
+        """Handle a goal."""
         with self.lock:
             if not self.started:
                 return

@@ -124,7 +124,7 @@ class SimpleActionServer:
         self.preempt_callback = cb
 
     def internal_goal_callback(self, goal: ServerGoalHandle) -> None:
-        """Take a goal, unless it is older than those that are here."""
+        """Accept a goal, unless it is older than the current ones."""
         with self.execute_condition:
             try:
                 self._take(goal)

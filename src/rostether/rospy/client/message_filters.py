@@ -67,11 +67,11 @@ class Cache(SimpleFilter):
         self.connectInput(f)
 
     def connectInput(self, f: SimpleFilter) -> None:
-        """Take messages of a filter."""
+        """Handle messages of a filter."""
         self.incoming_connection = f.registerCallback(self.add)
 
     def add(self, msg: Any) -> None:
-        """Take a message."""
+        """Handle a message."""
         stamp = _stamp_of(msg, self.allow_headerless)
         if stamp is None:
             return
@@ -120,7 +120,7 @@ class TimeSynchronizer(SimpleFilter):
         self.connectInput(fs)
 
     def connectInput(self, fs: Sequence[SimpleFilter]) -> None:
-        """Take messages of filters."""
+        """Handle messages of filters."""
         self.queues: list[dict[Any, Any]] = [{} for _ in fs]
         self.input_connections = [
             each.registerCallback(self.add, queue, index)
@@ -128,7 +128,7 @@ class TimeSynchronizer(SimpleFilter):
         ]
 
     def add(self, msg: Any, my_queue: dict[Any, Any], my_queue_index: int | None = None) -> None:
-        """Take a message of one filter."""
+        """Handle a message of one filter."""
         with self.lock:
             self._keep(msg.header.stamp, msg, my_queue)
             for stamp in sorted(set.intersection(*(set(queue) for queue in self.queues))):
@@ -161,7 +161,7 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         self.last_added = get_rostime()
 
     def add(self, msg: Any, my_queue: dict[Any, Any], my_queue_index: int | None = None) -> None:
-        """Take a message of one filter."""
+        """Handle a message of one filter."""
         stamp = _stamp_of(msg, self.allow_headerless)
         if stamp is None:
             return

@@ -189,4 +189,4 @@ def _invoke(message: Message, callback: Callable[..., object], arguments: Any) -
 
 
 def _ignore(_: Sequence[bytes]) -> None:
-    """Take messages of no connection; there are none."""
+    """Handle messages of no connection; there are none."""

@@ -68,7 +68,7 @@ class TransformListener:
 
 
 class TransformBroadcaster:
-    """Publishes transforms that move."""
+    """Publishes changing transforms."""
 
     def __init__(self) -> None:
         self.pub_tf = Publisher(TF_TOPIC, all_types().message_class(TF_TYPE), queue_size=QUEUE_SIZE)
