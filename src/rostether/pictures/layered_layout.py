@@ -63,7 +63,9 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
         points[-1] = (points[-1][0] - sizes[chain[-1]][0] / 2, points[-1][1])
         routes[ends] = points[::-1] if is_turned else points
     right = max((xs[key] + size[0] / 2 for key, size in sizes.items()), default=0.0)
-    bottom = max((ys[key] + size[1] / 2 for key, size in sizes.items()), default=0.0)
+    # Bends of edges may be below all vertices.
+    bottoms = [y for points in routes.values() for _, y in points]
+    bottom = max((*bottoms, *(ys[key] + size[1] / 2 for key, size in sizes.items())), default=0.0)
     return Layout(right, bottom, places, routes)
 
 

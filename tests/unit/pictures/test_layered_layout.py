@@ -95,3 +95,14 @@ def test_a_large_system_is_laid_out() -> None:
             edges += [(f"/r{robot}/n{node}", topic), (topic, f"/r{robot}/n{node + 1}"), (topic, "/watch")]
     layout = laid_out(edges)
     assert len(layout.places) == 30 * 21 + 1
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_every_bend_of_every_edge_is_within(seed: int) -> None:
+    chance = random.Random(seed)
+    nodes, topics = ([f"{kind}{number}" for number in range(count)] for kind, count in (("n", 20), ("t", 60)))
+    edges = [(chance.choice(nodes), topic) for topic in topics]
+    edges += [(topic, chance.choice(nodes)) for topic in topics for _ in range(3)]
+    layout = lay_out(dict.fromkeys([*nodes, *topics], SIZE), edges)
+    for points in layout.routes.values():
+        assert all(0 <= x <= layout.width and 0 <= y <= layout.height for x, y in points)
