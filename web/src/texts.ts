@@ -34,7 +34,6 @@ export const texts = {
     dark: "Use dark colors",
     light: "Use light colors",
     loadFailed: "This panel could not be loaded. Reload the page.",
-    openPanel: (title: string) => `Open ${title}`,
     skip: "Skip to content",
     simulatedTime: "Simulated time",
     copyLink: "Copy a link to this view",
@@ -86,7 +85,7 @@ export const texts = {
     loadOf: (percent: number, baud: number) => `${percent} % of ${baud.toLocaleString("en-US")} baud`,
     topic: "Topic or service",
     buffer: "Buffer",
-    sizeOf: (bytes: number, buffer: string) => `${bytes} of ${buffer}`,
+    sizeOf: (bytes: number, buffer: string) => `${bytes} / ${buffer}`,
     roles: {
       publisher: "The board publishes",
       subscriber: "The board subscribes",
@@ -136,7 +135,6 @@ export const texts = {
     pause: "Pause",
     resume: "Resume",
     close: "Close",
-    never: "never",
     plot: "Plot",
   },
   scene: {

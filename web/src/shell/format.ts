@@ -41,3 +41,10 @@ export function formatDuration(seconds: number): string {
   if (seconds < 7200) return `${(seconds / 60).toFixed(0)} min`;
   return `${(seconds / 3600).toFixed(0)} h`;
 }
+
+const collator = new Intl.Collator("en", { numeric: true });
+
+/** The order of names as people count: range_2 before range_10. */
+export function compareNames(a: string, b: string): number {
+  return collator.compare(a, b);
+}

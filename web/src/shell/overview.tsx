@@ -8,6 +8,7 @@ import type { Panel, Suggestion } from "../panels/panel.ts";
 import { panels } from "../panels/registry.ts";
 import type { Robot } from "../store/robot.ts";
 import { texts } from "../texts.ts";
+import { compareNames } from "./format.ts";
 import { Icon } from "./icons.tsx";
 import { arranged, type Layout, moved, type Width, withoutCard } from "./layout.ts";
 import { changeLayout, layout, resetLayout } from "./layout_state.ts";
@@ -82,7 +83,7 @@ function allCards(robot: Robot, { added }: Layout): Card[] {
   const cards: Card[] = panels.flatMap((panel) =>
     (panel.matches?.(graph) ?? []).map((each) => ({ ...each, id: `${panel.id} ${each.key}`, panel })),
   );
-  cards.sort((a, b) => a.order - b.order || (a.key < b.key ? -1 : 1));
+  cards.sort((a, b) => a.order - b.order || compareNames(a.key, b.key));
   const known = new Set(cards.map((each) => each.id));
   for (const { panelId, ...each } of added) {
     const panel = panels.find((one) => one.id === panelId);

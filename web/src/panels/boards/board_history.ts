@@ -1,4 +1,5 @@
 // The last minutes of each board's figures, for its sparklines; kept while the page is open.
+import { compareNames } from "../../shell/format.ts";
 import type { Robot } from "../../store/robot.ts";
 import { type BoardStatus, numberOf } from "./board_status.ts";
 
@@ -45,7 +46,7 @@ export class Boards {
   }
 
   sorted(): Board[] {
-    return [...this.byName.values()].sort((a, b) => (a.status.name < b.status.name ? -1 : 1));
+    return [...this.byName.values()].sort((a, b) => compareNames(a.status.name, b.status.name));
   }
 }
 

@@ -1,5 +1,6 @@
 // The list of all numbers on the graph, to choose from.
 import { useComputed, useSignal } from "@preact/signals";
+import { compareNames } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
 import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
@@ -21,7 +22,7 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
   const ids = useComputed(() => {
     const found: string[] = [];
     const topics = [...context.robot.topics.value.values()].filter((each) => each.isPublished);
-    topics.sort((a, b) => (a.name < b.name ? -1 : 1));
+    topics.sort((a, b) => compareNames(a.name, b.name));
     for (const topic of topics) {
       try {
         for (const path of numericPaths(topic.type())) found.push(`${topic.name}.${path}`);

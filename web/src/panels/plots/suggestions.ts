@@ -1,4 +1,5 @@
 // What of a topic is worth a plot on the overview.
+import { compareNames } from "../../shell/format.ts";
 import type { Topic } from "../../store/topics.ts";
 import { numericPaths } from "../../wire/path.ts";
 import { MAIN_FIELDS } from "../main_fields.ts";
@@ -39,5 +40,5 @@ export function plotSuggestions({ topics }: Graph): Suggestion[] {
     });
   }
   // Sensors first: a counter says less.
-  return found.sort((a, b) => a.order - b.order || (a.key < b.key ? -1 : 1)).slice(0, MAX_CARDS);
+  return found.sort((a, b) => a.order - b.order || compareNames(a.key, b.key)).slice(0, MAX_CARDS);
 }

@@ -1,7 +1,7 @@
 // All topics with rates and last values, and the messages of a chosen one.
 import { useComputed } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import { formatBandwidth, formatRate } from "../../shell/format.ts";
+import { compareNames, formatBandwidth, formatRate } from "../../shell/format.ts";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
@@ -81,7 +81,7 @@ function allRows({ robot }: PanelContext): Row[] {
     ...robot.subscribers.value.keys(),
     ...robot.publishers.value.keys(),
   ]);
-  return [...names].sort().map((name) => ({
+  return [...names].sort(compareNames).map((name) => ({
     name,
     typeName: topics.get(name)?.typeName ?? "",
     isPublished: topics.get(name)?.isPublished ?? false,
