@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import click
@@ -31,6 +31,47 @@ def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str
         return publishers.keys() | subscribers.keys()
 
     return _complete(ctx, names, lambda view: view.topics(), incomplete)
+
+
+def complete_fields(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the topics, and the fields of a topic, that begin with the typed text."""
+
+    async def names(client: MasterClient) -> Iterable[str]:
+        publishers, subscribers, _ = await client.system_state()
+        found = field_names(_registry(ctx), await client.topic_types(), incomplete)
+        return {*publishers, *subscribers, *found}
+
+    return _complete(ctx, names, lambda view: view.topics(), incomplete)
+
+
+def complete_topic_type(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the type of the topic that was typed before, or the types that begin with the typed text."""
+    topic = str(ctx.params.get("topic") or "")
+
+    async def names(client: MasterClient) -> Iterable[str]:
+        return [
+            kind
+            for name, kind in (await client.topic_types()).items()
+            if name.lstrip("/") == topic.lstrip("/")
+        ]
+
+    known = _complete(ctx, names, lambda _: (), incomplete)
+    return known or complete_message_types(ctx, param, incomplete)
+
+
+def field_names(registry: Registry, types: Mapping[str, str], typed: str) -> list[str]:
+    """Return the fields that a typed path may continue with, as whole paths; `types` are those of topics."""
+    topic = max((each for each in types if typed.startswith(f"{each}/")), key=len, default=None)
+    if topic is None:
+        return []
+    *before, _ = typed[len(topic) + 1 :].split("/")
+    try:
+        fields = registry.message(types[topic]).fields
+        for name in before:
+            fields = registry.message(next(each.type.base for each in fields if each.name == name)).fields
+    except (RostetherError, StopIteration):
+        return []
+    return ["/".join((topic, *before, each.name)) for each in fields]
 
 
 def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from rostether.cli.access.completions import complete_topics
+from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.refusals import refuse_ros1_only
@@ -59,7 +59,7 @@ class _Options:
     """,
 )
 @click.argument(
-    "fields", nargs=-1, required=True, metavar="TOPIC[/FIELD[:FIELD]]...", shell_complete=complete_topics
+    "fields", nargs=-1, required=True, metavar="TOPIC[/FIELD[:FIELD]]...", shell_complete=complete_fields
 )
 @click.option(
     "-w",

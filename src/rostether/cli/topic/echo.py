@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rostether.cli.access.completions import complete_topics
+from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros2_habits import qos_habits
@@ -81,7 +81,7 @@ _echo_options = option_group(
     rostether topic echo -p /imu_data/angular_velocity > turning.csv
     """,
 )
-@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_topics)
+@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_fields)
 @click.argument("type_name", metavar="[TYPE]", required=False)
 @_echo_options
 @graph_options(allow=TOOL_ALLOW)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.access.completions import complete_message_types, complete_topics
+from rostether.cli.access.completions import complete_topic_type, complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros2_habits import qos_habits
@@ -92,7 +92,7 @@ _pub_options = option_group(
     """,
 )
 @click.argument("topic", shell_complete=complete_topics)
-@click.argument("type_name", metavar="TYPE", shell_complete=complete_message_types)
+@click.argument("type_name", metavar="TYPE", shell_complete=complete_topic_type)
 @click.argument("values", nargs=-1, metavar="[VALUES]...")
 @_pub_options
 @graph_options(allow=TOOL_ALLOW)

@@ -59,3 +59,23 @@ def test_a_master_that_hangs_costs_a_moment(shell: Shell, monkeypatch: pytest.Mo
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
         assert completions.complete_services(CONTEXT, PARAMETER, "") == []
+
+
+@pytest.mark.usefixtures("board")
+def test_fields_follow_their_topic() -> None:
+    assert completions.complete_fields(CONTEXT, PARAMETER, "/chatter/d") == ["/chatter/data"]
+    assert completions.complete_fields(CONTEXT, PARAMETER, "/ch") == ["/chatter"]
+    types = {"/imu": "sensor_msgs/Imu"}
+    found = completions.field_names(STORE.registry, types, "/imu/orientation/")
+    assert found == [f"/imu/orientation/{axis}" for axis in "xyzw"]
+    for typed in ("/imu/nope/", "/imu/orientation/x/", "/other/"):
+        assert completions.field_names(STORE.registry, types, typed) == []
+
+
+@pytest.mark.usefixtures("board")
+def test_the_type_of_a_topic_that_is_there_is_completed() -> None:
+    context = click.Context(click.Command("any"))
+    context.params["topic"] = "/chatter"
+    assert completions.complete_topic_type(context, PARAMETER, "") == ["std_msgs/String"]
+    context.params["topic"] = "/new"
+    assert completions.complete_topic_type(context, PARAMETER, "std_msgs/Str") == ["std_msgs/String"]
