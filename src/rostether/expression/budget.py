@@ -116,7 +116,7 @@ class Budget:
         return left * right
 
     def modulo(self, left: Any, right: Any) -> Any:
-        """Return `left % right`, also for a text's format."""
+        """Return `left % right`, also for string formatting."""
         if isinstance(left, str | bytes):
             text = left if isinstance(left, str) else left.decode("latin-1")
             formats = _FORMAT.findall(text)

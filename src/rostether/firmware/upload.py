@@ -128,7 +128,7 @@ def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[
 
 
 def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
-    """Raise TransportOpenError if a port is not there, busy, or not ours to open."""
+    """Raise TransportOpenError if a port is missing, busy, or not permitted."""
     if sys.platform == "win32":
         return
     try:

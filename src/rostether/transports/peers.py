@@ -23,7 +23,7 @@ _HELD_LIMIT_BYTES = 64 * 1024
 # Senders that have shown no frame yet; each may hold as much as one datagram and a piece of the next.
 _MAX_CANDIDATES = 256
 _CANDIDATE_BYTES = 2048
-# A board on Wi-Fi has answered our question by then.
+# A board on Wi-Fi answers a request within this time.
 UNANSWERED_LIMIT_S = 0.5
 # Two periods of a healthy board; a shorter silence may be a sketch that sleeps.
 SILENT_LIMIT_S = 5.0

@@ -11,7 +11,7 @@ from rostether.rosserial.events import DiscardReason, FrameDiscarded
 WINDOW_S = 30.0
 
 MIN_DAMAGED = 3
-# A reset in the middle of a frame, and what the boot loader prints, damage two.
+# A reset within a frame damages two frames, together with the output of the boot loader.
 RESET_DAMAGES = 2
 
 # One in 500: a lower loss is not noticeable, and radio links are never better.

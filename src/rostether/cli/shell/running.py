@@ -112,7 +112,7 @@ class _Ending:
         self._loop_answered = True
 
     def stop_alarm(self) -> None:
-        """Stop looking whether the loop is busy."""
+        """Stop checking whether the loop is busy."""
         if self.exit_code is not None and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0)
 

@@ -16,7 +16,7 @@ from rostether.recording.recorded import Connection, RecordingReader
 # Files open at a time, and what they hold in memory; more topics are written in several readings.
 MAX_OPEN_TABLES = 100
 
-# What all tables together keep until it is written; as Python's values it takes a few times as much.
+# The limit for unwritten data of all tables; as Python values it needs a few times as much memory.
 MAX_WAITING_BYTES = 32 << 20
 
 _CELL_BYTES = 8

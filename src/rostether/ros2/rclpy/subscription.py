@@ -137,7 +137,7 @@ class RclpySubscriber:
         self._meet(of_type)
 
     def _learn_type(self, name: str) -> None:
-        # In the event loop, as all that compiles types.
+        # In the event loop, like everything that compiles types.
         if self._support is not None or self._is_closed:
             return
         try:

@@ -149,7 +149,7 @@ def _add(configuration: zenoh.Config, path: str, endpoints: Sequence[str]) -> No
     if not isinstance(known, list):
         raise ConfigError(f"the zenoh configuration has {path} for each mode; write the endpoints there")
     wide = {_port(each) for each in endpoints if any(host in each for host in _ALL_ADDRESSES)}
-    # Loopback is one of all addresses: both cannot be listened on.
+    # All addresses include loopback: listening on both is impossible.
     kept = [each for each in known if not ("localhost" in each and _port(each) in wide)]
     try:
         configuration.insert_json5(path, json.dumps([*kept, *endpoints]))
