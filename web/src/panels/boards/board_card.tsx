@@ -1,4 +1,5 @@
 // One board: its state, findings with what to do, the line, the clock, its topics.
+import type { ComponentChildren } from "preact";
 import { formatBandwidth, formatBytes, formatDuration, formatRate } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
 import { Badge, type Level } from "../../shell/parts.tsx";
@@ -43,7 +44,8 @@ export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number
   const { values } = status;
   const level = boardLevel(board, nowMs);
   const connected = numberOf(values, "connected [s]");
-  const dropped = status.endpoints.reduce((sum, each) => sum + each.dropped, 0);
+  // Without a connection there is no line to measure.
+  const isConnected = values.get("state") !== "disconnected";
   return (
     <section class={level === "stale" ? "board is-stale" : "board"} aria-label={status.name}>
       <header class="board-head">
@@ -56,6 +58,17 @@ export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number
           .join(" · ")}
       </p>
       <Findings findings={status.findings} level={status.level} />
+      {isConnected && <LineFigures board={board} />}
+      {status.endpoints.length > 0 && <Endpoints board={board} robot={robot} />}
+    </section>
+  );
+}
+
+function LineFigures({ board }: { board: Board }) {
+  const { values, endpoints } = board.status;
+  const dropped = endpoints.reduce((sum, each) => sum + each.dropped, 0);
+  return (
+    <>
       <LineLoad board={board} />
       <div class="board-figures">
         <Figure board={board} name={t.received} of="received [bytes/s]" text={formatBandwidth} />
@@ -83,8 +96,7 @@ export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number
         <Count name={t.resets} value={numberOf(values, "resets")} isBad />
         <Count name={t.queued} value={numberOf(values, "queued [bytes]")} unit=" B" />
       </div>
-      {status.endpoints.length > 0 && <Endpoints board={board} robot={robot} />}
-    </section>
+    </>
   );
 }
 
@@ -95,8 +107,8 @@ export function Findings({ findings, level }: { findings: readonly Finding[]; le
         <div key={code} class={level >= 2 ? "finding error" : "finding"}>
           <Icon name="warning" size={18} />
           <div>
-            <p class="finding-seen">{sentence(seen)}</p>
-            {action && <p>{sentence(action)}</p>}
+            <p class="finding-seen">{withCode(sentence(seen))}</p>
+            {action && <p>{withCode(sentence(action))}</p>}
           </div>
         </div>
       ))}
@@ -198,6 +210,12 @@ function topicOf({ topic }: Endpoint, namespace: string): string {
 function bufferUse({ bufferBytes }: Endpoint, lastBytes: number | undefined): string {
   if (bufferBytes === undefined) return "–";
   return lastBytes === undefined ? formatBytes(bufferBytes) : t.sizeOf(lastBytes, formatBytes(bufferBytes));
+}
+
+/** Shows what is between backticks as code. */
+function withCode(text: string): ComponentChildren {
+  // A text never changes its parts' order, so that the index is a key.
+  return text.split("`").map((part, index) => (index % 2 ? <code key={`${index}`}>{part}</code> : part));
 }
 
 function signed(value: number, digits: number): string {
