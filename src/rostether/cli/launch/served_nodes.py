@@ -57,6 +57,8 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("tf2_web_republisher", "tf2_web_republisher"): ("role", "tf2-web-republisher"),
     ("joy", "joy_node"): ("role", "joy-node"),
     ("arduino_control", "arduino_control"): ("role", "arduino-control"),
+    ("bridge", "multicast_topic_bridge"): ("role", "multicast-topic-bridge"),
+    ("bridge", "multicast_topic_receiver"): ("role", "multicast-topic-receiver"),
     ("topic_tools", "relay"): ("role", "relay"),
     ("topic_tools", "throttle"): ("role", "throttle"),
     ("topic_tools", "mux"): ("role", "mux"),

@@ -52,6 +52,13 @@ ROLES = {
     "arduino-control": VerbEntry(
         "rostether.cli.platform.arduino_control:arduino_control", "Turn a joystick into commands for a robot."
     ),
+    "multicast-topic-bridge": VerbEntry(
+        "rostether.cli.platform.multicast:multicast_topic_bridge", "Send a topic to a multicast group."
+    ),
+    "multicast-topic-receiver": VerbEntry(
+        "rostether.cli.platform.multicast:multicast_topic_receiver",
+        "Publish messages that arrive from a multicast group.",
+    ),
     "foxglove-bridge": VerbEntry(
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
+from pathlib import Path
 
+import pytest
 import pytest_asyncio
 
-from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_graph import TypedGraph, TypedPublisher
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from unit.cli.serving_process import started
+from unit.platform.datagrams import loopback_group
 
 
 @pytest_asyncio.fixture
@@ -44,3 +47,57 @@ async def test_a_parameter_that_is_no_number(master: MasterServer) -> None:
     async with started("role", "arduino-control", "_deadzone:=wide", ROS_MASTER_URI=master.uri) as node:
         assert await asyncio.wait_for(node.process.wait(), 60) == 1
         await node.wait_for("rostether: error: ~deadzone must be a number, not 'wide'")
+
+
+async def test_a_topic_over_multicast_and_back(
+    master: MasterServer, graph: TypedGraph, tmp_path: Path
+) -> None:
+    address = loopback_group()
+    key = tmp_path / "fleet.key"
+    key.write_text("00112233445566778899aabbccddeeff\n")
+    both = ("_interface:=lo", f"_sending_port:={address.port}", "_framed:=true", f"_key_file:={key}")
+    # The address has the spelling of the reference's document, and of its code.
+    sending = ("run", "bridge", "multicast_topic_bridge", "_topic:=/arduino_control", *both)
+    receiving = ("run", "bridge", "multicast_topic_receiver", "_topic:=/robot_3/control", *both)
+    environ = {"ROS_MASTER_URI": master.uri}
+    await graph.set_param("/multicast_topic_receiver/type", "arduino_control/ArduinoControl")
+    control = await graph.publisher("/arduino_control", "arduino_control/ArduinoControl")
+    async with (
+        started(*receiving, f"_mulicast_group_addr:={address.group}", **environ) as receiver,
+        started(*sending, f"_multicating_group_addr:={address.group}", **environ) as bridge,
+    ):
+        await receiver.wait_for("receiving arduino_control/ArduinoControl from 239.255.82.83:")
+        await bridge.wait_for("sending /arduino_control to 239.255.82.83:")
+        speeds: list[float] = []
+        async with asyncio.timeout(60):
+            publishing = asyncio.ensure_future(repeat(control))
+            async for command in graph.messages("/robot_3/control"):
+                speeds.append(command.speed)
+                publishing.cancel()
+                # The topic is silent now: the robot is stopped.
+                if command.speed == 0:
+                    break
+        assert speeds[0] == 0.5
+
+
+async def repeat(publisher: TypedPublisher) -> None:
+    while True:
+        publisher.publish(dir=90.0, speed=0.5)
+        await asyncio.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (("multicast-topic-receiver",), "give the type of the messages, for instance _type:="),
+        (("multicast-topic-receiver", "_type:=no/Such"), "no/Such"),
+        (("multicast-topic-bridge", "_sending_port:=0"), "~sending_port is a whole number from 1 to 65535"),
+        (("multicast-topic-bridge", "_framed:=true", "_key_file:=none"), "none: the key cannot be read"),
+        (("multicast-topic-bridge", "_framed:=true", "_robot:=1", "_groups:=2"), "give ~robot or ~groups"),
+        (("multicast-topic-bridge", "_framed:=1"), "~framed must be true or false, not 1"),
+    ],
+)
+async def test_what_is_typed_wrong(master: MasterServer, words: tuple[str, ...], reason: str) -> None:
+    async with started("role", *words, ROS_MASTER_URI=master.uri) as command:
+        assert await asyncio.wait_for(command.process.wait(), 60) == 1
+        await command.wait_for(reason)

@@ -1,0 +1,143 @@
+"""The multicast bridge and its counterpart as roles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.platform.parameters import Parameters, reporter
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
+
+if TYPE_CHECKING:
+    from rostether.platform.multicast_socket import GroupAddress
+
+_ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
+_MAX_ROBOT = 0xFFFF_FFFF
+_GROUPS = 32
+_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+
+
+@click.command(
+    "multicast-topic-bridge",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role multicast-topic-bridge _topic:=arduino_control
+    rostether role multicast-topic-bridge _topic:=arduino_control _frequency:=0 _interface:=wlan0
+    rostether role multicast-topic-bridge _topic:=cmd_vel _framed:=true _robot:=3 _key_file:=fleet.key
+    """,
+)
+@_arguments
+def multicast_topic_bridge(arguments: tuple[str, ...]) -> None:
+    """Send the newest message of a topic to a multicast group, one message a datagram.
+
+    Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
+    (1000 Hz; 0 sends at once), ~interface (names or addresses), ~ttl (1). With ~framed true, robots check who
+    commands them: ~robot (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s).
+    """
+    run_role("multicast_topic_bridge", arguments, _send)
+
+
+@click.command(
+    "multicast-topic-receiver",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role multicast-topic-receiver _topic:=arduino_control _type:=arduino_control/ArduinoControl
+    rostether role multicast-topic-receiver _topic:=cmd_vel _type:=geometry_msgs/Twist _framed:=true _robot:=3
+    """,
+)
+@_arguments
+def multicast_topic_receiver(arguments: tuple[str, ...]) -> None:
+    """Publish the messages that arrive from a multicast group.
+
+    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1), ~receiving_port (12345),
+    ~interface, ~sources (networks that may send; default: this machine). With ~framed true, only commands for
+    this robot are published, and zeros when they end: ~robot (1), ~groups (0), ~key_file.
+    """
+    run_role("multicast_topic_receiver", arguments, _receive)
+
+
+async def _send(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
+    from rostether.platform.command_link import SenderSettings
+    from rostether.platform.multicast_bridge import BridgeSettings, send_topic
+
+    parameters = Parameters(graph, "multicast_topic_bridge")
+    framed = None
+    if await parameters.flag(False, "framed"):
+        robot = await parameters.whole(0, 0, _MAX_ROBOT, "robot")
+        groups = await _group_mask(parameters)
+        if robot and groups:
+            raise ConfigError("give ~robot or ~groups, not both")
+        framed = SenderSettings(
+            robot or groups or ALL_GROUPS,
+            to_groups=not robot,
+            ttl_ms=await parameters.whole(DEFAULT_TTL_MS, 1, MAX_TTL_MS, "ttl_ms"),
+            key=await _key(parameters),
+        )
+    settings = BridgeSettings(
+        topic=await parameters.text("multicast_topic", "topic"),
+        address=await _address(parameters, "sending_port"),
+        frequency_hz=await parameters.number(1000.0, "frequency"),
+        framed=framed,
+        input_timeout_s=await parameters.number(0.5, "input_timeout"),
+    )
+    await send_topic(graph.raw, settings, reporter(graph))
+
+
+async def _receive(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.command_link import ReceiverSettings
+    from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
+
+    parameters = Parameters(graph, "multicast_topic_receiver")
+    type_name = await parameters.text("", "type")
+    if not type_name:
+        raise ConfigError("give the type of the messages, for instance _type:=arduino_control/ArduinoControl")
+    framed = None
+    if await parameters.flag(False, "framed"):
+        kind = bytes.fromhex(graph.store.registry.message_type(type_name).md5sum[:8])
+        robot = await parameters.whole(1, 1, _MAX_ROBOT, "robot")
+        framed = ReceiverSettings(robot, await _group_mask(parameters) or 1, kind, await _key(parameters))
+    settings = ReceiverNodeSettings(
+        type_name,
+        topic=await parameters.text("multicast_topic", "topic"),
+        address=await _address(parameters, "receiving_port", "sending_port"),
+        sources=await parameters.words("sources"),
+        framed=framed,
+        has_key=framed is not None and any(framed.key),
+    )
+    await receive_topic(graph, settings, reporter(graph))
+
+
+async def _address(parameters: Parameters, *port_names: str) -> GroupAddress:
+    from rostether.platform.multicast_socket import REFERENCE_GROUP, REFERENCE_PORT, GroupAddress
+
+    return GroupAddress(
+        await parameters.text(REFERENCE_GROUP, *_ADDRESS_NAMES),
+        await parameters.whole(REFERENCE_PORT, 1, 65535, *port_names),
+        await parameters.words("interface"),
+        await parameters.whole(1, 0, 255, "ttl"),
+    )
+
+
+async def _group_mask(parameters: Parameters) -> int:
+    mask = 0
+    for word in await parameters.words("groups"):
+        if not word.isdecimal() or int(word) >= _GROUPS:
+            raise ConfigError(f"~groups are numbers from 0 to {_GROUPS - 1}, not {word!r:.200}")
+        mask |= 1 << int(word)
+    return mask
+
+
+async def _key(parameters: Parameters) -> bytes:
+    from rostether.platform.command_frame import NO_KEY
+    from rostether.platform.fleet_key import read_fleet_key
+
+    path = await parameters.text("", "key_file")
+    return read_fleet_key(path) if path else NO_KEY

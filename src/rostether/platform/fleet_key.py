@@ -1,0 +1,29 @@
+"""The key of a fleet: 32 hexadecimal digits in a file that all its machines and boards have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.platform.siphash import KEY_BYTES
+
+_MAX_FILE_BYTES = 1024
+
+
+def read_fleet_key(path: str) -> bytes:
+    """Return the key in a file. Raises ConfigError, without a word of what the file contains."""
+    try:
+        with Path(path).expanduser().open("rb") as file:
+            text = file.read(_MAX_FILE_BYTES).strip()
+    except OSError as error:
+        raise ConfigError(f"{path}: the key cannot be read: {error.strerror or error}") from None
+    try:
+        key = bytes.fromhex(text.decode("ascii"))
+    except ValueError:
+        key = b""
+    if len(key) != KEY_BYTES:
+        raise ConfigError(
+            f"{path}: a fleet's key is {2 * KEY_BYTES} hexadecimal digits; "
+            "make one with: openssl rand -hex 16"
+        )
+    return key

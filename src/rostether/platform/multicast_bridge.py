@@ -1,0 +1,186 @@
+"""The node multicast_topic_bridge: the newest message of a topic, of any type, sent to a multicast group.
+
+A bare datagram is one message in ROS 1 serialization and nothing else. A framed one can be checked by the
+robot (`command_frame`), is repeated, and ends with a stop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import Graph, Level
+from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
+from rostether.platform.command_frame import MAX_PAYLOAD_BYTES
+from rostether.platform.command_link import CommandSender, SenderSettings
+from rostether.platform.datagram_sender import DatagramSender
+from rostether.platform.multicast_socket import MAX_DATAGRAM_BYTES, GroupAddress
+
+MAX_FREQUENCY_HZ = 10_000.0
+"""Beyond, the pauses are shorter than the event loop can measure; 0 has no pauses at all."""
+
+# A datagram that could not be sent is tried again after this time at the earliest.
+_RETRY_S = 0.01
+_RELEASES = 3
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeSettings:
+    """The parameters of the bridge; `frequency_hz` 0 sends every message at once.
+
+    `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
+    stop; 0 repeats the last message without end.
+    """
+
+    topic: str = "multicast_topic"
+    address: GroupAddress = field(default_factory=GroupAddress)
+    frequency_hz: float = 1000.0
+    framed: SenderSettings | None = None
+    input_timeout_s: float = 0.5
+
+
+async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[Level, str], None]) -> None:
+    """Send the topic's messages until cancelled. Raises ConfigError, InvalidNameError, GraphError."""
+    if not 0 <= settings.frequency_hz <= MAX_FREQUENCY_HZ:
+        raise ConfigError(
+            f"~frequency is from 0 (at once) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
+        )
+    if not 0 <= settings.input_timeout_s < float("inf"):
+        raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; 0 is never")
+    sender = DatagramSender(settings.address.checked(), report)
+    bridge = (
+        _FramedBridge(settings, settings.framed, sender) if settings.framed else _Bridge(settings, sender)
+    )
+    limit_bytes = MAX_PAYLOAD_BYTES if settings.framed else MAX_DATAGRAM_BYTES
+    has_reported = False
+
+    def take(payloads: Sequence[bytes]) -> None:
+        nonlocal has_reported
+        newest = payloads[-1]
+        if len(newest) <= limit_bytes:
+            bridge.take(newest)
+        elif not has_reported:
+            has_reported = True
+            report(
+                Level.ERROR,
+                f"a message of {len(newest)} bytes is not sent: a datagram carries {limit_bytes} at most",
+            )
+
+    subscriber = await graph.subscribe(settings.topic, ANY_MESSAGE, take, on_connection=bridge.meet)
+    report(Level.INFO, f"sending {subscriber.topic} to {settings.address}")
+    try:
+        await bridge.run()
+    finally:
+        bridge.end()
+        sender.close()
+        await subscriber.close()
+
+
+class _Bridge:
+    """Bare datagrams: the newest message, once, at most `frequency_hz` times a second."""
+
+    def __init__(self, settings: BridgeSettings, sender: DatagramSender) -> None:
+        self._sender = sender
+        self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
+        self._newest = b""
+        self._has_news = asyncio.Event()
+
+    def take(self, payload: bytes) -> None:
+        """Replace what waits."""
+        self._newest = payload
+        self._has_news.set()
+
+    def meet(self, header: Mapping[str, str]) -> None:
+        """Bare datagrams do not depend on the type."""
+
+    async def run(self) -> None:
+        next_s = 0.0
+        while True:
+            await self._has_news.wait()
+            now_s = time.monotonic()
+            if now_s < next_s:
+                await asyncio.sleep(next_s - now_s)
+                now_s = time.monotonic()
+            # A fixed beat while messages keep coming: a late timer does not lower the frequency.
+            next_s = max(next_s, now_s - self._period_s) + self._period_s
+            if self._sender.send(self._newest):
+                self._has_news.clear()
+            else:
+                await asyncio.sleep(_RETRY_S)
+
+    def end(self) -> None:
+        """Nothing remains to be sent."""
+
+
+class _FramedBridge:
+    """Framed datagrams: the state, repeated, until the topic is silent."""
+
+    def __init__(self, settings: BridgeSettings, framed: SenderSettings, sender: DatagramSender) -> None:
+        self._settings = framed
+        self._timeout_s = settings.input_timeout_s or float("inf")
+        self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
+        self._sender = sender
+        self._commands: CommandSender | None = None
+        self._newest: bytes | None = None
+        self._silent_at_s: float | None = None
+        self._has_news = asyncio.Event()
+
+    def take(self, payload: bytes) -> None:
+        """Replace what waits."""
+        self._newest = payload
+        self._has_news.set()
+
+    def meet(self, header: Mapping[str, str]) -> None:
+        """Learn the type of the topic; another type makes another sender."""
+        md5sum = header.get("md5sum", ANY_MD5SUM)
+        if md5sum == ANY_MD5SUM:
+            return
+        kind = bytes.fromhex(md5sum[:8])
+        if self._commands is None or kind != self._settings.kind:
+            self.end()
+            self._settings = replace(self._settings, kind=kind)
+            self._commands = CommandSender(self._settings, time.time_ns() // 1000)
+            self._has_news.set()
+
+    async def run(self) -> None:
+        next_news_s = 0.0
+        while True:
+            await self._wait(next_news_s)
+            now_s = time.monotonic()
+            if self._commands is None:
+                continue
+            if self._newest is not None and now_s >= next_news_s:
+                datagrams = self._commands.command(self._newest, now_s)
+                self._newest = None
+                next_news_s = now_s + self._period_s
+                self._silent_at_s = now_s + self._timeout_s
+            elif self._silent_at_s is not None and now_s >= self._silent_at_s:
+                datagrams, self._silent_at_s = self._commands.stop(now_s), None
+            elif self._commands.due_s is not None and now_s >= self._commands.due_s:
+                datagrams = self._commands.repeat(now_s)
+            else:
+                continue
+            for datagram in datagrams:
+                self._sender.send(datagram)
+
+    async def _wait(self, next_news_s: float) -> None:
+        """Return when a message may be sent, or something is due."""
+        is_waiting = self._newest is not None and self._commands is not None
+        times = [self._silent_at_s, self._commands.due_s if self._commands else None]
+        times.append(next_news_s if is_waiting else None)
+        next_s = min((each for each in times if each is not None), default=float("inf"))
+        self._has_news.clear()
+        try:
+            async with asyncio.timeout(None if next_s == float("inf") else max(0, next_s - time.monotonic())):
+                await self._has_news.wait()
+        except TimeoutError:
+            return
+
+    def end(self) -> None:
+        """Stop the robots and let another program command them."""
+        if self._commands is not None:
+            for _ in range(_RELEASES):
+                self._sender.send(self._commands.release())

@@ -1,0 +1,127 @@
+"""UDP sockets for multicast groups, IPv4 and IPv6; a unicast address works in the place of a group."""
+
+from __future__ import annotations
+
+import contextlib
+import ipaddress
+import socket
+import struct
+import sys
+from dataclasses import dataclass
+
+from rostether.errors import ConfigError
+
+REFERENCE_GROUP = "224.0.1.1"
+REFERENCE_PORT = 12345
+MAX_DATAGRAM_BYTES = 65_507
+"""The most that UDP over IPv4 carries."""
+
+
+@dataclass(frozen=True, slots=True)
+class GroupAddress:
+    """A group and a port, and the interfaces by which it is reached: names, or IPv4 addresses.
+
+    No interface leaves the choice to the system's routes. `ttl` is how many networks a datagram crosses.
+    """
+
+    group: str = REFERENCE_GROUP
+    port: int = REFERENCE_PORT
+    interfaces: tuple[str, ...] = ()
+    ttl: int = 1
+
+    def checked(self) -> GroupAddress:
+        """Return it if the group is a numeric address. Raises ConfigError."""
+        try:
+            ipaddress.ip_address(self.group)
+        except ValueError:
+            raise ConfigError(
+                f"{self.group!r:.200} is not a group's address; write for instance 239.255.82.83"
+            ) from None
+        return self
+
+    @property
+    def family(self) -> socket.AddressFamily:
+        """The family of the group's address."""
+        return socket.AF_INET6 if ":" in self.group else socket.AF_INET
+
+    @property
+    def is_multicast(self) -> bool:
+        """Whether the address is a group's, and not one machine's."""
+        return ipaddress.ip_address(self.group).is_multicast
+
+    def __str__(self) -> str:
+        """Return address and port as one text."""
+        return f"[{self.group}]:{self.port}" if ":" in self.group else f"{self.group}:{self.port}"
+
+
+def open_sender(address: GroupAddress, interface: str) -> socket.socket:
+    """Return a socket that sends by one interface, "" for the system's choice. Raises OSError."""
+    sock = socket.socket(address.family, socket.SOCK_DGRAM)
+    try:
+        sock.setblocking(False)
+        if address.is_multicast and address.family == socket.AF_INET6:
+            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, address.ttl)
+            if interface:
+                index = socket.if_nametoindex(interface)
+                sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
+        elif address.is_multicast:
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, address.ttl)
+            if interface:
+                request = _request(address.group, interface)
+                sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, request)
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def open_receiver(address: GroupAddress) -> socket.socket:
+    """Return a socket bound to the group, which `join_group` then joins. Raises OSError."""
+    sock = socket.socket(address.family, socket.SOCK_DGRAM)
+    try:
+        sock.setblocking(False)
+        # Several programs of one machine may receive a group.
+        if address.is_multicast:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # Bound to the group, a socket receives nothing else. Windows binds to own addresses only.
+        host = "" if sys.platform == "win32" and address.is_multicast else address.group
+        sock.bind((host, address.port, 0, _scope(address)) if ":" in address.group else (host, address.port))
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def join_group(sock: socket.socket, address: GroupAddress, interface: str) -> None:
+    """Join the group, after leaving it where it was joined, so that switches are informed again.
+
+    Raises OSError where the interface is missing or has no address.
+    """
+    if address.family == socket.AF_INET6:
+        index = socket.if_nametoindex(interface) if interface else 0
+        request = socket.inet_pton(socket.AF_INET6, address.group) + struct.pack("@I", index)
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_LEAVE_GROUP, request)
+        sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, request)
+        return
+    request = _request(address.group, interface)
+    with contextlib.suppress(OSError):
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_DROP_MEMBERSHIP, request)
+    sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, request)
+
+
+def _scope(address: GroupAddress) -> int:
+    """Return the index of the interface that an IPv6 group of one link (ff02::1) is bound to, else 0."""
+    is_of_link = address.is_multicast and ipaddress.ip_address(address.group).exploded[3] in "12"
+    return socket.if_nametoindex(address.interfaces[0]) if is_of_link and address.interfaces else 0
+
+
+def _request(group: str, interface: str) -> bytes:
+    """Return the structure ip_mreqn, or ip_mreq for an interface that is given by its address."""
+    try:
+        own = socket.inet_aton(interface) if interface.count(".") == 3 else None
+    except OSError:
+        own = None
+    if own is not None or not interface:
+        return socket.inet_aton(group) + (own or bytes(4))
+    return struct.pack("@4s4si", socket.inet_aton(group), bytes(4), socket.if_nametoindex(interface))
