@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from rostether.gateways.websocket.site import Downloads, Site
+from rostether.gateways.websocket.site import Downloads, Site, Tiles
 
 PAGE = Path(__file__).parent / "page"
 
 
-def load_page(more: Mapping[str, bytes] | None = None, downloads: Downloads | None = None) -> Site:
+def load_page(
+    more: Mapping[str, bytes] | None = None, downloads: Downloads | None = None, tiles: Tiles | None = None
+) -> Site:
     """Return the page, with more files beside it; reads and compresses all of them. Raises ConfigError."""
-    return Site.of_folder(PAGE, more, downloads)
+    return Site.of_folder(PAGE, more, downloads, tiles)

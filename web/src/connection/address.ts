@@ -11,6 +11,12 @@ export function keepToken(): void {
   history.replaceState(null, "", location.pathname + location.search + rest);
 }
 
+/** The addresses of map tiles, from the gateway's pattern with {z}, {x} and {y}. */
+export function tilesUrl(pattern: string): string {
+  const token = sessionStorage.getItem(TOKEN_KEY);
+  return `${pattern}${token ? `?token=${encodeURIComponent(token)}` : ""}`;
+}
+
 /** The address of a finished recording; it carries the token, as a download sends no other. */
 export function recordingUrl(name: string): string {
   const token = sessionStorage.getItem(TOKEN_KEY);

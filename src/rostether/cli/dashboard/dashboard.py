@@ -39,6 +39,7 @@ class DashboardOptions:
     no_page: bool
     no_open: bool
     recordings: Path | None
+    tiles: Path | None
 
 
 _dashboard_options = option_group(
@@ -65,6 +66,12 @@ _dashboard_options = option_group(
             metavar="DIR",
             help="Folder for recordings that the page makes (~/.local/share/rostether/recordings).",
         ),
+        click.option(
+            "--tiles",
+            type=click.Path(path_type=Path, dir_okay=False, exists=True),
+            metavar="FILE",
+            help="Map tiles for the map without internet, an .mbtiles file with pictures.",
+        ),
     ),
 )
 
@@ -75,6 +82,7 @@ _dashboard_options = option_group(
     rostether dashboard                                   open the page in a browser
     rostether dashboard --port 8080 --no-open
     rostether dashboard --listen 0.0.0.0 --token 7f3c9a   for phones and other machines
+    rostether dashboard --tiles campus.mbtiles            streets on the map
     rostether dashboard --ros2 zenoh
     """,
 )
@@ -107,6 +115,7 @@ def dashboard(
         node=node,
         has_page=not options.no_page,
         recordings=options.recordings,
+        tiles=options.tiles,
         wider="`rostether dashboard --listen 0.0.0.0`",
     )
 

@@ -30,6 +30,7 @@ from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:
+    from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.websocket.site import Site
@@ -57,6 +58,7 @@ class DashboardSettings:
     node: NodeWords = field(default_factory=NodeWords)
     has_page: bool = True
     recordings: Path | None = None
+    tiles: Path | None = None
     wider: str = "--dashboard 0.0.0.0:{port}"
 
 
@@ -106,6 +108,7 @@ async def _served_at(
     msg_paths: Sequence[Path],
     tell: Tell,
 ) -> AsyncIterator[Dashboard]:
+    from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
@@ -119,7 +122,8 @@ async def _served_at(
         lambda: on.join(anonymous_name("record")),
         lambda text: tell(Level.INFO, f"{NODE}: {text}"),
     )
-    site = await asyncio.to_thread(_load_site, encryption, recordings) if settings.has_page else None
+    tiles = await asyncio.to_thread(MapTiles, settings.tiles) if settings.tiles is not None else None
+    site = await asyncio.to_thread(_load_site, encryption, recordings, tiles) if settings.has_page else None
     served = FoxgloveSettings(
         host,
         port,
@@ -131,7 +135,7 @@ async def _served_at(
         allow=access.allow,
         certificate=encryption.certificate,
         key=encryption.key,
-        metadata={"rostether_version": version("rostether")},
+        metadata={"rostether_version": version("rostether"), **_map_metadata(tiles)},
     )
     graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), tell)
 
@@ -186,13 +190,21 @@ def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = Fals
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}/{fragment}".removesuffix("/")
 
 
-def _load_site(encryption: Encryption, recordings: Recordings) -> Site:
+def _map_metadata(tiles: MapTiles | None) -> dict[str, str]:
+    from rostether.gateways.websocket.site import TILES
+
+    if tiles is None:
+        return {}
+    return {"tiles": f"{TILES}{{z}}/{{x}}/{{y}}", "tiles_max_zoom": str(tiles.max_zoom)}
+
+
+def _load_site(encryption: Encryption, recordings: Recordings, tiles: MapTiles | None) -> Site:
     from rostether.dashboard.page_files import load_page
 
     more = {}
     if encryption.authority is not None:
         more = authority_files(encryption.authority, socket.gethostname())
-    return load_page(more, recordings)
+    return load_page(more, recordings, tiles)
 
 
 def _free_port(host: str, wanted: int) -> int:

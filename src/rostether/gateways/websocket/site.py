@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import io
 import mimetypes
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -20,6 +22,8 @@ from rostether.errors import ConfigError
 
 INDEX = "index.html"
 DOWNLOADS = "/recordings/"
+TILES = "/tiles/"
+_TILE = re.compile(r"/tiles/(\d{1,2})/(\d{1,9})/(\d{1,9})")
 
 # The dashboard has about ten files with one megabyte; a folder beyond these limits is another folder.
 MAX_FILES = 1000
@@ -101,18 +105,36 @@ class Downloads(Protocol):
         """Return the file of a name, None if there is none; may read a folder."""
 
 
+class Tiles(Protocol):
+    """Map tiles, all of one type."""
+
+    @property
+    def content_type(self) -> str:
+        """The type of every tile."""
+
+    def read(self, zoom: int, column: int, row: int) -> bytes | None:
+        """Return a tile, None if there is none; may read the disk."""
+
+
 class Site:
     """A fixed set of files by their paths without the leading slash; `/` is `index.html`."""
 
-    def __init__(self, files: Mapping[str, bytes], downloads: Downloads | None = None) -> None:
+    def __init__(
+        self, files: Mapping[str, bytes], downloads: Downloads | None = None, tiles: Tiles | None = None
+    ) -> None:
         self._downloads = downloads
+        self._tiles = tiles
         self._files = {f"/{name}": SiteFile.of(name, content) for name, content in files.items()}
         if index := self._files.get(f"/{INDEX}"):
             self._files["/"] = index
 
     @classmethod
     def of_folder(
-        cls, folder: Path, more: Mapping[str, bytes] | None = None, downloads: Downloads | None = None
+        cls,
+        folder: Path,
+        more: Mapping[str, bytes] | None = None,
+        downloads: Downloads | None = None,
+        tiles: Tiles | None = None,
     ) -> Site:
         """Read all files of a folder, and add more; takes a while. Raises ConfigError."""
         try:
@@ -123,14 +145,19 @@ class Site:
             raise ConfigError(
                 f"the page in {folder} is incomplete: {INDEX} is missing; install rostether again"
             )
-        return cls(files | dict(more or {}), downloads)
+        return cls(files | dict(more or {}), downloads, tiles)
 
     def is_download(self, method: str, path: str) -> bool:
         """Tell whether a request is one for `open_download`."""
-        return self._downloads is not None and method == "GET" and path.startswith(DOWNLOADS)
+        if method != "GET":
+            return False
+        is_tile = self._tiles is not None and path.startswith(TILES)
+        return is_tile or (self._downloads is not None and path.startswith(DOWNLOADS))
 
     def open_download(self, path: str) -> tuple[Reply, BinaryIO | None]:
-        """Return the head of the response and the open file that follows it; reads a folder."""
+        """Return the head of the response and the open file that follows it; reads the disk."""
+        if path.startswith(TILES):
+            return self._open_tile(path)
         assert self._downloads is not None
         name = path.removeprefix(DOWNLOADS).partition("?")[0]
         found = self._downloads.find(name)
@@ -147,6 +174,15 @@ class Site:
             ("Content-Disposition", f'attachment; filename="{name}"'),
         )
         return Reply(HTTPStatus.OK, headers, b"", size), opened
+
+    def _open_tile(self, path: str) -> tuple[Reply, BinaryIO | None]:
+        assert self._tiles is not None
+        place = _TILE.fullmatch(path.partition("?")[0])
+        tile = self._tiles.read(*map(int, place.groups())) if place else None
+        if tile is None:
+            return refusal(HTTPStatus.NOT_FOUND, "the map has no such tile"), None
+        headers = (*_ALWAYS, ("Content-Type", self._tiles.content_type))
+        return Reply(HTTPStatus.OK, headers, b"", len(tile)), io.BytesIO(tile)
 
     def reply(self, method: str, path: str, headers: RequestHeaders) -> Reply:
         """Return the response to a request that asks for no WebSocket."""

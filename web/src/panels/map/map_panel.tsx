@@ -1,6 +1,7 @@
 // Where robots with GPS are: sensor_msgs/NavSatFix on offline tiles or a grid.
 import { effect, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { tilesUrl } from "../../connection/address.ts";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
@@ -21,11 +22,17 @@ function MapPanel({ context }: { context: PanelContext }) {
   const view = useSignal<MapView | undefined>(undefined);
   const isFollowing = useSignal(true);
   const waiting = useSignal<string[]>([]);
-  const tilesUrl = context.robot.info.value?.metadata?.tiles;
+  const metadata = context.robot.info.value?.metadata;
+  const pattern = metadata?.tiles;
+  const maxZoom = Number(metadata?.tiles_max_zoom ?? 19);
   useEffect(() => {
-    const made = new MapView(host.current as HTMLDivElement, tilesUrl, () => {
-      isFollowing.value = false;
-    });
+    const made = new MapView(
+      host.current as HTMLDivElement,
+      pattern === undefined ? undefined : { url: tilesUrl(pattern), maxZoom },
+      () => {
+        isFollowing.value = false;
+      },
+    );
     view.value = made;
     const followed = new Map<string, () => void>();
     const withoutFix = new Set<string>();
@@ -53,7 +60,7 @@ function MapPanel({ context }: { context: PanelContext }) {
       for (const close of followed.values()) close();
       made.dispose();
     };
-  }, [tilesUrl]);
+  }, [pattern]);
   return (
     <div class="map">
       <div class="map-picture" ref={host} />
@@ -74,7 +81,7 @@ function MapPanel({ context }: { context: PanelContext }) {
         </button>
       </div>
       {waiting.value.length > 0 && <p class="map-note">{texts.map.noFix(waiting.value.join(", "))}</p>}
-      {tilesUrl === undefined && !context.isCard && <p class="map-hint">{texts.map.noTiles}</p>}
+      {pattern === undefined && !context.isCard && <p class="map-hint">{texts.map.noTiles}</p>}
     </div>
   );
 }

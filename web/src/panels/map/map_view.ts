@@ -26,15 +26,15 @@ export class MapView {
   isFollowing = true;
 
   /**
-   * @param tilesUrl the address of tiles with {z}, {x} and {y}; undefined draws a grid.
+   * @param tiles the address of tiles with {z}, {x} and {y}, and their largest zoom; undefined draws a grid.
    * @param onMoved called when the user moves the map, which ends following.
    */
-  constructor(host: HTMLElement, tilesUrl: string | undefined, onMoved: () => void) {
+  constructor(host: HTMLElement, tiles: { url: string; maxZoom: number } | undefined, onMoved: () => void) {
     this.map = L.map(host, { attributionControl: false, zoomControl: true, maxZoom: 22 });
     this.map.setView([0, 0], 2);
     L.control.scale({ imperial: false }).addTo(this.map);
-    if (tilesUrl === undefined) new Grid().addTo(this.map);
-    else L.tileLayer(tilesUrl, { maxNativeZoom: 19, maxZoom: 22 }).addTo(this.map);
+    if (tiles === undefined) new Grid().addTo(this.map);
+    else L.tileLayer(tiles.url, { maxNativeZoom: tiles.maxZoom, maxZoom: 22 }).addTo(this.map);
     this.map.on("dragstart", () => {
       this.isFollowing = false;
       onMoved();

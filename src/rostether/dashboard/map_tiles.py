@@ -1,0 +1,63 @@
+"""Map tiles of one .mbtiles file, so that the dashboard shows streets without internet.
+
+An .mbtiles file is an SQLite database (https://github.com/mapbox/mbtiles-spec, version 1.3).
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+from rostether.errors import ConfigError
+
+# Zoom levels beyond this are smaller than a hand.
+_MAX_ZOOM = 24
+# A picture of 256 x 256 pixels has some 20 kB.
+_MAX_TILE_BYTES = 2 << 20
+_TYPES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg", "webp": "image/webp"}
+
+
+class MapTiles:
+    """The tiles of one file. Its methods read the disk."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a file; raises ConfigError that says why it cannot be used."""
+        self._path = path
+        try:
+            with closing(self._connect()) as database:
+                found = dict(database.execute("SELECT name, value FROM metadata").fetchall())
+                (max_zoom,) = database.execute("SELECT max(zoom_level) FROM tiles").fetchone()
+        except sqlite3.Error as error:
+            raise ConfigError(f"{path} is not a readable .mbtiles file: {error}") from None
+        kind = str(found.get("format", "png")).lower()
+        if kind not in _TYPES:
+            raise ConfigError(
+                f"{path} has tiles of the format {kind[:20]!r}; the page shows pictures: png, jpg or webp"
+            )
+        if max_zoom is None:
+            raise ConfigError(f"{path} has no tiles")
+        self.content_type = _TYPES[kind]
+        self.max_zoom = min(int(max_zoom), _MAX_ZOOM)
+
+    def read(self, zoom: int, column: int, row: int) -> bytes | None:
+        """Return a tile, None if there is none; rows count from the north, as in web addresses."""
+        if not (0 <= zoom <= _MAX_ZOOM and 0 <= column < 1 << zoom and 0 <= row < 1 << zoom):
+            return None
+        # Rows of the file count from the south.
+        place = (zoom, column, (1 << zoom) - 1 - row, _MAX_TILE_BYTES)
+        query = (
+            "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? "
+            "AND length(tile_data) <= ?"
+        )
+        try:
+            with closing(self._connect()) as database:
+                found = database.execute(query, place).fetchone()
+        except sqlite3.Error:
+            # A card that was pulled out; the map stays empty there.
+            return None
+        return bytes(found[0]) if found is not None else None
+
+    def _connect(self) -> sqlite3.Connection:
+        # Of its own for each request, because a connection belongs to one thread.
+        return sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro", uri=True)

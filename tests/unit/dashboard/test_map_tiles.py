@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from rostether.dashboard.map_tiles import MapTiles
+from rostether.errors import ConfigError
+from rostether.gateways.websocket.site import Site
+
+PNG = b"\x89PNG tile"
+
+
+def made(path: Path, kind: str = "png", tiles: int = 1) -> Path:
+    with sqlite3.connect(path) as database:
+        database.execute("CREATE TABLE metadata (name TEXT, value TEXT)")
+        database.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data BLOB)")
+        database.execute("INSERT INTO metadata VALUES ('format', ?)", (kind,))
+        if tiles:
+            # The north-western tile of zoom 1: the file counts rows from the south.
+            database.execute("INSERT INTO tiles VALUES (1, 0, 1, ?)", (PNG,))
+    database.close()
+    return path
+
+
+def test_tiles_are_read_by_the_rows_of_web_addresses(tmp_path: Path) -> None:
+    tiles = MapTiles(made(tmp_path / "map.mbtiles"))
+    assert (tiles.content_type, tiles.max_zoom) == ("image/png", 1)
+    assert tiles.read(1, 0, 0) == PNG
+    assert tiles.read(1, 0, 1) is None
+    for place in ((1, 2, 0), (1, 0, -1), (99, 0, 0), (30, 10**9, 0)):
+        assert tiles.read(*place) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "tiles", "reason"), [("pbf", 1, "png, jpg or webp"), ("png", 0, "no tiles")]
+)
+def test_files_that_cannot_be_shown_are_refused(tmp_path: Path, kind: str, tiles: int, reason: str) -> None:
+    with pytest.raises(ConfigError, match=reason):
+        MapTiles(made(tmp_path / "map.mbtiles", kind, tiles))
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "map.mbtiles"
+    path.write_bytes(b"hello" * 1000)
+    with pytest.raises(ConfigError, match=r"not a readable \.mbtiles file"):
+        MapTiles(path)
+
+
+def test_a_site_serves_them(tmp_path: Path) -> None:
+    site = Site({"index.html": b""}, tiles=MapTiles(made(tmp_path / "map.mbtiles")))
+    assert site.is_download("GET", "/tiles/1/0/0?token=a")
+    reply, file = site.open_download("/tiles/1/0/0?token=a")
+    assert (reply.status, reply.length) == (200, len(PNG))
+    assert ("Content-Type", "image/png") in reply.headers
+    assert file is not None
+    assert file.read() == PNG
+    for path in ("/tiles/1/0/1", "/tiles/../1/0", "/tiles/1/0", "/tiles/999/0/0", "/tiles/1/0/0/../../x"):
+        reply, file = site.open_download(path)
+        assert (reply.status, file) == (404, None)
+    assert not Site({"index.html": b""}).is_download("GET", "/tiles/1/0/0")
