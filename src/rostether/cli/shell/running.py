@@ -46,6 +46,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
         main.close()
         raise
     ending = _Ending(EXIT_DONE if is_service else EXIT_TERMINATED)
+    ending.watch_start()
     try:
         with asyncio.Runner(loop_factory=loop_factory) as runner:
             return runner.run(ending.run(main))
@@ -70,6 +71,13 @@ class _Ending:
         if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
             self._codes[signal.SIGHUP] = terminated_code
 
+    def watch_start(self) -> None:
+        """Note a Ctrl-C before the command runs; asyncio's own handler could lose it to a clean-up."""
+        # Windows has no such alarm; a thread must not set handlers.
+        if hasattr(signal, "SIGALRM"):
+            with contextlib.suppress(ValueError):
+                signal.signal(signal.SIGINT, self._arrived)
+
     async def run(self, main: Coroutine[Any, Any, T]) -> T:
         """Return the command's result. Raises CancelledError after a signal."""
         task, loop = asyncio.current_task(), asyncio.get_running_loop()
@@ -85,6 +93,9 @@ class _Ending:
                 loop.add_signal_handler(number, cancel)
                 # Python calls this handler during a computation, before the loop calls its own.
                 signal.signal(number, self._arrived)
+        if self.exit_code is not None:
+            main.close()
+            raise asyncio.CancelledError
         return await main
 
     def _arrived(self, number: int, _frame: object) -> None:

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from typing import Any
 
 import click
 import pytest
@@ -153,3 +154,26 @@ def test_a_cancellation_before_our_handlers_are_there_is_an_interrupt() -> None:
     with pytest.raises(click.exceptions.Exit) as caught:
         run(cancelled_by_asyncio())
     assert caught.value.exit_code == EXIT_INTERRUPTED
+
+
+def test_ctrl_c_before_the_command_runs_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    ran = []
+
+    async def command() -> None:
+        ran.append(1)
+
+    runner = asyncio.Runner
+
+    def interrupted(**options: Any) -> asyncio.Runner:
+        os.kill(os.getpid(), signal.SIGINT)
+        return runner(**options)
+
+    monkeypatch.setattr(asyncio, "Runner", interrupted)
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        with pytest.raises(click.exceptions.Exit) as caught:
+            run(command())
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert caught.value.exit_code == EXIT_INTERRUPTED
+    assert not ran
