@@ -34,10 +34,8 @@ _ALL = (
         "frame-resync-one-byte-too-far",
         "frame_decoder",
         "rostether.rosserial.frame_scan",
-        "sums = RunningSums(buffer)\n                looks += total // LOOK_RUNNING_SUMS_BYTES\n"
-        "            position = _find(buffer, _SYNC, position + 1)",
-        "sums = RunningSums(buffer)\n                looks += total // LOOK_RUNNING_SUMS_BYTES\n"
-        "            position = _find(buffer, _SYNC, position + 2)",
+        "found = self._buffer.find(wanted, position + 1)",
+        "found = self._buffer.find(wanted, position + 2)",
     ),
     Plant(
         "packet-trailing-byte",

@@ -99,6 +99,21 @@ async def test_pipelined_requests_hold_up_nobody(
 
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
+async def test_two_upgrades_at_once_end_without_a_defect(
+    gateway: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with serving(gateway) as port:
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        # In one chunk, so that the second is read as a frame before the first is answered.
+        writer.write(upgrade(port) * 2)
+        async with asyncio.timeout(CEILING_S):
+            assert (await reader.read()).count(b"HTTP/1.1 ") == 1
+    # The gateway has closed while the client was connected.
+    writer.close()
+    assert "Fatal error" not in caplog.text
+
+
+@pytest.mark.parametrize("gateway", GATEWAYS)
 @pytest.mark.parametrize("line", [b"a", b"a: b\r\n", b"\r\n"])
 async def test_a_head_without_an_end_is_refused(
     gateway: str, line: bytes, monkeypatch: pytest.MonkeyPatch

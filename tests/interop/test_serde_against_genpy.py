@@ -23,6 +23,7 @@ NOT_IN_DEBIAN = (
     "rosserial_msgs/",
     "rospy_tutorials/",
     "tf/",
+    "tf2_web_republisher/",
     "turtlebot3_msgs/",
 )
 TYPES = [name for name in STORE.registry.messages() if not name.startswith(NOT_IN_DEBIAN)]

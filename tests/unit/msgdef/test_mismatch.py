@@ -56,7 +56,7 @@ def test_a_small_change_is_found_and_said_in_one_line(old: str, new: str, said: 
     registry = Registry()
     theirs = md5sum(RANGE.replace(old, new), registry)
     line = explain_mismatch(registry, "sensor_msgs/Range", theirs)
-    assert line.startswith(f"sensor_msgs/Range: the device's md5sum {theirs} is not ours (c005c34")
+    assert line.startswith(f"sensor_msgs/Range: the device's md5sum {theirs} is not the known one (c005c34")
     assert f"its definition {said}" in line
     assert "--msg-path" in line
     assert "\n" not in line

@@ -85,7 +85,8 @@ class Connection(asyncio.Protocol):
     @property
     def is_open(self) -> bool:
         """Whether messages can be sent."""
-        return self._is_shaken and self._websocket.state is OPEN
+        # A false frame in the chunk of the request ends what we send, but the state becomes open.
+        return self._is_shaken and self._websocket.state is OPEN and not self._websocket.eof_sent
 
     @property
     def unsent_bytes(self) -> int:
