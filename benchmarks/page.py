@@ -39,12 +39,14 @@ async def main(minutes: float) -> int:
         try:
             print(f"no page      {await _cpu_percent(dashboard.pid):5.1f} % of a core", flush=True)
             page = await browser.do("open", url=url)
-            print(f"one page     {await _cpu_percent(dashboard.pid):5.1f} %", flush=True)
+            cpu = await _cpu_percent(dashboard.pid)
+            print(f"one page     {cpu:5.1f} %, {await _received(browser, [page])}", flush=True)
             await browser.do("hide", page=page, hidden=True)
             print(f"one, hidden  {await _cpu_percent(dashboard.pid):5.1f} %", flush=True)
             await browser.do("hide", page=page, hidden=False)
             others = [await browser.do("open", url=url) for _ in range(3)]
-            print(f"four pages   {await _cpu_percent(dashboard.pid):5.1f} %", flush=True)
+            cpu = await _cpu_percent(dashboard.pid)
+            print(f"four pages   {cpu:5.1f} %, {await _received(browser, [page, *others])}", flush=True)
             for each in others:
                 await browser.do("close", page=each)
             print(f"memory       {resident_mb(dashboard.pid):5.1f} MB", flush=True)
@@ -71,6 +73,15 @@ async def _watch_heap(browser: Browser, page: int, minutes: float) -> int:
         )
         return 1
     return 0
+
+
+async def _received(browser: Browser, pages: list[int]) -> str:
+    """Return what the pages receive; a busy machine reads less than is sent."""
+    script = (
+        "[...rostether.topics.value.keys()].map((each) => rostether.feed(each).rate.hertz(performance.now()))"
+    )
+    rates = [sum(await browser.do("evaluate", page=page, script=script)) for page in pages]
+    return " + ".join(f"{rate:.0f}" for rate in rates) + " messages/s received"
 
 
 async def _cpu_percent(pid: int) -> float:

@@ -51,11 +51,15 @@ class Browser:
         return cls(process)
 
     async def close(self) -> None:
-        """End it with all it started."""
-        if self._process.returncode is None:
+        """End it; at the end of its input the program closes Chromium, and waits until that has ended."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        try:
+            await asyncio.wait_for(self._process.wait(), PATIENCE_S)
+        except TimeoutError:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)
-        await self._process.wait()
+            await self._process.wait()
 
     async def do(self, command: str, **given: Any) -> Any:
         """Run a command of `browser.mjs`."""
