@@ -152,7 +152,7 @@ class _Source:
         self._latched: dict[str, Batch] = {}
         self._last: PublisherConnection | None = None
         self._opening = asyncio.ensure_future(self._open())
-        # Whoever waits for it is told; nobody may be left who does.
+        # The waiting subscribers get the error; there may be none left.
         self._opening.add_done_callback(lambda task: task.cancelled() or task.exception())
         self._is_ended = False
 

@@ -21,7 +21,7 @@ from rostether.transports.own_names import own_addresses
 # A switch that forgets a group (no querier) is informed again when nothing comes, and once a minute.
 SILENCE_S = 2.0
 REJOIN_S = 60.0
-# So many datagrams are read before other tasks have their turn.
+# The number of datagrams that are read before other tasks run.
 _BURST = 100
 _MAX_BYTES = 65_536
 

@@ -39,7 +39,7 @@ class Topics:
     direction: Direction = Direction.BOTH
 
     def covers(self, name: str, direction: Direction) -> bool:
-        """Tell whether a topic is carried in a direction."""
+        """Return whether a topic is carried in a direction."""
         if self.direction not in (Direction.BOTH, direction):
             return False
         if name in PRIVATE_TOPICS:
@@ -49,13 +49,13 @@ class Topics:
 
 @dataclass(frozen=True, slots=True)
 class Services:
-    """Services that match a pattern; `type` is needed where the graph that has one cannot tell it."""
+    """Services that match a pattern; `type` is needed where the graph does not know it."""
 
     pattern: str
     type: str = ""
 
     def covers(self, name: str) -> bool:
-        """Tell whether a service is carried: to the graph that has it not."""
+        """Return whether a service is carried: to the graph that has it not."""
         if any(fnmatchcase(name, private) for private in PRIVATE_SERVICES):
             return name == self.pattern
         return fnmatchcase(name, self.pattern)
@@ -69,7 +69,7 @@ class Choice:
     services: tuple[Services, ...] = ()
 
     def carries_topic(self, name: str, direction: Direction) -> bool:
-        """Tell whether a topic is carried in a direction."""
+        """Return whether a topic is carried in a direction."""
         return any(each.covers(name, direction) for each in self.topics)
 
     def service(self, name: str) -> Services | None:

@@ -47,7 +47,7 @@ Report = Callable[[Level, str], None]
 
 
 class _Wish(NamedTuple):
-    """Something to be carried; `chosen_type` is that of a service, empty where the graph tells it."""
+    """Something to be carried; `chosen_type` is that of a service, empty where the graph knows it."""
 
     is_service: bool
     name: str
@@ -119,7 +119,7 @@ class Relay:
                     self._news.set()
             except GraphError as error:
                 self._report(Level.WARN, f"{side.name} cannot be seen: {error}; looking again")
-            # What is carried goes on: a graph that nobody sees for a moment may work all the same.
+            # What is carried goes on: a graph that is out of sight for a moment may still work.
             await asyncio.sleep(RETRY_S)
 
     def _meet(self) -> None:

@@ -28,7 +28,7 @@ MAX_MISTAKES_TOLD = 100
 """Statuses about a client's own mistakes; one that makes more would only be flooded by the answers."""
 
 _SLOW_STATUS = "slow-client"
-_SLOW_PERIOD_S = 5.0  # how often a client is told what it lost
+_SLOW_PERIOD_S = 5.0  # how often a client gets the number of lost messages
 
 # What a client that may only view is refused.
 _ACTIONS = (
@@ -94,7 +94,7 @@ class Client:
     # the line's side
 
     def opened(self) -> None:
-        """Tell what there is."""
+        """Send the list of what there is."""
         self._gateway.greet(self)
 
     def received(self, message: str | bytes) -> None:

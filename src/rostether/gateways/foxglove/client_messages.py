@@ -129,12 +129,12 @@ class FetchAsset:
 
 @dataclass(frozen=True, slots=True)
 class ListRecordings:
-    """The recordings are wanted, now and when they change; an op of ours."""
+    """The recordings are wanted, now and when they change; an op of this gateway."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartRecording:
-    """A recording is to begin; no topics means all. An op of ours."""
+    """A recording is to begin; no topics means all. An op of this gateway."""
 
     topics: tuple[str, ...]
     form: str
@@ -142,7 +142,7 @@ class StartRecording:
 
 @dataclass(frozen=True, slots=True)
 class StopRecording:
-    """The recording is to end; an op of ours."""
+    """The recording is to end; an op of this gateway."""
 
 
 ClientMessage: TypeAlias = (

@@ -20,7 +20,7 @@ MAX_EARLY_MESSAGES = 10_000
 MAX_EARLY_BYTES = 32 << 20
 """What a client sends before the graph has taken its topic: a second of a flood, or two large images."""
 
-MAX_MISTAKES_TOLD = 20  # of one topic; each kind is told once
+MAX_MISTAKES_TOLD = 20  # of one topic; each kind is reported once
 
 
 class ClientTopic:

@@ -1,4 +1,4 @@
-"""What one client has under way: tasks that end with it, and requests of which only so many run at once."""
+"""What one client has under way: tasks that end with it, and a limited number of requests."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class ClientWork:
             except TimeoutError:
                 fail("no answer in time")
 
-        # Counted at once: a client may ask for many in one breath.
+        # Counted at once: a client may send many requests at a time.
         self._requests[what] += 1
         self.start(contained()).add_done_callback(lambda _: self._requests.subtract([what]))
 

@@ -48,7 +48,7 @@ class ConnectionGraph:
             sorted((self._published.keys() | self._subscribed.keys()) - published.keys() - subscribed.keys()),
             sorted(self._offered.keys() - offered.keys()),
         )
-        # A topic that has lost one side only has nobody there.
+        # A topic that has lost one side gets an empty list there.
         changes["publishedTopics"] += _emptied(self._published, published, subscribed, "publisherIds")
         changes["subscribedTopics"] += _emptied(self._subscribed, subscribed, published, "subscriberIds")
         self._published, self._subscribed, self._offered = published, subscribed, offered

@@ -136,7 +136,7 @@ class FoxgloveGateway:
             raise
 
     async def close(self) -> None:
-        """Hang up, and leave nothing on the graph."""
+        """Close all connections, and leave nothing on the graph."""
         self._is_closing = True
         self._server.close()
         for task in (self._following, self._leaving):

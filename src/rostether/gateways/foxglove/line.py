@@ -24,14 +24,14 @@ class LineUser(Protocol):
         """A whole message came."""
 
     def dropped(self, count: int) -> None:
-        """So many messages more were lost because the client reads slowly."""
+        """This number of further messages was lost because the client reads slowly."""
 
     def closed(self) -> None:
         """The connection has ended."""
 
 
 class Line:
-    """The user of one connection; `user` is set by whoever made it."""
+    """The user of one connection; `user` is set by its creator."""
 
     user: LineUser
 

@@ -1,4 +1,4 @@
-"""Parameters as the protocol has them: a name, a JSON value, and a type where JSON does not tell it.
+"""Parameters as the protocol has them: a name, a JSON value, and a type where JSON leaves it open.
 
 `byte_array` is base64, `float64` and `float64_array` are numbers that may look whole. JSON has no NaN and no
 infinity: they are sent as texts, which a set takes back as floats where the parameter is one.

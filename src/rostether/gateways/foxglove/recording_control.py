@@ -1,4 +1,4 @@
-"""Recording on a client's demand: what a gateway asks of whoever records, and reports to its clients."""
+"""Recording on a client's demand: what a gateway asks of the recorder, and reports to its clients."""
 
 from __future__ import annotations
 

@@ -142,12 +142,12 @@ def connection_graph_update(changes: Mapping[str, Any]) -> str:
 
 
 def drive(state: Mapping[str, Any]) -> str:
-    """Return who drives a client's command topic, see `driven_topic.py`; an op of ours."""
+    """Return who drives a client's command topic, see `driven_topic.py`; an op of this gateway."""
     return _json(state)
 
 
 def recordings(state: Mapping[str, Any]) -> str:
-    """Return what is recorded, see `recording_control.py`; an op of ours."""
+    """Return what is recorded, see `recording_control.py`; an op of this gateway."""
     return _json({"op": "recordings", **state})
 
 

@@ -110,7 +110,7 @@ class Services:
         try:
             service_type = self._store.registry.service_type(short_type(type_name))
         except RostetherError:
-            # Nobody can call what nobody here has the definition of.
+            # Without a definition, no client can call it.
             return []
         service = OfferedService(self._next_id, name, service_type)
         self._next_id += 1

@@ -39,7 +39,7 @@ class NameFilter:
             raise ConfigError(f"{source}: {error.pattern!r} is no regular expression: {error}") from None
 
     def includes(self, name: str) -> bool:
-        """Tell whether a name is offered."""
+        """Return whether a name is offered."""
         return self.patterns is None or any(pattern.fullmatch(name) for pattern in self.patterns)
 
 

@@ -74,7 +74,7 @@ class OfferedService:
         failing = [waiting for waiting in self._waiting.values() if not waiting.done()]
         for waiting in failing:
             waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
-        # Their callers are to hear the reason: the graph ends with the service what is still under way.
+        # Their callers get the reason; the graph ends their calls together with the service.
         for _ in range(_TURNS_TO_ANSWER if failing else 0):
             await asyncio.sleep(0)
         if self.server is not None:

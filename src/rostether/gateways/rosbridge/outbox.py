@@ -21,7 +21,7 @@ MAX_STATUSES = 100
 
 
 class TopicQueue:
-    """The messages of one topic that wait for one client; `owner` is whoever wants them."""
+    """The messages of one topic that wait for one client; `owner` is the subscription that wants them."""
 
     def __init__(self, length: int, owner: Any = None) -> None:
         self.owner = owner

@@ -12,7 +12,7 @@ MAX_CLOCK_OFFSET_S = 5.0
 
 
 def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:
-    """Tell whether an `auth` message is good: with the token itself, or rosauth's MAC made with it."""
+    """Return whether an `auth` message is good: with the token itself, or rosauth's MAC made with it."""
     given = fields.get("token")
     if isinstance(given, str):
         return token.is_same(given)

@@ -35,7 +35,7 @@ from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
 CLIENT_COUNT = "client_count"
-"""The topic on which rosbridge tells how many clients it has."""
+"""The topic on which rosbridge publishes the number of its clients."""
 
 
 class RosbridgeServer:
@@ -121,7 +121,7 @@ class RosbridgeServer:
         await self._ended.wait()
 
     async def close(self) -> None:
-        """Hang up on all clients and listen no more. Idempotent."""
+        """Close all connections and stop listening. Idempotent."""
         if self._leaving is not None:
             self._leaving.cancel()
             self._leaving = None

@@ -70,7 +70,7 @@ class Session:
         self._logged: set[str] = set()
 
     async def run(self, *, is_known: bool) -> None:
-        """Serve the client until it hangs up."""
+        """Serve the client until it closes the connection."""
         sending = asyncio.ensure_future(self._send_all())
         sending.add_done_callback(self._sent)
         try:
@@ -120,7 +120,9 @@ class Session:
         reason = "this server wants a token: connect to ?token=TOKEN, or send the op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
         self._connection.close(CLOSE_POLICY, reason)
-        self._around.tell(Level.WARN, f"rosbridge: {self.name} has not given the token; it was hung up on")
+        self._around.tell(
+            Level.WARN, f"rosbridge: {self.name} has not given the token; its connection was closed"
+        )
         return False
 
     async def _receive_all(self) -> None:
@@ -181,7 +183,9 @@ class Session:
             await self._outbox.wait()
             await self._connection.send(*self._next_frames())
             await asyncio.sleep(0)
-        self._around.tell(Level.WARN, f"rosbridge: {self.name} does not read its answers; it was hung up on")
+        self._around.tell(
+            Level.WARN, f"rosbridge: {self.name} does not read its answers; its connection was closed"
+        )
         # Closing in order would wait for what it does not read.
         self._connection.abort()
 

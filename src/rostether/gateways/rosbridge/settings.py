@@ -58,7 +58,7 @@ TURN_S = 0.005
 
 
 def matches(name: str, globs: tuple[str, ...] | None) -> bool:
-    """Tell whether a name is among the globs; None is all names."""
+    """Return whether a name is among the globs; None is all names."""
     return globs is None or any(fnmatchcase(name, each) for each in globs)
 
 

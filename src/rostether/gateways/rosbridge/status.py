@@ -44,7 +44,7 @@ def status_message(level: StatusLevel, text: str, request_id: object = None) -> 
 
 def show(value: object) -> str:
     """Return what a client sent as an error repeats it: short, on one line."""
-    # The repr of millions of values would take a second, in which nobody else is served.
+    # The repr of millions of values would take a second, in which no other client is served.
     text = repr(_beginning(value, _SHOWN_DEPTH)).replace("Ellipsis", "...")
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
 

@@ -38,7 +38,7 @@ def message_payload(codec: Codec, value: object, now: Time) -> bytes:
         message = _Reader(codec, now).struct(codec.tree, value)
     except _MisfitError as misfit:
         raise SerializationError(misfit.sentence(codec.type_name)) from None
-    # What does not fit its number's size is told here.
+    # Numbers that do not fit their type are reported here.
     return codec.encode(message)
 
 

@@ -33,7 +33,7 @@ class CommandLease:
         return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)
 
     def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
-        """Tell whether a driver's command may be published, and keep the lease for it."""
+        """Return whether a driver's command may be published, and keep the lease for it."""
         if self.driver is None:
             self.driver = driver
         elif self.driver != driver:

@@ -71,7 +71,7 @@ class DriveCommands:
         self._published_s = -math.inf
 
     def is_stop(self, message: Message) -> bool:
-        """Tell whether a message moves nothing."""
+        """Return whether a message moves nothing."""
         return all(_read(message, path) == 0 for _, paths in self._vectors for path in paths)
 
     def limit(self, message: Message, now_s: float) -> bool:

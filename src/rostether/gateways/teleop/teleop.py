@@ -195,7 +195,7 @@ class Teleop:
     async def _joined(self) -> Graph:
         if self._graph is None:
             graph = await self._join()
-            # As parameters, so that everybody sees them and can change them.
+            # As parameters, so that all programs can read and change them.
             with suppress(RostetherError):
                 for each in fields(DriveLimits):
                     if not await graph.has_param(f"~{each.name}"):

@@ -1,7 +1,7 @@
-"""Who may connect to a gateway: which web pages, and who knows the token.
+"""Who may connect to a gateway: which web pages, and which clients have the token.
 
 Any page that a browser shows may open a WebSocket to this machine, loopback or not; only the `Origin` that
-browsers send tells which page it is. Programs send none.
+browsers send names the page. Programs send none.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class PageRule:
     viewer_site: str = ""
 
     def admits(self, origin: str | None, host: str) -> bool:
-        """Tell whether a page, or a program without an `origin`, may connect to this Host."""
+        """Return whether a page, or a program without an `origin`, may connect to this Host."""
         if ANY_PAGE in self.origins:
             return True
         if origin is None:
@@ -58,7 +58,7 @@ class PageRule:
         return bool(name) and name == server and self.own_names.include(name)
 
     def admits_host(self, host: str) -> bool:
-        """Tell whether a page may be asked for by this Host: a name of ours, or of an allowed page."""
+        """Return whether this Host may ask for a page: a name of this machine, or of an allowed page."""
         if not host or ANY_PAGE in self.origins or self.own_names.include(host):
             return True
         return any(urlsplit(origin).netloc == host for origin in self.origins)
@@ -73,7 +73,7 @@ class PageRule:
 
 
 def is_of_program(origin: str | None) -> bool:
-    """Tell whether an Origin is of no web page: it is missing, or of a scheme such as `file:`."""
+    """Return whether an Origin is of no web page: it is missing, or of a scheme such as `file:`."""
     return origin is None or (":" in origin and not origin.startswith(("http:", "https:")))
 
 
@@ -89,14 +89,14 @@ class Token:
         return bool(self.secret)
 
     def is_carried_by(self, path: str, authorization: str) -> bool:
-        """Tell whether a request has the token: `Authorization: Bearer` counts, or else `?token=`."""
+        """Return whether a request has the token: `Authorization: Bearer` counts, or else `?token=`."""
         scheme, _, credentials = authorization.partition(" ")
         if scheme.lower() == _BEARER:
             return self.is_same(credentials.strip())
         return self.is_same(parse_qs(path.partition("?")[2]).get("token", [""])[0])
 
     def is_same(self, given: str) -> bool:
-        """Tell whether a text is the secret, in a time that says nothing of it."""
+        """Return whether a text is the secret, in a time that says nothing of it."""
         return is_same_secret(given, self.secret)
 
 
@@ -129,7 +129,7 @@ def _is_carried(token: Token, path: str, headers: Headers) -> bool:
 
 
 def is_same_secret(given: str, wanted: str) -> bool:
-    """Tell whether two texts are equal, in a time that does not depend on where they differ."""
+    """Return whether two texts are equal, in a time that does not depend on where they differ."""
     return hmac.compare_digest(
         given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
     )
@@ -163,7 +163,7 @@ class Admission:
         self._wants_token_first = wants_token_first
 
     def has_token(self, path: str, headers: Headers) -> bool:
-        """Tell whether a request carries the token; a server without one has none to carry."""
+        """Return whether a request carries the token; a server without one has none to carry."""
         return _is_carried(self.token, path, headers)
 
     def rights(self, path: str, headers: Headers) -> Rights:

@@ -219,7 +219,7 @@ class Connection(asyncio.Protocol):
                 self._handle_frame(event)
         self._write_protocol()
         if self._websocket.close_expected() and not self._is_ending:
-            # The client gets the reason (RFC 6455, 7.4), then one of us hangs up; more data gains no time.
+            # The client gets the reason (RFC 6455, 7.4), then one side closes; data extends nothing.
             self._is_ending = True
             self._set_timer(_CLOSE_S, self.abort)
 
@@ -309,8 +309,8 @@ class Connection(asyncio.Protocol):
                 self._transport.close()
 
     def _ping(self) -> None:
-        # Who still reads what was sent is there, however long an answer takes behind it; and whom we do not
-        # read cannot answer.
+        # A client that still reads is there, even if its answer comes late. A client whose data is not read
+        # here cannot answer.
         is_there = self._is_moving() or not self._is_reading
         if self._unanswered_pings >= self._limits.pings and not is_there:
             self.abort()

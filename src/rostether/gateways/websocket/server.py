@@ -151,7 +151,7 @@ class WebSocketServer:
     # for connections
 
     def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
-        """Tell whether a connection may stay, and count it."""
+        """Return whether a connection may stay, and count it."""
         if self._is_closed or not self._limiter.admit(transport):
             return False
         self._connections[connection] = transport

@@ -29,17 +29,17 @@ class ConnectionLimits:
     ping_period_s: float = 20.0
 
     pings: int = 1
-    """A client that left so many unanswered, and reads nothing, is gone."""
+    """A client that left this number unanswered, and reads nothing, is gone."""
 
 
 @dataclass(frozen=True, slots=True)
 class ServerSettings:
     """How a server is reached.
 
-    `host` is one name or address of ours, `localhost` both loopback addresses. Clients must give `token`
-    where it is not empty; those who give `view_token` instead may only view. `origins` are more web pages
-    that may connect (`*`: all), `allow` networks. With a certificate and its key, files, connections are
-    encrypted (wss).
+    `host` is one name or address of this machine, `localhost` both loopback addresses. Clients must give
+    `token` where it is not empty; those who give `view_token` instead may only view. `origins` are more web
+    pages that may connect (`*`: all), `allow` networks. With a certificate and its key, files, connections
+    are encrypted (wss).
     """
 
     host: str = DEFAULT_HOST

@@ -148,7 +148,7 @@ class Site:
         return cls(files | dict(more or {}), downloads, tiles)
 
     def is_download(self, method: str, path: str) -> bool:
-        """Tell whether a request is one for `open_download`."""
+        """Return whether a request is one for `open_download`."""
         if method != "GET":
             return False
         is_tile = self._tiles is not None and path.startswith(TILES)

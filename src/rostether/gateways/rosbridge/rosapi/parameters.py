@@ -39,7 +39,7 @@ class ParameterServices:
         await self._graph.set_param(self._name(name), value)
 
     async def has(self, name: str) -> bool:
-        """Tell whether a parameter is set; one that clients may not use is not."""
+        """Return whether a parameter is set; one that clients may not use is not."""
         return self._is_allowed(name) and await self._graph.has_param(self._name(name))
 
     async def delete(self, name: str) -> None:

@@ -132,7 +132,7 @@ async def offering_rosapi(
 ) -> AsyncIterator[bool]:
     """Be the node `/rosapi` as long as the block lasts, unless `graph` shows that there is one already.
 
-    `is_live` tells whether a node that the graph lists is more than a name that a killed one left behind.
+    `is_live` returns whether a listed node still runs: a killed one leaves its name behind.
     Yields whether it is ours. Raises GraphError.
     """
     is_listed = NODE_NAME in (await graph.snapshot()).nodes

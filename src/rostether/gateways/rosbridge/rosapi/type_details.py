@@ -1,4 +1,4 @@
-"""Types as rosapi tells them: each with its fields, and then every type below it, in order of first use.
+"""Types in the form of rosapi: each with its fields, and then every type below it, in order of first use.
 
 A field's `fieldarraylen` is -1 for a single value, 0 for an array of any length, otherwise its length; its
 example is a zero, `[]` or `{}` (source: behaviour of rosapi).
@@ -33,7 +33,7 @@ def message_details(registry: Registry, name: str) -> list[dict[str, Any]]:
             continue
         spec = registry.message(each)
         details.append(_details(spec))
-        # Depth first, as rosapi tells them.
+        # Depth first, as in rosapi.
         waiting[:0] = [field.type.base for field in spec.fields if _has_details(field)]
     return details
 
