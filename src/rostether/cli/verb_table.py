@@ -25,6 +25,7 @@ VERBS = {
     "topic": VerbEntry("rostether.cli.topic.group:topic", "List, print, publish and measure topics."),
     "node": VerbEntry("rostether.cli.node.group:node", "List, show, ping and stop nodes."),
     "service": VerbEntry("rostether.cli.service.group:service", "List, show and call services."),
+    "sensor": VerbEntry("rostether.cli.platform.sensor:sensor", "List, show and rename sensors."),
     "tf": VerbEntry("rostether.cli.robot.tf:tf", "Show and publish transforms between frames."),
     "urdf": VerbEntry("rostether.cli.robot.urdf:urdf", "Check and show robot descriptions."),
     "xacro": VerbEntry("rostether.cli.robot.xacro:xacro", "Expand a xacro file."),

@@ -18,6 +18,11 @@ def known_boards_path(environ: Mapping[str, str] | None = None) -> Path:
     return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "boards.json"
 
 
+def sensors_path(environ: Mapping[str, str] | None = None) -> Path:
+    """Return `~/.local/state/rostether/sensors.json` (XDG_STATE_HOME; on Windows below LOCALAPPDATA)."""
+    return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "sensors.json"
+
+
 def certificates_folder(environ: Mapping[str, str] | None = None) -> Path:
     """Return `~/.local/state/rostether/tls` (XDG_STATE_HOME; on Windows below LOCALAPPDATA)."""
     return _folder(environ, "XDG_STATE_HOME", ".local/state", "LOCALAPPDATA") / "tls"

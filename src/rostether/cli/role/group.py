@@ -59,6 +59,12 @@ ROLES = {
         "rostether.cli.platform.multicast:multicast_topic_receiver",
         "Publish messages that arrive from a multicast group.",
     ),
+    "sensing-manager": VerbEntry(
+        "rostether.cli.platform.sensing:sensing_manager", "Register sensors and publish their list."
+    ),
+    "digital-tester": VerbEntry(
+        "rostether.cli.platform.sensing:digital_tester", "Be a sensor that needs no hardware."
+    ),
     "foxglove-bridge": VerbEntry(
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
 
+from contract.graphs import until
 from rostether.graph.typed_graph import TypedGraph, TypedPublisher
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
@@ -101,3 +103,46 @@ async def test_what_is_typed_wrong(master: MasterServer, words: tuple[str, ...],
     async with started("role", *words, ROS_MASTER_URI=master.uri) as command:
         assert await asyncio.wait_for(command.process.wait(), 60) == 1
         await command.wait_for(reason)
+
+
+async def test_sensors_and_their_commands(master: MasterServer, graph: TypedGraph, tmp_path: Path) -> None:
+    environ = {"ROS_MASTER_URI": master.uri, "XDG_STATE_HOME": str(tmp_path)}
+    sensors_file = tmp_path / "sensors.toml"
+    sensors_file.write_text('"/arm/ultrasound" = { name = "Distance", unit = "m" }\n')
+
+    async def typed(*words: str, code: int = 0) -> list[str]:
+        async with started("sensor", *words, **environ) as command:
+            assert await asyncio.wait_for(command.process.wait(), 60) == code
+            await until(lambda: command.reader_done)
+            return list(command.lines)
+
+    testing = ("run", "sensors", "digital_tester.py")
+    managing = ("run", "sensors", "sensing_manager.py", f"_sensors_file:={sensors_file}")
+    async with started(*testing, **environ, PLATFORM_NAME="Robot3") as tester:
+        async with started(*managing, **environ):
+            await tester.wait_for("registered for topic sensor_node0")
+            assert (await graph.wait_for_message("/sensor_node0", timeout_s=60)).data in range(101)
+            assert await typed("rename", "sensor_node0", "Test value") == ["sensor_node0: Test value"]
+            (refused,) = await typed("rename", "Distance", "Range", code=1)
+            assert "the name of arm_ultrasound is in the sensors' file: change it there" in refused
+        async with started(*managing, **environ) as manager:
+            await manager.wait_for("sensors known from an earlier run: 1")
+            async with asyncio.timeout(60):
+                async for message in graph.messages("/sensors", "sensing_platform/Sensors"):
+                    if [each.state for each in message.sensors] == ["ready", "init"]:
+                        break
+            assert await typed("list") == [
+                "Robot3",
+                "  sensor_node0  DIGITAL  ready  /sensor_node0  Test value",
+                "arm",
+                "  arm_ultrasound  ANALOG  init  /arm/ultrasound  Distance",
+            ]
+            shown = await typed("show", "Test value")
+            assert shown[:4] == [
+                "id: sensor_node0",
+                "name: Test value",
+                "platform: Robot3",
+                "sensor type: DIGITAL",
+            ]
+            assert json.loads((await typed("list", "--json"))[1])["unit"] == "m"
+            assert "no sensor has the id or the name 'x'" in (await typed("show", "x", code=1))[0]

@@ -1,0 +1,84 @@
+"""The nodes for sensors as roles: sensing_manager and digital_tester."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+from rostether.cli.platform.parameters import Parameters, reporter
+from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.shell.verbs import Verb
+from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
+
+_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+
+
+@click.command(
+    "sensing-manager",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role sensing-manager
+    rostether role sensing-manager _sensors_file:=sensors.toml
+    """,
+)
+@_arguments
+def sensing_manager(arguments: tuple[str, ...]) -> None:
+    """Register sensors (service `sensors_register`), watch them and publish their list (`sensors`).
+
+    Parameters: ~sensors_file (topics of boards that are sensors, a line each), ~state_file (where registered
+    sensors are kept across restarts; default: ~/.local/state/rostether/sensors.json).
+    """
+    run_role("sensing_manager", arguments, _manage)
+
+
+@click.command(
+    "digital-tester",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role digital-tester
+    rostether role digital-tester _platform_name:=Robot3 __name:=tester_3
+    """,
+)
+@_arguments
+def digital_tester(arguments: tuple[str, ...]) -> None:
+    """Be a sensor that publishes a random number from 0 to 100 each second.
+
+    Its platform is ~platform_name, else the variable PLATFORM_NAME, else DigitalTesterStation.
+    """
+    run_role("digital_tester", arguments, _test)
+
+
+async def _manage(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.sensing_manager import SensingManager
+    from rostether.platform.sensor_files import read_sensors_toml
+    from rostether.ports.config_paths import sensors_path
+
+    parameters = Parameters(graph, "sensing_manager")
+    state_file = await parameters.text("", "state_file")
+    sensors_file = await parameters.text("", "sensors_file")
+    manager = SensingManager(
+        graph,
+        reporter(graph),
+        state_path=_path(state_file) if state_file else sensors_path(),
+        named=read_sensors_toml(_path(sensors_file)) if sensors_file else (),
+    )
+    await manager.run()
+
+
+async def _test(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.digital_tester import publish_test_values
+
+    default = os.environ.get("PLATFORM_NAME") or "DigitalTesterStation"
+    # The reference's node reads the parameter node/platform_name.
+    fallback = await Parameters(graph, "node").text(default, "platform_name")
+    platform = await Parameters(graph, "digital_tester").text(fallback, "platform_name")
+    await publish_test_values(graph, platform, reporter(graph))
+
+
+def _path(text: str) -> Path:
+    return Path(text).expanduser()

@@ -1,0 +1,137 @@
+"""`rostether sensor`: the sensors that /sensing_manager knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.ros1_access import joined
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.errors import GraphError
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.serde.values import Message
+
+# The list is latched: the manager sends it at once. A busy Raspberry Pi needs seconds to connect.
+_LIMIT_S = 10.0
+_FIELDS = (
+    "id",
+    "name",
+    "platform_name",
+    "sensor_type",
+    "topic",
+    "message_type",
+    "unit",
+    "state",
+)
+_MODULE = "rostether.cli.platform.sensor:"
+_VERBS = {
+    "list": VerbEntry(f"{_MODULE}list_sensors", "List the sensors by platform."),
+    "show": VerbEntry(f"{_MODULE}show", "Show one sensor."),
+    "rename": VerbEntry(f"{_MODULE}rename", "Give a sensor another name."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether sensor list
+    rostether sensor show sensor_node0
+    rostether sensor rename sensor_node0 "Front camera"
+    """,
+)
+def sensor() -> None:
+    """List, show and rename the sensors of all platforms."""
+
+
+@click.command("list", cls=Verb, examples="rostether sensor list")
+@json_option
+@graph_options(allow=TOOL_ALLOW)
+def list_sensors(as_json: bool, graph: GraphOptions) -> None:
+    """List the sensors by platform: id, type, state, topic and name."""
+
+    async def main() -> None:
+        async with joined(graph, purpose="sensor") as node:
+            sensors = [_plain(each) for each in await _sensors(node)]
+        if as_json:
+            for each in sensors:
+                write_json(each)
+            return
+        if not sensors:
+            write_line("no sensor is registered")
+        for platform in sorted({each["platform_name"] for each in sensors}):
+            write_line(platform)
+            rows = [each for each in sensors if each["platform_name"] == platform]
+            widths = {key: max(len(row[key]) for row in rows) for key in _FIELDS}
+            for row in rows:
+                cells = [row[key].ljust(widths[key]) for key in ("id", "sensor_type", "state", "topic")]
+                write_line(f"  {'  '.join(cells)}  {row['name']}")
+
+    run(main())
+
+
+@click.command("show", cls=Verb, examples="rostether sensor show sensor_node0")
+@click.argument("sensor_id", metavar="ID")
+@json_option
+@graph_options(allow=TOOL_ALLOW)
+def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
+    """Show one sensor, given its id or its name."""
+
+    async def main() -> None:
+        async with joined(graph, purpose="sensor") as node:
+            found = _plain(_find(await _sensors(node), sensor_id))
+        if as_json:
+            write_json(found)
+            return
+        for key, value in found.items():
+            write_line(f"{key.removesuffix('_name').replace('_', ' ')}: {value or '-'}")
+
+    run(main())
+
+
+@click.command("rename", cls=Verb, examples='rostether sensor rename sensor_node0 "Front camera"')
+@click.argument("sensor_id", metavar="ID")
+@click.argument("name")
+@graph_options(allow=TOOL_ALLOW)
+def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
+    """Give a sensor another NAME; its id and its topic stay the same."""
+
+    async def main() -> None:
+        async with joined(graph, purpose="sensor") as node:
+            found = _find(await _sensors(node), sensor_id)
+            request: Mapping[str, Any] = {"id": found.id, "name": name}
+            await node.call("sensors_rename", "sensing_platform/RenameSensor", request, timeout_s=_LIMIT_S)
+        write_line(f"{found.id}: {name}")
+
+    run(main())
+
+
+async def _sensors(node: TypedGraph) -> list[Message]:
+    try:
+        message = await node.wait_for_message("sensors", "sensing_platform/Sensors", timeout_s=_LIMIT_S)
+    except TimeoutError:
+        raise GraphError(
+            "no sensing manager publishes its sensors; start one with: rostether role sensing-manager"
+        ) from None
+    return list(message.sensors)
+
+
+def _find(sensors: list[Message], wanted: str) -> Message:
+    found = [each for each in sensors if each.id == wanted] or [
+        each for each in sensors if each.name == wanted
+    ]
+    if len(found) != 1:
+        reason = "several sensors have the name" if found else "no sensor has the id or the name"
+        raise GraphError(f"{reason} {wanted!r}; see: rostether sensor list")
+    return found[0]
+
+
+def _plain(found: Message) -> dict[str, str]:
+    return {key: str(getattr(found, key)) for key in _FIELDS}

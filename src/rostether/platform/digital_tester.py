@@ -1,0 +1,51 @@
+"""The node digital_tester: a sensor that needs no hardware, to test the way from a sensor to the screen."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+from collections.abc import Callable
+
+from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+
+PERIOD_S = 1.0
+_RETRY_S = 1.0
+_CALL_LIMIT_S = 10.0
+
+
+async def publish_test_values(
+    graph: TypedGraph,
+    platform: str,
+    report: Callable[[Level, str], None],
+) -> None:
+    """Register a DIGITAL sensor and publish a whole number from 0 to 100 each second, until cancelled.
+
+    It waits for the sensing manager. Raises ServiceCallError where that one refuses, GraphError.
+    """
+    topic = await _register(graph, platform, report)
+    report(Level.INFO, f"registered for topic {topic}")
+    publisher = await graph.publisher(topic, "std_msgs/Float64")
+    while True:
+        publisher.publish(data=float(random.randint(0, 100)))  # noqa: S311
+        await asyncio.sleep(PERIOD_S)
+
+
+async def _register(graph: TypedGraph, platform: str, report: Callable[[Level, str], None]) -> str:
+    request = {"platform_name": platform, "sensor_type": "DIGITAL"}
+    reported = False
+    while True:
+        try:
+            answer = await graph.call(
+                "sensors_register", "sensors/RegistrationService", request, timeout_s=_CALL_LIMIT_S
+            )
+        except (ServiceUnavailableError, ServiceTimeoutError):
+            if not reported:
+                reported = True
+                report(Level.WARN, "no node offers sensors_register; waiting for the sensing manager")
+            await asyncio.sleep(_RETRY_S)
+        except ServiceCallError as error:
+            raise ServiceCallError(f"the sensing manager refuses this sensor: {error}") from None
+        else:
+            return str(answer.topic)

@@ -1,0 +1,168 @@
+"""The node sensing_manager: registers sensors, watches their topics and publishes the list of them.
+
+sensors_register (sensors/RegistrationService)      the reference's sensor nodes call it unchanged
+sensors_rename   (sensing_platform/RenameSensor)
+sensors          (sensing_platform/Sensors, latched)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from rostether.graph.ports import Level, Snapshot, Subscriber
+from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.platform.sensor_files import read_state, write_state
+from rostether.platform.sensor_registry import Sensor, SensorRegistry
+from rostether.rostime import Time
+from rostether.serde.values import Message
+
+JUDGE_PERIOD_S = 0.5
+"""How soon a state changes after its time; people look at it."""
+
+
+class SensingManager:
+    """The node; `run` until cancelled. `state_path` None keeps the sensors in memory only."""
+
+    def __init__(
+        self,
+        graph: TypedGraph,
+        report: Callable[[Level, str], None],
+        *,
+        state_path: Path | None = None,
+        named: Sequence[Sensor] = (),
+    ) -> None:
+        self._graph = graph
+        self._report = report
+        self._state_path = state_path
+        self._named = named
+        self._registry = SensorRegistry()
+        self._subscribers: dict[str, Subscriber] = {}
+        self._publisher: TypedPublisher | None = None
+        self._has_news = asyncio.Event()
+        self._cannot_write_reported = False
+
+    async def run(self) -> None:
+        """Serve until cancelled. Raises GraphError."""
+        now_s = time.monotonic()
+        restored = read_state(self._state_path) if self._state_path is not None else []
+        self._registry = SensorRegistry(restored, now_s)
+        for sensor in self._named:
+            self._registry.add(sensor, now_s)
+        if restored:
+            self._report(Level.INFO, f"sensors known from an earlier run: {len(restored)}")
+        self._publisher = await self._graph.publisher("sensors", "sensing_platform/Sensors", latch=True)
+        # Before the first registration, so that no topic in use is given to another sensor.
+        self._note_publishers(await self._graph.snapshot())
+        services = [
+            await self._graph.serve("sensors_register", "sensors/RegistrationService", self._register),
+            await self._graph.serve("sensors_rename", "sensing_platform/RenameSensor", self._rename),
+        ]
+        following = asyncio.ensure_future(self._follow_connections())
+        try:
+            while True:
+                await self._subscribe_to_new()
+                self._registry.judge(time.monotonic())
+                self._publish()
+                await self._wait(following)
+        finally:
+            following.cancel()
+            await asyncio.wait([following])
+            for service in services:
+                await service.close()
+            for subscriber in self._subscribers.values():
+                await subscriber.close()
+            await self._publisher.close()
+
+    async def _wait(self, following: asyncio.Task[None]) -> None:
+        """Return when the list has changed."""
+        while True:
+            if following.done():
+                following.result()
+            try:
+                async with asyncio.timeout(JUDGE_PERIOD_S):
+                    await self._has_news.wait()
+            except TimeoutError:
+                if self._registry.judge(time.monotonic()):
+                    return
+            else:
+                self._has_news.clear()
+                return
+
+    async def _follow_connections(self) -> None:
+        async for snapshot in self._graph.changes():
+            self._note_publishers(snapshot)
+            if self._registry.judge(time.monotonic()):
+                self._has_news.set()
+
+    def _note_publishers(self, snapshot: Snapshot) -> None:
+        now_s = time.monotonic()
+        for sensor in self._registry.sensors:
+            topic = snapshot.topics.get(self._graph.resolve(sensor.topic))
+            self._registry.connect(sensor.id, topic is not None and bool(topic.publishers), now_s)
+
+    async def _subscribe_to_new(self) -> None:
+        """Subscribe to all sensors except cameras: pictures are sent only to programs that show them."""
+        for sensor in self._registry.sensors:
+            if sensor.sensor_type != "CAMERA" and sensor.id not in self._subscribers:
+                self._subscribers[sensor.id] = await self._graph.raw.subscribe(
+                    sensor.topic, ANY_MESSAGE, partial(self._hear, sensor.id)
+                )
+        for sensor_id in self._subscribers.keys() - {each.id for each in self._registry.sensors}:
+            await self._subscribers.pop(sensor_id).close()
+
+    def _hear(self, sensor_id: str, _: Sequence[bytes]) -> None:
+        now_s = time.monotonic()
+        self._registry.hear(sensor_id, now_s)
+        if not self._registry.is_ready(sensor_id) and self._registry.judge(now_s):
+            self._has_news.set()
+
+    def _register(self, request: Message) -> dict[str, str]:
+        sensor = self._registry.register(request.platform_name, request.sensor_type, time.monotonic())
+        self._report(Level.INFO, f"registered {sensor.platform} {sensor.sensor_type} on topic {sensor.topic}")
+        self._remember()
+        return {"topic": sensor.topic}
+
+    def _rename(self, request: Message) -> dict[str, object]:
+        sensor = self._registry.rename(request.id, request.name)
+        self._report(Level.INFO, f"sensor {sensor.id} has the name {sensor.name!r} now")
+        self._remember()
+        return {"sensor": self._shown(sensor)}
+
+    def _remember(self) -> None:
+        self._has_news.set()
+        if self._state_path is None:
+            return
+        try:
+            write_state(self._state_path, (each for each in self._registry.sensors if each.number >= 0))
+        except OSError as error:
+            if not self._cannot_write_reported:
+                self._cannot_write_reported = True
+                self._report(
+                    Level.ERROR,
+                    f"{self._state_path}: cannot be written: {error.strerror or error}; a restart forgets "
+                    "the sensors",
+                )
+
+    def _publish(self) -> None:
+        assert self._publisher is not None
+        self._publisher.publish(sensors=[self._shown(each) for each in self._registry.sensors])
+
+    def _shown(self, sensor: Sensor) -> dict[str, object]:
+        state, since_s = self._registry.state(sensor.id)
+        age_ns = int(max(0.0, time.monotonic() - since_s) * 1e9)
+        return {
+            "id": sensor.id,
+            "name": sensor.name,
+            "platform_name": sensor.platform,
+            "sensor_type": sensor.sensor_type,
+            "topic": self._graph.resolve(sensor.topic),
+            "message_type": sensor.message_type,
+            "unit": sensor.unit,
+            "state": state,
+            "state_since": Time.from_ns(max(0, self._graph.now().to_ns() - age_ns)),
+        }

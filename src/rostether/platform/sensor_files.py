@@ -1,0 +1,102 @@
+"""The files of the sensing manager: sensors.toml, written by users, and what it remembers itself."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tomllib
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, InvalidNameError
+from rostether.names.graph_name import validate_name
+from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
+
+MAX_FILE_BYTES = 1024 * 1024
+"""A thousand sensors are some 200 KB; more is another file, given by mistake."""
+
+_FORMAT = 1
+_REGISTERED_TOPIC = re.compile(r"/sensor_node\d+")
+_KEYS = ("name", "platform", "type", "unit")
+
+
+def read_sensors_toml(path: Path) -> list[Sensor]:
+    """Return the sensors that a file names, one line for each topic. Raises ConfigError.
+
+    "/arm/ultrasound" = { name = "Distance", unit = "m" }
+    """
+    try:
+        with path.open("rb") as file:
+            content = tomllib.loads(file.read(MAX_FILE_BYTES).decode())
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"{path}: not a TOML file: {error}") from None
+    if len(content) > MAX_SENSORS:
+        raise ConfigError(f"{path}: {len(content)} sensors; at most {MAX_SENSORS} are allowed")
+    return [_sensor(path, topic, entry) for topic, entry in content.items()]
+
+
+def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
+    try:
+        validate_name(topic)
+    except InvalidNameError as error:
+        raise ConfigError(f"{path}: {error}") from None
+    if not topic.startswith("/"):
+        raise ConfigError(f'{path}: write the topic "{topic}" with a slash before it')
+    if _REGISTERED_TOPIC.fullmatch(topic):
+        raise ConfigError(
+            f"{path}: {topic} belongs to a registered sensor; name it with: rostether sensor rename"
+        )
+    if not isinstance(entry, dict):
+        raise ConfigError(f'{path}: write "{topic}" = {{ name = "Distance", unit = "m" }}')
+    for key, value in entry.items():
+        if key not in _KEYS:
+            raise ConfigError(f"{path}: {topic} has an unknown key {key!r:.100}; known: {', '.join(_KEYS)}")
+        if not isinstance(value, str) or not value.isprintable() or len(value) > MAX_TEXT_CHARACTERS:
+            raise ConfigError(f"{path}: {key} of {topic} is a text of up to {MAX_TEXT_CHARACTERS} characters")
+    sensor_type = entry.get("type", "ANALOG")
+    if sensor_type not in MESSAGE_TYPES:
+        raise ConfigError(f"{path}: type of {topic} is {', '.join(MESSAGE_TYPES)}, not {sensor_type!r}")
+    first, _, rest = topic[1:].partition("/")
+    platform = entry.get("platform") or (first if rest else os.environ.get("PLATFORM_NAME", "")) or "Platform"
+    name = entry.get("name") or topic
+    sensor_id = topic[1:].replace("/", "_")
+    return Sensor(sensor_id, -1, platform, sensor_type, topic, name, unit=entry.get("unit", ""))
+
+
+def read_state(path: Path) -> list[Sensor]:
+    """Return the sensors of an earlier run; a file that is missing or damaged has none."""
+    try:
+        with path.open("rb") as file:
+            content = json.loads(file.read(MAX_FILE_BYTES))
+    except (OSError, ValueError, RecursionError):
+        return []
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
+        return []
+    entries = content.get("sensors")
+    if not isinstance(entries, list):
+        return []
+    return [_restored(each) for each in entries[:MAX_SENSORS] if _is_sensor(each)]
+
+
+def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
+    """Write the sensors; the file is whole at any time. Raises OSError."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    text = json.dumps({"format": _FORMAT, "sensors": [asdict(each) for each in sensors]}, indent=1)
+    fresh.write_text(text + "\n", encoding="utf-8")
+    fresh.replace(path)
+
+
+def _is_sensor(entry: Any) -> bool:
+    return isinstance(entry, dict) and all(
+        isinstance(entry.get(each.name), int if each.name == "number" else str) for each in fields(Sensor)
+    )
+
+
+def _restored(entry: dict[str, Any]) -> Sensor:
+    return Sensor(**{each.name: entry[each.name] for each in fields(Sensor)})

@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.errors import ServiceCallError
+from rostether.platform import sensor_registry
+from rostether.platform.sensor_registry import Sensor, SensorRegistry
+
+
+@pytest.fixture
+def registry() -> SensorRegistry:
+    return SensorRegistry()
+
+
+def state(registry: SensorRegistry, sensor_id: str, now_s: float) -> str:
+    registry.judge(now_s)
+    return registry.state(sensor_id)[0]
+
+
+def test_topics_count_from_0(registry: SensorRegistry) -> None:
+    topics = [registry.register("Robot", each, 0.0).topic for each in ("CAMERA", "ANALOG", "ANALOG")]
+    assert topics == ["sensor_node0", "sensor_node1", "sensor_node2"]
+    assert [each.message_type for each in registry.sensors][:2] == [
+        "sensor_msgs/CompressedImage",
+        "std_msgs/Float64",
+    ]
+
+
+def test_states_by_age(registry: SensorRegistry) -> None:
+    key = registry.register("Robot", "ANALOG", 0.0).id
+    assert state(registry, key, 59.9) == "init"
+    assert state(registry, key, 60.0) == "lost"
+    registry.connect(key, True, 61.0)
+    assert state(registry, key, 61.0) == "init"
+    registry.hear(key, 62.0)
+    assert state(registry, key, 64.9) == "ready"
+    assert state(registry, key, 65.0) == "sleeping"
+    registry.connect(key, False, 70.0)
+    assert state(registry, key, 70.0) == "disconnected"
+    assert state(registry, key, 129.9) == "disconnected"
+    assert state(registry, key, 130.0) == "lost"
+    assert registry.state(key) == ("lost", 130.0)
+    registry.hear(key, 131.0)
+    assert state(registry, key, 131.0) == "ready"
+
+
+def test_a_camera_is_ready_without_pictures(registry: SensorRegistry) -> None:
+    key = registry.register("Robot", "CAMERA", 0.0).id
+    registry.connect(key, True, 1.0)
+    assert state(registry, key, 100.0) == "ready"
+
+
+def test_a_sensor_that_comes_back_is_itself(registry: SensorRegistry) -> None:
+    first = registry.register("Robot", "ANALOG", 0.0)
+    registry.rename(first.id, "Front distance")
+    # Two of a kind that start together are two sensors.
+    assert registry.register("Robot", "ANALOG", 0.1).topic == "sensor_node1"
+    registry.hear(first.id, 1.0)
+    registry.connect(first.id, False, 2.0)
+    assert registry.register("Robot", "DIGITAL", 3.0).topic == "sensor_node2"
+    again = registry.register("Robot", "ANALOG", 3.0)
+    assert (again.id, again.name) == (first.id, "Front distance")
+    assert registry.register("Robot", "ANALOG", 3.1).topic == "sensor_node3"
+
+
+def test_after_a_restart_numbers_go_on() -> None:
+    kept = Sensor("sensor_node4", 4, "Robot", "ANALOG", "sensor_node4", "Front", "std_msgs/Float64")
+    registry = SensorRegistry([kept], 10.0)
+    assert state(registry, kept.id, 10.0) == "disconnected"
+    registry.connect(kept.id, True, 10.1)
+    assert registry.register("Robot", "ANALOG", 11.0).topic == "sensor_node5"
+
+
+@pytest.mark.parametrize(
+    ("platform", "sensor_type", "reason"),
+    [
+        ("Robot", "RADAR", "sensor_type is CAMERA, ANALOG, DIGITAL, not 'RADAR'"),
+        ("", "ANALOG", "platform_name is 1 to 100 printable characters"),
+        ("a\nb", "ANALOG", "platform_name is 1 to 100 printable characters"),
+        ("x" * 101, "ANALOG", "platform_name is 1 to 100 printable characters"),
+    ],
+)
+def test_what_cannot_be_registered(
+    registry: SensorRegistry, platform: str, sensor_type: str, reason: str
+) -> None:
+    with pytest.raises(ServiceCallError, match=reason):
+        registry.register(platform, sensor_type, 0.0)
+
+
+def test_what_cannot_be_renamed(registry: SensorRegistry) -> None:
+    registry.add(Sensor("arm_range", -1, "arm", "ANALOG", "/arm/range", "Range"), 0.0)
+    with pytest.raises(ServiceCallError, match="no sensor has the id 'x'"):
+        registry.rename("x", "y")
+    with pytest.raises(ServiceCallError, match="change it there"):
+        registry.rename("arm_range", "y")
+
+
+def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sensor_registry, "MAX_SENSORS", 2)
+    registry.register("A", "ANALOG", 0.0)
+    registry.register("B", "ANALOG", 1.0)
+    with pytest.raises(ServiceCallError, match="there are 2 sensors already, and none of them is lost"):
+        registry.register("C", "ANALOG", 2.0)
+    registry.judge(60.0)
+    assert registry.register("C", "ANALOG", 60.0).topic == "sensor_node2"
+    assert [each.platform for each in registry.sensors] == ["B", "C"]
+    # A message of the one that was replaced.
+    registry.hear("sensor_node0", 61.0)
+    assert not registry.is_ready("sensor_node0")
