@@ -124,9 +124,12 @@ async def test_real_time_is_the_worlds_time() -> None:
         loop = asyncio.get_running_loop()
         await board.cycles()
         begun_s, begun = loop.time(), await board.cycles()
-        await asyncio.sleep(0.3)
-        ran_s = (await board.cycles() - begun) / 16e6
-        assert ran_s == pytest.approx(loop.time() - begun_s, abs=0.25)
+        ran_s = 0.0
+        async with asyncio.timeout(60):
+            # A busy machine may hold the board up.
+            while ran_s < 0.3:
+                await asyncio.sleep(0.05)
+                ran_s = (await board.cycles() - begun) / 16e6
         behind = [event["lost_ms"] for event in named(board, "behind")]
         assert ran_s <= loop.time() - begun_s + 0.02 or behind
 
