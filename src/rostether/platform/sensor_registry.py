@@ -79,7 +79,7 @@ class SensorRegistry:
         return condition.state, condition.since_s
 
     def is_ready(self, sensor_id: str) -> bool:
-        """Tell whether a sensor is known and ready."""
+        """Return whether a sensor is known and ready."""
         return sensor_id in self._conditions and self._conditions[sensor_id].state == "ready"
 
     def register(self, platform: str, sensor_type: str, now_s: float) -> Sensor:
