@@ -1,0 +1,69 @@
+"""The sensing platform's nodes with Debian's rospy and rostopic on the other side."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from interop.node_stage import Stage, stage_on
+from interop.ros1_peers import DEBIAN_PYTHON
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.registry import Registry
+from rostether.serde.store import TypeStore
+from unit.platform.datagrams import PlainReceiver, loopback_group
+
+OURS = [sys.executable, "-m", "rostether", "role"]
+CLIENT = Path(__file__).parent / "peers" / "register_sensor.py"
+
+pytestmark = pytest.mark.ros1
+
+
+@pytest_asyncio.fixture
+async def stage(tmp_path: Path) -> AsyncIterator[Stage]:
+    async with stage_on("our master", tmp_path) as stage:
+        yield stage
+
+
+async def test_a_sensor_node_of_rospy_registers_and_comes_back(stage: Stage, tmp_path: Path) -> None:
+    graph = TypedGraph(await stage.join("/viewer"), TypeStore(Registry()))
+    await stage.peers.start(*OURS, "sensing-manager", f"_state_file:={tmp_path / 'sensors.json'}")
+    for _ in range(2):
+        client = await stage.peers.start(DEBIAN_PYTHON, str(CLIENT), "Robot3")
+        await client.wait_for("registered for sensor_node0")
+        await shown(graph, "ready")
+        assert (await graph.wait_for_message("/sensor_node0", timeout_s=60)).data == 42.0
+        await client.stop()
+        await shown(graph, "disconnected")
+
+
+async def shown(graph: TypedGraph, state: str) -> None:
+    """Wait until the manager's list has one sensor in a state."""
+    async with asyncio.timeout(60):
+        async for message in graph.messages("/sensors", "sensing_platform/Sensors"):
+            if [(each.platform_name, each.state) for each in message.sensors] == [("Robot3", state)]:
+                return
+
+
+async def test_a_topic_of_rostopic_as_bare_datagrams(stage: Stage) -> None:
+    address = loopback_group()
+    receiver = PlainReceiver(address)
+    bridge = await stage.peers.start(
+        *OURS,
+        "multicast-topic-bridge",
+        "_topic:=joy_text",
+        f"_mulicast_group_addr:={address.group}",
+        f"_sending_port:={address.port}",
+        "_interface:=lo",
+    )
+    await bridge.wait_for("sending /joy_text to 239.255.82.83:")
+    await stage.peers.start("rostopic", "pub", "-r", "10", "/joy_text", "std_msgs/String", "x")
+    async with asyncio.timeout(60):
+        while not receiver.datagrams:
+            await asyncio.sleep(0.01)
+    receiver.close()
+    assert set(receiver.datagrams) == {b"\1\0\0\0x"}
