@@ -21,7 +21,7 @@ REPEAT_S = 0.05
 STOP_PERIOD_S = 0.02
 STOP_FRAMES = 10
 CHANGE_FRAMES = 3
-"""A changed command is sent once and twice more at once."""
+"""A changed command is sent once and twice more at once, unless such copies were sent within `REPEAT_S`."""
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
 
@@ -47,6 +47,7 @@ class CommandSender:
         self._payload: bytes | None = None
         self._stops_left = 0
         self._due_s: float | None = None
+        self._copied_s = float("-inf")
 
     @property
     def due_s(self) -> float | None:
@@ -54,8 +55,15 @@ class CommandSender:
         return self._due_s
 
     def command(self, payload: bytes, now_s: float) -> list[bytes]:
-        """Return the datagrams of a command: three if it differs from the last one."""
-        count = CHANGE_FRAMES if payload != self._payload else 1
+        """Return the datagrams of a command: three if it differs from the last one, else one.
+
+        Of commands that change faster than every `REPEAT_S`, only some are sent three times: the next one is
+        a better copy.
+        """
+        count = 1
+        if payload != self._payload and now_s - self._copied_s >= REPEAT_S:
+            count = CHANGE_FRAMES
+            self._copied_s = now_s
         self._payload = payload
         self._stops_left = 0
         self._due_s = now_s + REPEAT_S

@@ -28,12 +28,14 @@ def test_a_command_is_repeated_until_it_stops(robot: CommandReceiver) -> None:
     assert [robot.receive(each, 0.0) is not None for each in first] == [True, True, True]
     assert (robot.is_moving, sender.due_s) == (True, 0.05)
     assert len(sender.command(b"go", 0.02)) == 1
-    assert len(sender.command(b"turn", 0.03)) == 3
-    (again,) = sender.repeat(0.08)
-    frame = robot.receive(again, 0.08)
+    # Commands that change all the time are their own copies.
+    assert len(sender.command(b"left", 0.03)) == 1
+    assert len(sender.command(b"turn", 0.06)) == 3
+    (again,) = sender.repeat(0.11)
+    frame = robot.receive(again, 0.11)
     assert frame is not None
     assert (frame.payload, frame.ttl_ms) == (b"turn", 300)
-    frames, now_s = sender.stop(0.1), 0.1
+    frames, now_s = sender.stop(0.12), 0.12
     while sender.due_s is not None:
         assert sender.due_s - now_s == pytest.approx(0.02)
         now_s = sender.due_s
