@@ -20,6 +20,15 @@ async def test_the_overview_shows_the_board_and_moving_values(robot: Robot, brow
     assert seen["errors"] == []
 
 
+async def test_the_list_of_topics_shows_the_newest_values(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/topics")
+    row = "document.querySelector('tr[data-topic=\"/imu_data\"]')?.innerText"
+    await browser.wait_for(page, f"{row}?.includes('Hz')")
+    for _ in range(3):
+        before = await browser.do("evaluate", page=page, script=row)
+        await browser.wait_for(page, f"{row} !== {before!r}")
+
+
 async def test_a_topic_is_shown_as_a_tree_with_its_values(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/topics")
     await browser.do("click", page=page, selector='tr[data-topic="/ultrasound"]')

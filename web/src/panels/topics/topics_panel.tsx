@@ -98,7 +98,7 @@ interface TableProps {
 
 function TopicTable({ context, rows, chosen, scroll, onChoose }: TableProps) {
   const body = useRowSubscriptions(context, scroll, rows);
-  useTick(context, REFRESH_MS);
+  const nowMs = useTick(context, REFRESH_MS);
   return (
     <table class="topics-table">
       <thead>
@@ -125,6 +125,7 @@ function TopicTable({ context, rows, chosen, scroll, onChoose }: TableProps) {
               key={row.name}
               context={context}
               row={row}
+              nowMs={nowMs}
               isChosen={row.name === chosen}
               onChoose={onChoose}
             />
@@ -148,13 +149,15 @@ function isNewGroup(rows: Row[], index: number): boolean {
 function TopicRow(props: {
   context: PanelContext;
   row: Row;
+  /** A row that reads signals is drawn again only when its properties change. */
+  nowMs: number;
   isChosen: boolean;
   onChoose: (topic: string) => void;
 }) {
   const { name, typeName, isPublished } = props.row;
   const { robot } = props.context;
   const feed = robot.feed(name);
-  const now = performance.now();
+  const now = props.nowMs;
   const message = feed.lastMessage();
   let value = isPublished ? texts.topics.waiting : texts.topics.subscribedOnly;
   if (message instanceof Error) value = message.message;
