@@ -17,11 +17,13 @@ STORE = TypeStore(Registry())
 MESSAGES_PER_TYPE = 4
 NOT_IN_DEBIAN = (
     "actionlib_tutorials/",
+    "arduino_control/",
     "mearm_model/",
     "rosapi/",
     "rosserial_arduino/",
     "rosserial_msgs/",
     "rospy_tutorials/",
+    "sensing_platform/",
     "tf/",
     "tf2_web_republisher/",
     "turtlebot3_msgs/",

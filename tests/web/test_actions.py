@@ -40,12 +40,12 @@ async def test_the_robot_stops_when_the_tab_is_killed(robot: Robot, browser: Bro
         following = asyncio.ensure_future(follow())
         page = await browser.do("open", url=robot.url + "#/drive")
         await browser.wait_for(page, "document.querySelector('.stick-pad') !== null")
-        await browser.do(
-            "evaluate", page=page, script="void dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW' }))"
-        )
+        press = "void dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW' }))"
         async with asyncio.timeout(PATIENCE_S):
             while not commands or commands[-1] <= 0:
-                await asyncio.sleep(0.02)
+                # The page listens to keys a moment after it is drawn.
+                await browser.do("evaluate", page=page, script=press)
+                await asyncio.sleep(0.1)
         await browser.close()
         async with asyncio.timeout(PATIENCE_S):
             while commands[-1] != 0:
