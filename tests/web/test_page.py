@@ -135,3 +135,14 @@ async def test_a_token_is_taken_from_the_address_and_hidden(robot: Robot, browse
     # The tab keeps it.
     await browser.do("reload", page=page)
     await browser.wait_for(page, f"{RANGE}.last !== undefined")
+
+
+async def test_a_panel_that_could_not_be_loaded_is_tried_again(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    await browser.wait_for(page, f"{RANGE}.last !== undefined")
+    await robot.kill_dashboard()
+    # Its code is not loaded yet.
+    await browser.do("evaluate", page=page, script="void (location.hash = '#/graph')")
+    await browser.wait_for(page, "document.body.innerText.includes('could not be loaded')")
+    await robot.start_dashboard()
+    await browser.wait_for(page, "document.querySelector('.graph-drawing') !== null")

@@ -33,7 +33,7 @@ export const texts = {
     lostDetail: "The values on this page are old. It connects again by itself.",
     dark: "Use dark colors",
     light: "Use light colors",
-    loadFailed: "This panel could not be loaded. Reload the page.",
+    loadFailed: "This panel could not be loaded. Trying again.",
     skip: "Skip to content",
     simulatedTime: "Simulated time",
     copyLink: "Copy a link to this view",

@@ -7,6 +7,9 @@ import { watchVisible } from "../store/visibility.ts";
 import { texts } from "../texts.ts";
 import type { Panel, PanelContext, Settings } from "./panel.ts";
 
+// A robot that restarts is back within seconds.
+const RETRY_MS = 1000;
+
 /** Mounts `panel` in `host`; returns what removes it. */
 export function mountPanel(
   panel: Panel,
@@ -45,18 +48,28 @@ export function mountPanel(
     open: navigate,
   };
 
-  panel.load().then(
-    ({ default: module }) => {
-      if (!isDisposed) endings.add(module.mount(host, context));
-    },
-    (error: unknown) => {
-      console.error(error);
-      if (!isDisposed) host.textContent = texts.shell.loadFailed;
-    },
-  );
+  let retry: ReturnType<typeof setTimeout> | undefined;
+  const load = () => {
+    panel.load().then(
+      ({ default: module }) => {
+        if (isDisposed) return;
+        host.replaceChildren();
+        endings.add(module.mount(host, context));
+      },
+      (error: unknown) => {
+        if (isDisposed) return;
+        console.warn(error);
+        host.textContent = texts.shell.loadFailed;
+        // The robot may be away just now.
+        retry = setTimeout(load, RETRY_MS);
+      },
+    );
+  };
+  load();
 
   return () => {
     isDisposed = true;
+    clearTimeout(retry);
     watched.dispose();
     for (const each of [...endings]) each();
     endings.clear();
