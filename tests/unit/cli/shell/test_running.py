@@ -104,6 +104,11 @@ import asyncio, sys, time
 from rostether.cli.shell.failures import exit_code_of
 from rostether.cli.shell.running import run
 
+def sleep_long():
+    # A signal between Python's last check and one long call would be handled only after the call.
+    while True:
+        time.sleep(1)
+
 async def compute():
     elsewhere = asyncio.create_task(asyncio.sleep(1000))
     try:
@@ -125,8 +130,8 @@ sys.exit(exit_code_of(lambda: run(compute(), is_service={is_service}, uvloop={uv
     "work",
     [
         "while True: pass",
-        "time.sleep(1000)",
-        "asyncio.get_running_loop().call_soon(time.sleep, 1000); await elsewhere",
+        "sleep_long()",
+        "asyncio.get_running_loop().call_soon(sleep_long); await elsewhere",
     ],
 )
 @pytest.mark.parametrize("uvloop", [False, None])
