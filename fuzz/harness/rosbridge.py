@@ -187,7 +187,7 @@ class _Connection:
         assert len(services) <= MAX_EACH, "more services are offered than may be"
 
     async def send(self, *frames: str | bytes) -> None:
-        """Hear messages in JSON and in CBOR."""
+        """Receive messages in JSON and in CBOR."""
         for frame in frames:
             if isinstance(frame, str):
                 self._hear(json.loads(frame, parse_constant=_refuse))

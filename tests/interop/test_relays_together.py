@@ -40,7 +40,7 @@ class World:
 
     async def start(self, *arguments: str) -> Peer:
         """Start a command on both graphs."""
-        # The master is one that no other test has: nobody's variables are to name another graph.
+        # A master of its own: no environment variable may name another graph.
         environment = {"ROS_DOMAIN_ID": "0", "ROS_DISTRO": "jazzy"}
         # The last of an option counts: a command may name another master.
         peer = await started(arguments[0], *self._graph_options, *arguments[1:], environment=environment)

@@ -13,7 +13,7 @@ from rostether.names.graph_name import SEPARATOR, canonical
 from rostether.param_yaml import dump
 from rostether.ros1.node.master_client import MasterClient
 
-# The name under which a launch calls the master; `~` in a parameter's name stands for it.
+# The name under which a launch calls the master, and which `~` in a parameter's name means.
 CALLER_ID = "/roslaunch"
 
 _RUN_ID = "/run_id"

@@ -117,7 +117,7 @@ class SensingManager:
 
     def _hear(self, sensor_id: str, _: Sequence[bytes]) -> None:
         now_s = time.monotonic()
-        self._registry.hear(sensor_id, now_s)
+        self._registry.note_message(sensor_id, now_s)
         if not self._registry.is_ready(sensor_id) and self._registry.judge(now_s):
             self._has_news.set()
 

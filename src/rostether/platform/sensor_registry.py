@@ -128,7 +128,7 @@ class SensorRegistry:
         condition.is_connected = is_connected
         condition.was_connected |= is_connected
 
-    def hear(self, sensor_id: str, now_s: float) -> None:
+    def note_message(self, sensor_id: str, now_s: float) -> None:
         """Note a message of the sensor; one that is not known any more is left out."""
         if (condition := self._conditions.get(sensor_id)) is not None:
             condition.is_connected = condition.was_connected = True

@@ -32,7 +32,7 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     assert state(registry, key, 60.0) == "lost"
     registry.connect(key, True, 61.0)
     assert state(registry, key, 61.0) == "init"
-    registry.hear(key, 62.0)
+    registry.note_message(key, 62.0)
     assert state(registry, key, 64.9) == "ready"
     assert state(registry, key, 65.0) == "sleeping"
     registry.connect(key, False, 70.0)
@@ -40,7 +40,7 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     assert state(registry, key, 129.9) == "disconnected"
     assert state(registry, key, 130.0) == "lost"
     assert registry.state(key) == ("lost", 130.0)
-    registry.hear(key, 131.0)
+    registry.note_message(key, 131.0)
     assert state(registry, key, 131.0) == "ready"
 
 
@@ -55,7 +55,7 @@ def test_a_sensor_that_comes_back_is_itself(registry: SensorRegistry) -> None:
     registry.rename(first.id, "Front distance")
     # Two of a kind that start together are two sensors.
     assert registry.register("Robot", "ANALOG", 0.1).topic == "sensor_node1"
-    registry.hear(first.id, 1.0)
+    registry.note_message(first.id, 1.0)
     registry.connect(first.id, False, 2.0)
     assert registry.register("Robot", "DIGITAL", 3.0).topic == "sensor_node2"
     again = registry.register("Robot", "ANALOG", 3.0)
@@ -105,5 +105,5 @@ def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch:
     assert registry.register("C", "ANALOG", 60.0).topic == "sensor_node2"
     assert [each.platform for each in registry.sensors] == ["B", "C"]
     # A message of the one that was replaced.
-    registry.hear("sensor_node0", 61.0)
+    registry.note_message("sensor_node0", 61.0)
     assert not registry.is_ready("sensor_node0")

@@ -46,7 +46,7 @@ Buffer: TypeAlias = bytes | memoryview
 # Schemas and channels together, each a few KB: a compressed chunk can hold gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
 
-# Messages that stand in no chunk are taken together up to this.
+# Messages outside of chunks are read together up to this size.
 MAX_LOOSE_BYTES = 4 << 20
 
 
