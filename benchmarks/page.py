@@ -61,7 +61,7 @@ async def _watch_heap(browser: Browser, page: int, minutes: float) -> int:
     began_s = time.monotonic()
     for minute in range(int(minutes) + 1):
         await asyncio.sleep(max(0.0, began_s + 60 * minute - time.monotonic()))
-        heap = await browser.do("heap", page=page) / 1e6
+        heap = (await browser.do("memory", page=page))["bytes"] / 1e6
         count = await browser.do("evaluate", page=page, script="rostether.subscriptionCount")
         print(f"{minute:3d} min  heap {heap:6.1f} MB, {count} subscriptions", flush=True)
         if minute == FILLED_MINUTES:

@@ -83,8 +83,8 @@ _ALL = (
         "host-trusts-after-reset",
         "host_link",
         "rostether.rosserial.topic_table",
-        "            endpoint.is_current = False\n",
-        "            pass\n",
+        "        self.send_limits.clear()\n",
+        "        pass\n",
     ),
     Plant(
         "host-control-rate-unlimited",

@@ -137,7 +137,7 @@ def _line(source: random.Random) -> str:
 
 def run(data: bytes) -> None:
     """Say all lines to a gateway with low limits, and then ask for a parameter."""
-    with lowered(client_module, MAX_MISTAKES_TOLD=MAX_MISTAKES):
+    with lowered(client_module, MAX_REPORTED_MISTAKES=MAX_MISTAKES):
         asyncio.run(_converse(data.decode("utf-8", "replace").split("\n")))
 
 
@@ -218,7 +218,7 @@ async def _converse(lines: list[str]) -> None:
 
     parts = DashboardParts(join_teleop=join_teleop)
     gateway = FoxgloveGateway(
-        graph, _STORE, _SETTINGS, find_packages=_find_packages, tell=_tell, dashboard=parts
+        graph, _STORE, _SETTINGS, find_packages=_find_packages, report=_tell, dashboard=parts
     )
     snapshot = await graph.snapshot()
     gateway.channels.update(snapshot)

@@ -238,7 +238,7 @@ async def _converse(lines: list[str]) -> None:
         service_types=ServiceTypes(graph, _STORE),
         offered=OfferedServices(graph),
         local_services=Rosapi(graph, _STORE, environ={}),
-        tell=_tell,
+        report=_tell,
     )
     session = Session(_Connection(lines, network), around, Token(), "a client")  # type: ignore[arg-type]
     failures: list[dict[str, Any]] = []

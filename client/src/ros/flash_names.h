@@ -8,21 +8,25 @@
 
 namespace ros {
 
-// Type and md5sum of a message in flash, each with its NUL, one behind the other: one address says both.
-struct FlashNames {
-  const char* both;
+// Type and md5sum of a message in flash: the type, then the length of the md5sum and the md5sum as on the wire.
+class FlashNames {
+ public:
+  constexpr FlashNames(const char* both, uint8_t type_length) : both_(both), type_length_(type_length) {}
 
-  size_t typeLength() const { return ROS_FLASH_LENGTH(both); }
   // Bytes of the two as strings on the wire.
-  size_t length() const { return 4 + typeLength() + 4 + MD5_DIGITS; }
+  size_t length() const { return static_cast<size_t>(4 + afterPrefix()); }
   void write(FrameWriter& writer) const {
-    const size_t type_length = typeLength();
-    writer.flashString(both, type_length);
-    writer.flashString(both + type_length + 1, MD5_DIGITS);
+    writer.count(type_length_);
+    writer.putFlash(both_, afterPrefix());
   }
 
  private:
-  static const uint8_t MD5_DIGITS = 32;
+  static const uint8_t MD5_BYTES = 4 + 32;
+
+  uint16_t afterPrefix() const { return static_cast<uint16_t>(type_length_ + MD5_BYTES); }
+
+  const char* both_;
+  uint8_t type_length_;
 };
 
 }  // namespace ros

@@ -22,33 +22,30 @@ class FrameWriter : protected NodeState {
   using NodeState::CHUNK_BYTES;
 
   ROS_APART void begin(uint16_t topic_id, uint16_t length) {
+    uint8_t* to = spare_;
     chunk_bytes_ = SPARE_BYTES;
     if (SPARE_BYTES != CHUNK_BYTES) {
       const uint16_t lent = window_.lend(CHUNK_BYTES);
-      if (lent) chunk_bytes_ = static_cast<chunk_length>(lent);
+      if (lent) {
+        chunk_bytes_ = static_cast<chunk_length>(lent);
+        to = window_.lentRoom();
+      }
     }
-    uint8_t* to = chunk();
-    *to++ = FRAME_SYNC;
-    *to++ = FRAME_VERSION;
-    const uint8_t low = static_cast<uint8_t>(length), high = static_cast<uint8_t>(length >> 8);
-    *to++ = low;
-    *to++ = high;
-    *to++ = static_cast<uint8_t>(255 - (low + high));
-    const uint8_t id_low = static_cast<uint8_t>(topic_id), id_high = static_cast<uint8_t>(topic_id >> 8);
-    *to++ = id_low;
-    *to++ = id_high;
-    to_ = to;
-    sum_ = static_cast<uint8_t>(id_low + id_high);
+    chunk_ = to;
+    to_ = to + FRAME_HEADER_BYTES;
+    sum_ = static_cast<uint8_t>(topic_id + (topic_id >> 8));
     room_ = static_cast<chunk_length>(chunk_bytes_ - FRAME_HEADER_BYTES);
     sending_ = true;
+    writeHeader(to, topic_id, length);
   }
 
   void put(const void* bytes, size_t count) { copy(static_cast<const uint8_t*>(bytes), count, false); }
+  // The same for bytes in flash.
+  void putFlash(const char* address, size_t count) { copy(reinterpret_cast<const uint8_t*>(address), count, true); }
   ROS_APART void widen(const void* floats, size_t bytes) {
     const uint8_t* from = static_cast<const uint8_t*>(floats);
     for (const uint8_t* end = from + bytes; from != end; from += 4) {
-      // Not `reserve`, whose call would take a quarter of the time.
-      if (room_ < 8) flush();
+      if (room_ < 8 + LEAST_ROOM_BYTES) flush();
       uint8_t* to = to_;
       sum_ = static_cast<uint8_t>(sum_ + widenFloat(from, to));
       to_ = to + 8;
@@ -57,30 +54,34 @@ class FrameWriter : protected NodeState {
   }
   // The four bytes before a string or an array.
   ROS_APART void count(size_t length) {
-    uint8_t* to = reserve(4);
-    const uint32_t prefix = static_cast<uint32_t>(length);
-    const uint8_t bytes[] = {static_cast<uint8_t>(prefix), static_cast<uint8_t>(prefix >> 8),
-                             static_cast<uint8_t>(prefix >> 16), static_cast<uint8_t>(prefix >> 24)};
+    uint8_t* to = to_;
+    to_ = to + 4;
+    // Nothing but zeros for a processor whose addresses have 16 bits.
+    const uint16_t upper = static_cast<uint16_t>(static_cast<uint32_t>(length) >> 16);
+    const uint8_t bytes[] = {static_cast<uint8_t>(length), static_cast<uint8_t>(length >> 8), static_cast<uint8_t>(upper),
+                             static_cast<uint8_t>(upper >> 8)};
     to[0] = bytes[0];
     to[1] = bytes[1];
     to[2] = bytes[2];
     to[3] = bytes[3];
     sum_ = static_cast<uint8_t>(sum_ + bytes[0] + bytes[1] + bytes[2] + bytes[3]);
+    room_ = static_cast<chunk_length>(room_ - 4);
+    if (room_ < LEAST_ROOM_BYTES) flush();
   }
   ROS_APART void string(const char* text) {
     const size_t length = text ? strlen(text) : 0;
     count(length);
     put(text, length);
   }
-  void string(FlashText text) { flashString(text.address, ROS_FLASH_LENGTH(text.address)); }
-  // The same for a text whose length is known.
-  ROS_APART void flashString(const char* address, size_t length) {
+  void string(FlashText text) {
+    const size_t length = ROS_FLASH_LENGTH(text.address);
     count(length);
-    copy(reinterpret_cast<const uint8_t*>(address), length, true);
+    putFlash(text.address, length);
   }
   ROS_APART void byte(uint8_t byte) {
-    *reserve(1) = byte;
+    *to_++ = byte;
     sum_ = static_cast<uint8_t>(sum_ + byte);
+    if (--room_ < LEAST_ROOM_BYTES) flush();
   }
 
   void word(uint16_t word) {
@@ -101,42 +102,44 @@ class FrameWriter : protected NodeState {
   ~FrameWriter() {}
 
  private:
-  // Room for `count` bytes of the chunk, at most 8, for the caller to fill.
-  uint8_t* reserve(uint8_t count) {
-    if (room_ < count) flush();
-    uint8_t* to = to_;
-    to_ = to + count;
-    room_ = static_cast<chunk_length>(room_ - count);
-    return to;
+  // There is always room for a count: to flush first would take more instructions than to do so last.
+  static const uint8_t LEAST_ROOM_BYTES = 4;
+
+  // Apart, so that an AVR has the right register for `to`.
+  static ROS_APART void writeHeader(uint8_t* to, uint16_t topic_id, uint16_t length) {
+    const uint8_t low = static_cast<uint8_t>(length), high = static_cast<uint8_t>(length >> 8);
+    to[0] = FRAME_SYNC;
+    to[1] = FRAME_VERSION;
+    to[2] = low;
+    to[3] = high;
+    to[4] = static_cast<uint8_t>(255 - (low + high));
+    to[5] = static_cast<uint8_t>(topic_id);
+    to[6] = static_cast<uint8_t>(topic_id >> 8);
   }
   ROS_APART void copy(const uint8_t* from, size_t count, bool is_in_flash) {
     while (count) {
-      if (!room_) flush();
       chunk_length part = room_;
       if (part > count) part = static_cast<chunk_length>(count);
       count -= part;
       room_ = static_cast<chunk_length>(room_ - part);
       uint8_t* to = to_;
       uint8_t sum = sum_;
-      if (is_in_flash) {
-        do {
-          const uint8_t byte = static_cast<uint8_t>(ROS_READ_FLASH(from));
-          ++from;
-          sum = static_cast<uint8_t>(sum + byte);
-          *to++ = byte;
-        } while (--part);
-      } else {
-        do {
-          const uint8_t byte = *from++;
-          sum = static_cast<uint8_t>(sum + byte);
-          *to++ = byte;
-        } while (--part);
-      }
+      do {
+        uint8_t byte;
+        if (is_in_flash) {
+          byte = static_cast<uint8_t>(ROS_READ_FLASH(from));
+        } else {
+          byte = *from;
+        }
+        ++from;
+        sum = static_cast<uint8_t>(sum + byte);
+        *to++ = byte;
+      } while (--part);
       sum_ = sum;
       to_ = to;
+      if (room_ < LEAST_ROOM_BYTES) flush();
     }
   }
-  uint8_t* chunk() { return chunk_bytes_ != SPARE_BYTES ? window_.lentRoom() : spare_; }
   // In node_handle_base.h: no table of virtual functions for this class, which an AVR would keep in RAM.
   void flush();
 };

@@ -25,9 +25,8 @@
   static const char* getType() { return type; }    \
   static const char* getMD5() { return md5; }      \
   static ros::FlashNames flashNames() {            \
-    static const char both[] ROS_FLASH = type "\0" md5; \
-    const ros::FlashNames names = {both};          \
-    return names;                                  \
+    static const char both[] ROS_FLASH = type " \0\0\0" md5; \
+    return ros::FlashNames(both, sizeof type - 1);                                  \
   }
 
 namespace ros {

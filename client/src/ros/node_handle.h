@@ -50,15 +50,19 @@ class NodeHandle_ : public NodeHandleBase_ {
   int spinOnce() override {
     window_.release();
     if (window_.wantsMore()) {
+      const uint16_t now_ms = milliseconds();
       const int byte = hardware_.read();
-      if (byte < 0) {
+      if (byte >= 0) {
+        window_.append(static_cast<uint8_t>(byte));
+        received_ms_ = now_ms;
+      } else {
         if (relinked(hardware_, 0)) {
           window_.forget();
           contactAgain();
         }
-        return restless(milliseconds()) ? rest(false) : SPIN_OK;
+        if (!isTorn(now_ms)) return keepInTouch(now_ms);
+        window_.giveUp();
       }
-      window_.append(static_cast<uint8_t>(byte));
     }
     return spinOn();
   }
@@ -82,12 +86,19 @@ class NodeHandle_ : public NodeHandleBase_ {
   ROS_NOINLINE int8_t spinOn() {
     const uint16_t began_ms = milliseconds();
     for (;;) {
-      if (!window_.fill(hardware_)) return rest(true);
+      uint16_t now_ms = milliseconds();
+      if (window_.wantsMore()) {
+        if (window_.fill(hardware_)) received_ms_ = now_ms;
+        if (window_.wantsMore()) return keepInTouch(now_ms);
+      }
       const uint8_t found = window_.examine();
       if (found) {
-        const int8_t result = work(found, began_ms);
-        if (result == SPIN_TIMEOUT) rest(true);
-        if (result != GO_ON) return result;
+        if (!handle(found)) return SPIN_OK;
+        now_ms = milliseconds();
+        if (isOverdue(began_ms, now_ms)) {
+          keepInTouch(now_ms);
+          return SPIN_TIMEOUT;
+        }
       } else if (!window_.wantsMore()) {
         return SPIN_OK;
       }
@@ -96,18 +107,28 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   bool transmit(uint8_t* bytes, uint16_t count) override { return transmit(hardware_, bytes, count, 0); }
 
+  // Reads on while the transmitter is full.
   template <class H>
   auto transmit(H& hardware, uint8_t* bytes, uint16_t count, int) -> decltype(hardware.writable(), bool()) {
+    uint16_t began_ms = milliseconds();
     for (;;) {
       uint16_t room = static_cast<uint16_t>(hardware.writable());
-      if (!room) room = awaitRoom(hardware);
-      if (!room) return false;
-      if (room > count) room = count;
-      hardware.write(bytes, room);
-      stalled_ = false;
-      count = static_cast<uint16_t>(count - room);
-      if (!count) return true;
-      bytes += room;
+      if (room) {
+        if (room > count) room = count;
+        hardware.write(bytes, room);
+        stalled_ = false;
+        count = static_cast<uint16_t>(count - room);
+        if (!count) return true;
+        bytes += room;
+        began_ms = milliseconds();
+      } else {
+        // After a stall the next frame does not wait for it again.
+        if (stalled_ || since(began_ms, milliseconds()) > STALL_MS) {
+          stalled_ = true;
+          window_.countDropped();
+          return false;
+        }
+      }
       receive();
     }
   }
@@ -115,22 +136,6 @@ class NodeHandle_ : public NodeHandleBase_ {
   bool transmit(H& hardware, uint8_t* bytes, uint16_t count, long) {
     hardware.write(bytes, count);
     return true;
-  }
-
-  // Reads on until the transmitter takes bytes again; returns how many, or 0 if it does not.
-  template <class H>
-  ROS_APART uint16_t awaitRoom(H& hardware) {
-    const uint16_t began_ms = milliseconds();
-    for (;;) {
-      receive();
-      const uint16_t room = static_cast<uint16_t>(hardware.writable());
-      // After a stall the next frame does not wait for it again.
-      if (!room && !stalled_) stalled_ = since(began_ms, milliseconds()) > STALL_MS;
-      if (room || stalled_) {
-        if (!room) window_.countDropped();
-        return room;
-      }
-    }
   }
 
   uint16_t milliseconds() { return static_cast<uint16_t>(hardware_.time()); }
@@ -141,7 +146,7 @@ class NodeHandle_ : public NodeHandleBase_ {
       const int byte = hardware_.read();
       if (byte < 0) return;
       window_.appendBacklog(static_cast<uint8_t>(byte));
-      noteReceived();
+      received_ms_ = milliseconds();
     }
   }
 

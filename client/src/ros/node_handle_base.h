@@ -145,13 +145,19 @@ class NodeHandleBase_ : public FrameWriter {
   template <class Names>
   ROS_APART void announce(const Endpoint& endpoint, uint8_t role, Names names) {
     begin(role, static_cast<uint16_t>(2 + 4 + strlen(endpoint.topic_) + names.length() + 4));
-    const uint16_t id = endpoint.id_;
-    // A service sends on the id behind the one it receives on.
-    word(role == ID_SERVICE_SERVER || role == ID_SERVICE_CLIENT ? id + 1 : id);
+    uint16_t id = endpoint.id_;
+    // Messages to the host are streamed: only the frame's length field bounds them.
+    uint16_t largest = 0xffff;
+    if (role & 1) {
+      largest = window_.largestPayload();
+    } else if (role) {
+      // A service sends on the id behind the one it receives on.
+      ++id;
+    }
+    word(id);
     string(endpoint.topic_);
     names.write(*this);
-    // Messages to the host are streamed: only the frame's length field bounds them.
-    count(role % 2 ? window_.largestPayload() : 0xffff);
+    count(largest);
     finish();
   }
 
@@ -162,18 +168,12 @@ class NodeHandleBase_ : public FrameWriter {
   // id the older is answered first.
   class Visit {
    public:
-    Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *link(nullptr) = &endpoint; }
-    ~Visit() { *link(&endpoint_) = endpoint_.next_; }
+    Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *node.linkTo(nullptr) = &endpoint; }
+    ~Visit() { *node_.linkTo(&endpoint_) = endpoint_.next_; }
     Visit(const Visit&) = delete;
     Visit& operator=(const Visit&) = delete;
 
    private:
-    Endpoint** link(const Endpoint* wanted) const {
-      Endpoint** link = &node_.endpoints_;
-      while (*link != wanted) link = &(*link)->next_;
-      return link;
-    }
-
     NodeHandleBase_& node_;
     Endpoint& endpoint_;
   };
@@ -204,52 +204,38 @@ class NodeHandleBase_ : public FrameWriter {
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
-  static const int8_t GO_ON = 1;
-  // Handles what `examine` found among the bytes that came in: what spinOnce should return, or GO_ON to read more.
-  ROS_APART int8_t work(uint8_t found, uint16_t began_ms) {
-    do {
-      if (window_.tookForeign() && !connected_ && !due_) due_ = PROBED;
-      if (found == ReceiveWindow::WHOLE) {
-        if (depth_ == MAX_DEPTH) return SPIN_OK;
-        ++depth_;
-        dispatch();
-        --depth_;
-      }
-      if (window_.held()) return SPIN_OK;
-      if (since(began_ms, shortTime()) > spin_timeout_ms_) return SPIN_TIMEOUT;
-      found = window_.examine();
-    } while (found);
-    return GO_ON;
-  }
-
-  // What is to be done when no byte waits: what spinOnce should return.
-  ROS_APART int8_t rest(bool received) {
-    const uint16_t now_ms = shortTime();
-    if (received) {
-      received_ms_ = now_ms;
-    } else if (!window_.empty() && since(received_ms_, now_ms) >= GAP_MS) {
-      window_.drop();
-      work(window_.examine(), now_ms);
+  // Handles what `examine` found among the bytes that came in; false to read no more in this spinOnce.
+  bool handle(uint8_t found) {
+    if (found == ReceiveWindow::WHOLE) {
+      if (depth_ == MAX_DEPTH) return false;
+      ++depth_;
+      dispatch();
+      --depth_;
     }
-    return contactIsDue(now_ms) ? keepInTouch(now_ms) : SPIN_OK;
+    return !window_.held();
   }
-  // Whether `rest` is needed if no byte was received.
-  bool restless(uint16_t now_ms) const { return !window_.empty() || contactIsDue(now_ms); }
+  bool isOverdue(uint16_t began_ms, uint16_t now_ms) const { return since(began_ms, now_ms) > spin_timeout_ms_; }
+  // Whether a frame was begun and its rest was lost.
+  bool isTorn(uint16_t now_ms) const { return !window_.empty() && since(received_ms_, now_ms) >= GAP_MS; }
 
   // Does what the host waits for. What it asked several times it is answered once: a sketch that sleeps finds all its
   // requests at once, and an answer to each would look like one reset after the other. Without a request, asks for the
   // time; a host that answers and does not ask for the topics is there, and has not seen that the board was reset.
   ROS_APART int8_t keepInTouch(uint16_t now_ms) {
-    const uint8_t due = due_;
+    uint8_t due = due_;
     due_ = NOTHING_DUE;
-    if (due == PROBED && since(requested_ms_, now_ms) <= ANSWER_PAUSE_MS) return SPIN_OK;
-    if (due == ANSWER_DUE) {
+    if (window_.tookForeign() && !connected_) due |= PROBED;
+    const uint16_t silent_ms = since(requested_ms_, now_ms);
+    if (silent_ms < SYNC_PERIOD_MS) {
+      if (due == NOTHING_DUE || (due == PROBED && silent_ms <= ANSWER_PAUSE_MS)) return SPIN_OK;
+    }
+    if (due & ANSWER_DUE) {
       requestSyncTime();
       negotiateTopics();
       unanswered_ = 0;
       return SPIN_ERR;
     }
-    if (due == INTRODUCTION_DUE) {
+    if (due & INTRODUCTION_DUE) {
       negotiateTopics();
     } else if (unanswered_ == MAX_UNANSWERED) {
       connected_ = false;
@@ -259,13 +245,10 @@ class NodeHandleBase_ : public FrameWriter {
     requestSyncTime();
     return SPIN_OK;
   }
-  bool contactIsDue(uint16_t now_ms) const { return due_ || since(requested_ms_, now_ms) >= SYNC_PERIOD_MS; }
-
-  // For bytes that come in while the node transmits.
-  void noteReceived() { received_ms_ = shortTime(); }
 
  private:
-  enum Due { NOTHING_DUE, PROBED, INTRODUCTION_DUE, ANSWER_DUE };
+  // One bit each.
+  enum Due { NOTHING_DUE = 0, PROBED = 1, INTRODUCTION_DUE = 2, ANSWER_DUE = 4 };
 
   // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
   static const uint8_t MAX_UNANSWERED = 4;
@@ -284,11 +267,16 @@ class NodeHandleBase_ : public FrameWriter {
     return flash;
   }
 
+  // The pointer to an endpoint in the list, or the one at its end.
+  Endpoint** linkTo(const Endpoint* wanted) {
+    Endpoint** link = &endpoints_;
+    while (*link != wanted) link = &(*link)->next_;
+    return link;
+  }
+
   ROS_APART bool add(Endpoint& endpoint, uint8_t ids) {
     if (endpoint.id_) return true;
-    Endpoint** last = &endpoints_;
-    while (*last) last = &(*last)->next_;
-    *last = &endpoint;
+    *linkTo(nullptr) = &endpoint;
     endpoint.id_ = static_cast<uint16_t>(FIRST_USER_TOPIC + user_topics_);
     user_topics_ = static_cast<uint16_t>(user_topics_ + ids);
     if (connected_) endpoint.driver_(endpoint, *this, nullptr);
@@ -313,11 +301,11 @@ class NodeHandleBase_ : public FrameWriter {
   static size_t lengthOf(const char* text) { return strlen(text); }
 
   // Handles the frame at the front.
-  void dispatch() {
+  ROS_APART void dispatch() {
     const ReceiveWindow::Taken frame(window_);
     const uint16_t id = frame.id();
     if (id == ID_PUBLISHER) {
-      due_ = ANSWER_DUE;
+      due_ |= ANSWER_DUE;
     } else if (id == ID_TIME && frame.length() == 8) {
       takeTime(frame.payload());
     } else if (id == ID_TX_STOP) {
@@ -335,7 +323,7 @@ class NodeHandleBase_ : public FrameWriter {
     clock_.follow(host, now_ms - answer_ms);
     awaiting_time_ = false;
     unanswered_ = 0;
-    if (!connected_ && due_ < INTRODUCTION_DUE) due_ = INTRODUCTION_DUE;
+    if (!connected_) due_ |= INTRODUCTION_DUE;
   }
 
   void deliver(uint16_t id) {
@@ -350,8 +338,8 @@ class NodeHandleBase_ : public FrameWriter {
 };
 
 ROS_APART inline void FrameWriter::flush() {
-  uint8_t* const start = chunk();
-  if (sending_) sending_ = static_cast<NodeHandleBase_*>(this)->transmit(start, static_cast<uint16_t>(to_ - start));
+  uint8_t* const start = chunk_;
+  if (sending_ && to_ != start) sending_ = static_cast<NodeHandleBase_*>(this)->transmit(start, static_cast<uint16_t>(to_ - start));
   to_ = start;
   room_ = chunk_bytes_;
 }

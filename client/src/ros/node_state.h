@@ -20,9 +20,9 @@ class Endpoint;
 struct NodeState {
 // The most that goes to the line at once, a chunk. On a network each becomes a packet, and most frames should fit into one.
 #if defined(ROS_SMALL_MEMORY)
-  // The window lends the room of a chunk: that much is left for chunks where it cannot.
+  // The window lends the room of a chunk: that much is left for chunks where it cannot, for a double and a count.
   typedef uint8_t chunk_length;
-  static const chunk_length SPARE_BYTES = 8;
+  static const chunk_length SPARE_BYTES = 12;
 #if defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP)
   static const chunk_length CHUNK_BYTES = 240;
 #else
@@ -38,6 +38,7 @@ struct NodeState {
   uint8_t* to_;
   chunk_length room_;
   chunk_length chunk_bytes_;
+  uint8_t* chunk_;
   uint8_t sum_;
   bool sending_;
   // The frame that came in.

@@ -14,27 +14,54 @@ namespace ros {
 // int32[] ints, float32[] floats, string[] strings, of which the host fills one, or none if there is no such parameter.
 class ParameterRequest : public Endpoint {
  public:
-  enum Kind { INTS, BOOLS, FLOATS, TEXTS, TEXT };
+  enum List { INTS, FLOATS, TEXTS };
+  // Stores one element of the list, a number's four bytes or a text. A function for each kind of values: a program has
+  // those that it uses.
+  typedef void (*Store)(void* values, size_t index, const uint8_t* element);
 
-  // Asks for `name`; whether its values have been stored. `length` values at `values`; for TEXT one text of up to `length` bytes
-  // with its NUL.
-  static ROS_APART bool ask(NodeHandleBase_& node, const char* name, Kind kind, void* values, size_t length, int timeout_ms) {
-    return ParameterRequest(name, kind, values, length).ask(node, static_cast<uint32_t>(timeout_ms));
+  // Asks for `name`; whether the parameter is a list of as many elements as wanted, and they have been stored.
+  static ROS_APART bool ask(NodeHandleBase_& node, const char* name, List list, Store store, void* values, size_t length,
+                            int timeout_ms) {
+    return ParameterRequest(name, list, store, values, length).ask(node, static_cast<unsigned int>(timeout_ms));
+  }
+
+  static void storeInt(void* values, size_t index, const uint8_t* element) {
+    int32_t value;
+    memcpy(&value, element, sizeof value);
+    static_cast<int*>(values)[index] = static_cast<int>(value);
+  }
+  static void storeBool(void* values, size_t index, const uint8_t* element) {
+    static_cast<bool*>(values)[index] = (element[0] | element[1] | element[2] | element[3]) != 0;
+  }
+  static void storeFloat(void* values, size_t index, const uint8_t* element) {
+    memcpy(static_cast<float*>(values) + index, element, 4);
+  }
+  static void storeText(void* values, size_t index, const uint8_t* element) {
+    strcpy(static_cast<char**>(values)[index], reinterpret_cast<const char*>(element));
+  }
+  struct Buffer {
+    char* text;
+    size_t bytes;
+  };
+  static void storeInBuffer(void* values, size_t, const uint8_t* element) {
+    const Buffer& buffer = *static_cast<const Buffer*>(values);
+    strncpy(buffer.text, reinterpret_cast<const char*>(element), buffer.bytes - 1);
+    buffer.text[buffer.bytes - 1] = '\0';
   }
 
  private:
-  ParameterRequest(const char* name, Kind kind, void* values, size_t length)
-      : Endpoint(name, &drive), values_(values), length_(length), kind_(kind), state_(WAITING) {
+  ParameterRequest(const char* name, List list, Store store, void* values, size_t length)
+      : Endpoint(name, &drive), store_(store), values_(values), length_(length), list_(list), state_(WAITING) {
     id_ = ID_PARAMETER_REQUEST;
   }
 
-  bool ask(NodeHandleBase_& node, uint32_t timeout_ms) {
+  bool ask(NodeHandleBase_& node, unsigned int timeout_ms) {
     const NodeHandleBase_::Visit visit(node, *this);
     node.begin(ID_PARAMETER_REQUEST, static_cast<uint16_t>(4 + strlen(topic_)));
     node.string(topic_);
     node.finish();
-    const uint32_t began_ms = node.time();
-    while (state_ == WAITING && node.time() - began_ms < timeout_ms) node.spinOnce();
+    const unsigned int began_ms = static_cast<unsigned int>(node.time());
+    while (state_ == WAITING && static_cast<unsigned int>(node.time()) - began_ms < timeout_ms) node.spinOnce();
     if (state_ == FOUND) return true;
     static const char unanswered[] ROS_FLASH = "Failed to get param: timeout expired";
     static const char misfit[] ROS_FLASH = "Failed to get param: length mismatch";
@@ -44,78 +71,58 @@ class ParameterRequest : public Endpoint {
   }
 
   enum State { WAITING, FOUND, MISFIT };
-  enum List { INT_LIST, FLOAT_LIST, TEXT_LIST };
 
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
     if (reader) static_cast<ParameterRequest&>(self).take(node, *reader);
   }
 
-  // The list that the values come in.
-  uint8_t list() const { return kind_ < FLOATS ? INT_LIST : kind_ == FLOATS ? FLOAT_LIST : TEXT_LIST; }
-
   void take(NodeHandleBase_& node, Reader& reader) {
-    const uint8_t wanted = list();
-    // Both lists of numbers have elements of four bytes: they are read alike.
-    const uint8_t* found = nullptr;
-    size_t found_count = 0;
-    for (uint8_t list = INT_LIST; list <= FLOAT_LIST; ++list) {
-      size_t count;
-      const uint8_t* const numbers = reader.list(4, count);
-      if (list == wanted) {
-        found = numbers;
-        found_count = count;
+    const uint8_t* numbers = nullptr;
+    bool fits = false;
+    for (uint8_t list = INTS; list <= TEXTS; ++list) {
+      // The elements of each list take four bytes at least.
+      size_t count = reader.listLength(4);
+      if (list == list_) fits = count == length_;
+      if (list != TEXTS) {
+        const uint8_t* const first = reader.skip(count * 4);
+        if (list == list_) numbers = first;
+        continue;
       }
-    }
-    uint32_t text_count = 0;
-    reader.value(text_count);
-    const bool fits = wanted == TEXT_LIST ? text_count == (kind_ == TEXT ? 1 : length_) : found_count == length_;
-    for (size_t i = 0; i < text_count && reader.ok(); ++i) {
-      const char* text;
-      reader.string(text);
-      if (fits) copyText(text, i);
+      for (size_t i = 0; i < count && reader.ok(); ++i) {
+        const char* text;
+        reader.string(text);
+        if (list_ == TEXTS && fits) store_(values_, i, reinterpret_cast<const uint8_t*>(text));
+      }
     }
     if (!node.accept(reader)) return;
     state_ = fits ? FOUND : MISFIT;
     id_ = 0;  // the next answer is for another request
-    if (!fits || wanted == TEXT_LIST) return;
-    for (size_t i = 0; i < length_; ++i, found += 4) {
-      int32_t value;
-      memcpy(&value, found, sizeof value);
-      if (kind_ == INTS) static_cast<int*>(values_)[i] = static_cast<int>(value);
-      if (kind_ == BOOLS) static_cast<bool*>(values_)[i] = value != 0;
-      if (kind_ == FLOATS) memcpy(static_cast<float*>(values_) + i, found, sizeof value);
-    }
+    if (!fits || !numbers) return;
+    for (size_t i = 0; i < length_; ++i, numbers += 4) store_(values_, i, numbers);
   }
 
-  void copyText(const char* text, size_t index) {
-    if (kind_ == TEXTS) {
-      strcpy(static_cast<char**>(values_)[index], text);
-    } else if (kind_ == TEXT) {
-      strncpy(static_cast<char*>(values_), text, length_ - 1);
-      static_cast<char*>(values_)[length_ - 1] = '\0';
-    }
-  }
-
+  Store store_;
   void* values_;
   size_t length_;
-  uint8_t kind_;
+  uint8_t list_;
   uint8_t state_;
 };
 
 inline bool NodeHandleBase_::getParam(const char* name, int* values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::INTS, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::INTS, &ParameterRequest::storeInt, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, bool* values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::BOOLS, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::INTS, &ParameterRequest::storeBool, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, float* values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::FLOATS, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::FLOATS, &ParameterRequest::storeFloat, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, char** values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::TEXTS, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::TEXTS, &ParameterRequest::storeText, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, char* text, size_t text_bytes, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::TEXT, text, text_bytes, timeout_ms);
+  ParameterRequest::Buffer buffer = {text, text_bytes};
+  return ParameterRequest::ask(*this, name, ParameterRequest::TEXTS, &ParameterRequest::storeInBuffer, &buffer, 1, timeout_ms);
 }
 
 }  // namespace ros

@@ -16,6 +16,7 @@
 #include "ros/arrays.h"
 #include "ros/field_kind.h"
 #include "ros/float64.h"
+#include "ros/inlining.h"
 
 namespace ros {
 
@@ -59,18 +60,16 @@ class Reader {
     field = loadFloat64(bytes);
   }
   void string(const char*& text) {
-    uint32_t length = 0;
-    value(length);
-    if (length > remaining_) fail();
+    const size_t length = prefix();
     if (!ok_) {
       text = "";
       return;
     }
     char* start = reinterpret_cast<char*>(next_) - 1;
-    memmove(start, next_, static_cast<size_t>(length));
+    memmove(start, next_, length);
     start[length] = '\0';
     text = start;
-    advance(static_cast<size_t>(length));
+    advance(length);
   }
   template <class M>
   void message(M& part) {
@@ -118,11 +117,20 @@ class Reader {
     array = start;
     advance(length * 8);
   }
-  // A list's elements of `bytes` each where they lie, aligned or not; none if they are not all there.
-  const uint8_t* list(size_t bytes, size_t& count) {
-    count = announced(bytes);
+  // Elements that the prefix of an array announces, or 0 with ok() false if the bytes left are too few for them. Each takes at
+  // least `element_bytes`.
+  size_t listLength(size_t element_bytes) {
+    const size_t length = prefix();
+    if (length > remaining_ / element_bytes) {
+      fail();
+      return 0;
+    }
+    return length;
+  }
+  // Passes over bytes that are there, aligned or not.
+  const uint8_t* skip(size_t bytes) {
     const uint8_t* start = next_;
-    advance(count * bytes);
+    advance(bytes);
     return start;
   }
   void sequence64(unaligned_int64*& array, array_length& count) {
@@ -150,19 +158,19 @@ class Reader {
     advance(count);
   }
 
-  // Elements that the prefix announces, or 0 with ok() false if the bytes left cannot hold them.
-  size_t announced(size_t element_bytes) {
+  // The four bytes before a string or an array; 0 with ok() false if that is more than the bytes left.
+  ROS_APART size_t prefix() {
     uint32_t length = 0;
     value(length);
-    if (length > remaining_ / element_bytes) {
+    if (length > remaining_) {
       fail();
       return 0;
     }
     return static_cast<size_t>(length);
   }
-  size_t sequenceLength(size_t size, BlockKind) { return announced(size); }
-  size_t sequenceLength(size_t, Float64Kind) { return announced(8); }
-  size_t sequenceLength(size_t, StringKind) { return announced(4); }
+  size_t sequenceLength(size_t size, BlockKind) { return listLength(size); }
+  size_t sequenceLength(size_t, Float64Kind) { return listLength(8); }
+  size_t sequenceLength(size_t, StringKind) { return listLength(4); }
   // A message may be empty on the wire; `allocate` bounds how many there are.
   size_t sequenceLength(size_t, MessageKind) {
     uint32_t length = 0;
@@ -183,7 +191,7 @@ class Reader {
     return start;
   }
   uint8_t* words(array_length& count) {
-    const size_t length = announced(8);
+    const size_t length = listLength(8);
     count = static_cast<array_length>(length);
     return settle(length, 8);
   }

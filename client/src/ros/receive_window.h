@@ -35,7 +35,7 @@ class ReceiveWindow {
   // Whether more is to be read before `examine` can learn something new.
   bool wantsMore() const { return end_ != goal_; }
   void append(uint8_t byte) { *end_++ = byte; }
-  // Appends what the hardware has; whether that was all that is wanted.
+  // Appends what the hardware has, up to all that is wanted; whether there was something.
   template <class Hardware>
   bool fill(Hardware& hardware) {
     uint8_t* end = end_;
@@ -45,8 +45,9 @@ class ReceiveWindow {
       if (byte < 0) break;
       *end++ = static_cast<uint8_t>(byte);
     }
+    const bool received = end != end_;
     end_ = end;
-    return end == goal;
+    return received;
   }
   // For bytes beyond what is wanted, to be kept for later.
   bool room() { return end_ != limit_ || compact(); }
@@ -89,9 +90,14 @@ class ReceiveWindow {
     return foreign;
   }
 
-  // Gives up on the frame at the front.
+  // Drops the first byte.
   ROS_NOINLINE void drop() {
     if (*begin_++ == FRAME_SYNC) countDropped();
+  }
+  // Gives up on the frame at the front, of which no more comes.
+  void giveUp() {
+    drop();
+    goal_ = end_;
   }
   // Forgets the bytes that are not done with: they came in on another link.
   void forget() {

@@ -52,13 +52,13 @@ class PosixPipe {
 
 }  // namespace ros
 
-class EmbeddedLinuxHardware : public ros::HostLink<ros::PosixPipe> {
+class EmbeddedLinuxHardware : public ros::PipeHardware<ros::PosixPipe> {
  public:
-  explicit EmbeddedLinuxHardware(const char* port, long baud = 57600) : HostLink(ros::PosixPipe()) {
+  explicit EmbeddedLinuxHardware(const char* port, long baud = 57600) : PipeHardware(ros::PosixPipe()) {
     pipe().setPort(port);
     setBaud(baud);
   }
-  EmbeddedLinuxHardware() : HostLink(ros::PosixPipe()) {
+  EmbeddedLinuxHardware() : PipeHardware(ros::PosixPipe()) {
     const char* port = getenv("ROSSERIAL_PORT");
     pipe().setPort(port ? port : DEFAULT_PORT);
   }
@@ -67,7 +67,7 @@ class EmbeddedLinuxHardware : public ros::HostLink<ros::PosixPipe> {
   void setBaud(long baud) { pipe().tty().setBaud(baud); }
   long getBaud() { return pipe().tty().baud(); }
 
-  using HostLink::init;
+  using PipeHardware::init;
   void init(const char* port) {
     pipe().setPort(port);
     init();

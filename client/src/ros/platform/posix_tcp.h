@@ -83,13 +83,13 @@ struct PosixSockets {
 }  // namespace ros
 
 // For programs that only ever connect over TCP: ros::NodeHandle_<PosixTcp>.
-class PosixTcp : public ros::HostLink<ros::TcpPipe<ros::PosixSockets> > {
+class PosixTcp : public ros::PipeHardware<ros::TcpPipe<ros::PosixSockets> > {
  public:
-  explicit PosixTcp(const char* address = "localhost") : HostLink(ros::TcpPipe<ros::PosixSockets>()) {
+  explicit PosixTcp(const char* address = "localhost") : PipeHardware(ros::TcpPipe<ros::PosixSockets>()) {
     pipe().setAddress(address);
   }
 
-  using HostLink::init;
+  using PipeHardware::init;
   void init(const char* address) {
     pipe().setAddress(address);
     init();

@@ -11,13 +11,13 @@
 #include <sys/ioctl.h>
 #include <termios.h>
 
-#include "ros/platform/host_link.h"
+#include "ros/platform/pipe_hardware.h"
 #include "ros/platform/posix_baud.h"
 #include "ros/platform/posix_clock.h"
 
 namespace ros {
 
-// A terminal device, raw, 8N1, without flow control, for HostLink.
+// A terminal device, raw, 8N1, without flow control, for PipeHardware.
 class TtyPipe {
  public:
   TtyPipe() : baud_(57600), fd_(-1), reason_("") { path_[0] = '\0'; }
@@ -94,9 +94,9 @@ class TtyPipe {
 }  // namespace ros
 
 // For programs that only ever use a serial port: ros::NodeHandle_<PosixTty>.
-class PosixTty : public ros::HostLink<ros::TtyPipe> {
+class PosixTty : public ros::PipeHardware<ros::TtyPipe> {
  public:
-  explicit PosixTty(const char* path = "/dev/ttyUSB0", long baud = 57600) : HostLink(ros::TtyPipe()) {
+  explicit PosixTty(const char* path = "/dev/ttyUSB0", long baud = 57600) : PipeHardware(ros::TtyPipe()) {
     pipe().setPath(path);
     pipe().setBaud(baud);
   }
@@ -105,7 +105,7 @@ class PosixTty : public ros::HostLink<ros::TtyPipe> {
   void setBaud(long baud) { pipe().setBaud(baud); }
   long getBaud() { return pipe().baud(); }
 
-  using HostLink::init;
+  using PipeHardware::init;
   void init(const char* path) {
     pipe().setPath(path);
     init();

@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ros/platform/host_link.h"
+#include "ros/platform/pipe_hardware.h"
 
 namespace ros {
 
-// A TCP connection to "host", "host:port" or "[address]:port", by the system's socket calls (Sockets), for HostLink.
+// A TCP connection to "host", "host:port" or "[address]:port", by the system's socket calls (Sockets), for PipeHardware.
 //
 // A name is looked up once, for as long as it can be: a look-up blocks, a spinOnce should not.
 template <class Sockets>

@@ -9,11 +9,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ros/platform/host_link.h"
+#include "ros/platform/pipe_hardware.h"
 
 namespace ros {
 
-// A COM port, 8N1, without flow control, for HostLink.
+// A COM port, 8N1, without flow control, for PipeHardware.
 class ComPipe {
  public:
   ComPipe() : baud_(57600), handle_(INVALID_HANDLE_VALUE), reason_("") { setName(""); }
@@ -94,9 +94,9 @@ class ComPipe {
 }  // namespace ros
 
 // For programs that only ever use a serial port: ros::NodeHandle_<WindowsCom>.
-class WindowsCom : public ros::HostLink<ros::ComPipe> {
+class WindowsCom : public ros::PipeHardware<ros::ComPipe> {
  public:
-  explicit WindowsCom(const char* name = "COM1", long baud = 57600) : HostLink(ros::ComPipe()) {
+  explicit WindowsCom(const char* name = "COM1", long baud = 57600) : PipeHardware(ros::ComPipe()) {
     pipe().setName(name);
     pipe().setBaud(baud);
   }
@@ -105,7 +105,7 @@ class WindowsCom : public ros::HostLink<ros::ComPipe> {
   void setBaud(long baud) { pipe().setBaud(baud); }
   long getBaud() { return pipe().baud(); }
 
-  using HostLink::init;
+  using PipeHardware::init;
   void init(const char* name) {
     pipe().setName(name);
     init();

@@ -53,13 +53,13 @@ class WindowsPipe {
 
 }  // namespace ros
 
-class WindowsHardware : public ros::HostLink<ros::WindowsPipe> {
+class WindowsHardware : public ros::PipeHardware<ros::WindowsPipe> {
  public:
-  explicit WindowsHardware(const char* port, long baud = 57600) : HostLink(ros::WindowsPipe()) {
+  explicit WindowsHardware(const char* port, long baud = 57600) : PipeHardware(ros::WindowsPipe()) {
     pipe().setPort(port);
     setBaud(baud);
   }
-  WindowsHardware() : HostLink(ros::WindowsPipe()) {
+  WindowsHardware() : PipeHardware(ros::WindowsPipe()) {
     const char* port = getenv("ROSSERIAL_PORT");
     pipe().setPort(port ? port : DEFAULT_PORT);
   }
@@ -68,7 +68,7 @@ class WindowsHardware : public ros::HostLink<ros::WindowsPipe> {
   void setBaud(long baud) { pipe().com().setBaud(baud); }
   long getBaud() { return pipe().com().baud(); }
 
-  using HostLink::init;
+  using PipeHardware::init;
   void init(const char* port) {
     pipe().setPort(port);
     init();

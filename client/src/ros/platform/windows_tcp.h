@@ -83,13 +83,13 @@ struct WindowsSockets {
 }  // namespace ros
 
 // For programs that only ever connect over TCP: ros::NodeHandle_<WindowsSocket>.
-class WindowsSocket : public ros::HostLink<ros::TcpPipe<ros::WindowsSockets> > {
+class WindowsSocket : public ros::PipeHardware<ros::TcpPipe<ros::WindowsSockets> > {
  public:
-  explicit WindowsSocket(const char* address = "localhost") : HostLink(ros::TcpPipe<ros::WindowsSockets>()) {
+  explicit WindowsSocket(const char* address = "localhost") : PipeHardware(ros::TcpPipe<ros::WindowsSockets>()) {
     pipe().setAddress(address);
   }
 
-  using HostLink::init;
+  using PipeHardware::init;
   void init(const char* address) {
     pipe().setAddress(address);
     init();

@@ -1,5 +1,5 @@
-#ifndef ROS_PLATFORM_HOST_LINK_H_
-#define ROS_PLATFORM_HOST_LINK_H_
+#ifndef ROS_PLATFORM_PIPE_HARDWARE_H_
+#define ROS_PLATFORM_PIPE_HARDWARE_H_
 
 #include <stddef.h>
 #include <stdint.h>
@@ -24,12 +24,12 @@ enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 //   static uint32_t milliseconds()          of a clock that is never set
 // A copy of it is closed.
 template <class Pipe>
-class HostLink {
+class PipeHardware {
  public:
-  explicit HostLink(const Pipe& pipe) : pipe_(pipe), began_ms_(0), next_(0), filled_(0), unsent_(0), told_(false) {}
-  HostLink(const HostLink& other) : pipe_(other.pipe_), began_ms_(0), next_(0), filled_(0), unsent_(0), told_(false) {}
-  ~HostLink() { pipe_.close(); }
-  HostLink& operator=(const HostLink&) = delete;
+  explicit PipeHardware(const Pipe& pipe) : pipe_(pipe), began_ms_(0), next_(0), filled_(0), unsent_(0), reported_(false) {}
+  PipeHardware(const PipeHardware& other) : pipe_(other.pipe_), began_ms_(0), next_(0), filled_(0), unsent_(0), reported_(false) {}
+  ~PipeHardware() { pipe_.close(); }
+  PipeHardware& operator=(const PipeHardware&) = delete;
 
   Pipe& pipe() { return pipe_; }
   bool connected() const { return link_.isConnected(); }
@@ -92,11 +92,11 @@ class HostLink {
     const PipeState state = pipe_.open(wait_ms);
     if (state == PIPE_OPEN) {
       link_.made();
-      told_ = false;
+      reported_ = false;
     } else if (state == PIPE_FAILED) {
       link_.failed(began_ms, Pipe::milliseconds());
-      if (!told_) fprintf(stderr, "ros_lib: %s: %s; trying again\n", pipe_.name(), pipe_.reason());
-      told_ = true;
+      if (!reported_) fprintf(stderr, "ros_lib: %s: %s; trying again\n", pipe_.name(), pipe_.reason());
+      reported_ = true;
     }
   }
 
@@ -126,7 +126,7 @@ class HostLink {
   size_t next_;
   size_t filled_;
   size_t unsent_;
-  bool told_;
+  bool reported_;
   uint8_t input_[4096];
   uint8_t output_[4096];
 };
