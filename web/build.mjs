@@ -10,9 +10,39 @@ const page = resolve(here, "../src/rostether/dashboard/page");
 // A phone on a weak robot network loads this before it shows anything.
 const CORE_LIMIT_KB = 150;
 
-/** Returns the built files by their path in the page. */
+/** Returns the built files by their path in the page, and what esbuild knows of them. */
 async function build() {
-  const result = await esbuild.build({
+  const separate = await bundle([]);
+  // Each chunk is a request. All modules that several panels share become one chunk.
+  const shared = Object.values(separate.metafile.outputs)
+    .filter((each) => each.entryPoint === undefined)
+    .flatMap((each) => Object.keys(each.inputs))
+    .filter((path) => path.startsWith("src/"))
+    .sort();
+  const result = await bundle([importInPanels(shared)]);
+  const files = new Map(result.outputFiles.map((each) => [relative(page, each.path), each.contents]));
+  files.set("index.html", readFileSync(join(here, "src/index.html")));
+  files.set("licenses.txt", Buffer.from(licenses(Object.keys(result.metafile.inputs))));
+  return withStableNames(files, result.metafile.outputs);
+}
+
+/** Lets every panel import these modules: esbuild puts modules that the same entry points use into one chunk. */
+function importInPanels(paths) {
+  const imports = paths.map((path) => `import ${JSON.stringify(join(here, path))};\n`).join("");
+  return {
+    name: "import-in-panels",
+    setup(build) {
+      build.onLoad({ filter: /\/src\/(main|panels\/\w+\/\w+_panel)\.tsx$/ }, ({ path }) => ({
+        contents: imports + readFileSync(path, "utf8"),
+        loader: "tsx",
+      }));
+    },
+  };
+}
+
+function bundle(plugins) {
+  return esbuild.build({
+    plugins,
     absWorkingDir: here,
     entryPoints: { app: "src/main.tsx", style: "src/style/main.css" },
     outdir: page,
@@ -31,10 +61,6 @@ async function build() {
     loader: { ".png": "file", ".svg": "file" },
     logLevel: "warning",
   });
-  const files = new Map(result.outputFiles.map((each) => [relative(page, each.path), each.contents]));
-  files.set("index.html", readFileSync(join(here, "src/index.html")));
-  files.set("licenses.txt", Buffer.from(licenses(Object.keys(result.metafile.inputs))));
-  return withStableNames(files, result.metafile.outputs);
 }
 
 /**

@@ -18,7 +18,7 @@ export const texts = {
     diagnostics: "Diagnostics",
     frames: "Frames",
     recording: "Recording",
-    simulation: "Simulated boards",
+    simulation: "Simulation",
   },
   shell: {
     viewOnly: "View only",
@@ -155,6 +155,31 @@ export const texts = {
     undecodable: (reason: string) => `The last message cannot be read: ${reason}`,
     staleFrame: (frame: string, seconds: number) => `The frame ${frame} is ${seconds} s old.`,
   },
+  simulation: {
+    none: "No simulated board",
+    noneText: "Run a sketch on a simulated board with this command. Its pins appear here.",
+    noneCommand: "rostether serve sim:blink.ino --dashboard",
+    waiting: "Waiting for the pins",
+    pins: "Pins",
+    hint: "Tap a pin to drive it to the other level, as a button does. Tap it again to release it.",
+    pin: (name: string, direction: "in" | "out" | "pwm", level: number) => {
+      if (direction === "pwm") return `${name}: PWM, ${Math.round(level * 100)} %`;
+      return `${name}: ${direction === "in" ? "input" : "output"}, ${level ? "high" : "low"}`;
+    },
+    servo: (pin: string, degrees: number) => `Servo on ${pin}: ${degrees}°`,
+    obstacle: "Obstacle (ultrasonic)",
+    volts: (pin: string) => `Volts at ${pin}`,
+    faults: "Line faults",
+    fault: (rates: string) => {
+      const [kind, rate] = rates.split("=");
+      if (rates === "none") return "None";
+      if (kind !== "flip" && kind !== "drop") return rates;
+      return `${Number(rate) * 100} % of bytes ${kind === "flip" ? "damaged" : "lost"}`;
+    },
+    reset: "Reset",
+    powerOn: "Power on",
+    powerOff: "Power off",
+  },
   images: {
     empty: "No pictures are published",
     emptyText: "Topics with sensor_msgs/CompressedImage or sensor_msgs/Image appear here.",
@@ -238,6 +263,16 @@ export const texts = {
     answered: (ms: number) => `Answered in ${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`,
   },
   recording: {
+    play: (name: string) => `Play ${name}`,
+    playing: (name: string) => `Playing ${name}`,
+    timeLine: "Time in the recording",
+    pause: "Pause",
+    continue: "Continue",
+    end: "Stop playing",
+    rate: "Speed",
+    ownNames: "Under the recorded names",
+    prefixed: (prefix: string) => `Its topics are below ${prefix}, so that recorded commands move nothing.`,
+    live: "Its topics have the recorded names: the robot obeys recorded commands.",
     start: "Record all topics",
     stop: "Stop recording",
     format: "Format",
@@ -268,6 +303,8 @@ export const texts = {
     atLeast: (level: string) => `${level} and worse`,
   },
   parameters: {
+    readOnly: "Read-only",
+    range: (min: number, max: number) => `From ${min} to ${max}`,
     search: "Search parameters",
     refresh: "Read again",
     none: "No parameters are set",

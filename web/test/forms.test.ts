@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { parseList, parseNumber } from "../src/forms/numbers.ts";
 import { controlKind } from "../src/panels/controls/control_kind.ts";
 import { controllableTopics } from "../src/panels/controls/controllable.ts";
+import { fitsCard } from "../src/panels/controls/controls.ts";
 import { commandOf, DEFAULT_LIMITS, withDeadZone } from "../src/panels/drive/commands.ts";
 import { parameterTree, readValue } from "../src/panels/parameters/parameter_tree.ts";
 import { isPlumbing } from "../src/panels/services/plumbing.ts";
@@ -136,4 +137,11 @@ test("the dead zone begins at 0 and ends at 1", () => {
   assert.ok(Math.abs(withDeadZone({ x: 0.55, y: 0 }).x - 0.5) < 1e-9);
   const { x, y } = withDeadZone({ x: 5, y: 5 });
   assert.ok(Math.abs(Math.hypot(x, y) - 1) < 1e-9);
+});
+
+test("a control of many fields is no card of the overview", () => {
+  const topic = (type: string, definition: string) => new Topic("/x", type, definition, undefined);
+  assert.equal(fitsCard(topic("std_msgs/Bool", "bool data")), true);
+  assert.equal(fitsCard(topic("a/B", "float32 a\nfloat32 b")), false);
+  assert.equal(fitsCard(topic("a/B", "nowhere/Type b")), false);
 });

@@ -184,6 +184,19 @@ export class Gateway {
     this.command.send({ op: "stopRecording" });
   }
 
+  /** Plays a recording from a time of it; below `/playback` unless its topics keep their names. */
+  playRecording(name: string, start: number, rate: number, prefixed: boolean): void {
+    this.command.send({ op: "playRecording", name, start, rate, prefixed });
+  }
+
+  pausePlayback(paused: boolean): void {
+    this.command.send({ op: "pausePlayback", paused });
+  }
+
+  stopPlayback(): void {
+    this.command.send({ op: "stopPlayback" });
+  }
+
   /** Fetches a file of the robot, such as `package://arm/meshes/base.stl`. */
   fetchAsset(uri: string): Promise<Uint8Array> {
     const requestId = this.nextId++;

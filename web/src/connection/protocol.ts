@@ -59,11 +59,21 @@ export interface ClientChannel {
   schema: string;
   driver?: string;
 }
+export interface Playing {
+  name: string;
+  seconds: number;
+  length: number;
+  rate: number;
+  paused: boolean;
+  prefix: string;
+}
 /** What the gateway records and has recorded (an extension of our gateway). */
 export interface Recordings {
   folder: string;
   active: { name: string; seconds: number; messages: number; topics: number; bytes: number } | null;
   files: { name: string; bytes: number; time: number }[];
+  /** What is played: where it is, of how many seconds; the prefix of its topics. */
+  playing?: Playing | null;
   /** Why the last recording failed. */
   error?: string;
 }

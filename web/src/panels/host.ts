@@ -9,6 +9,8 @@ import type { Panel, PanelContext, Settings } from "./panel.ts";
 
 // A robot that restarts is back within seconds.
 const RETRY_MS = 1000;
+// A late card does not wait longer than this for a pause.
+const MAX_WAIT_MS = 1500;
 
 /** Mounts `panel` in `host`; returns what removes it. */
 export function mountPanel(
@@ -49,6 +51,7 @@ export function mountPanel(
   };
 
   let retry: ReturnType<typeof setTimeout> | undefined;
+  let cancelPause = () => {};
   const load = () => {
     panel.load().then(
       ({ default: module }) => {
@@ -65,14 +68,27 @@ export function mountPanel(
       },
     );
   };
-  load();
+  if (isCard && panel.loadsLate) cancelPause = inPause(load);
+  else load();
 
   return () => {
     isDisposed = true;
     clearTimeout(retry);
+    cancelPause();
     watched.dispose();
     for (const each of [...endings]) each();
     endings.clear();
     host.replaceChildren();
   };
+}
+
+/** Calls `run` when the browser has nothing else to do; returns what prevents it. */
+function inPause(run: () => void): () => void {
+  // Safari has no idle callbacks.
+  if (!("requestIdleCallback" in globalThis)) {
+    const timer = setTimeout(run, MAX_WAIT_MS / 2);
+    return () => clearTimeout(timer);
+  }
+  const request = requestIdleCallback(run, { timeout: MAX_WAIT_MS });
+  return () => cancelIdleCallback(request);
 }

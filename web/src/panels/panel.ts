@@ -63,6 +63,8 @@ export interface Panel {
   onTabBar?: boolean;
   /** Whether its page takes the whole window, without a scroll bar. */
   fillsPage?: boolean;
+  /** Whether its code is large: as a card it is loaded when the others have drawn. */
+  loadsLate?: boolean;
   /** Whether the navigation offers it on this graph; without it, always. */
   isUseful?(graph: Graph): boolean;
   /** The cards that it offers for the overview. Called when the graph changes, so it must be fast. */

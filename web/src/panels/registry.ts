@@ -14,6 +14,7 @@ import { plotsPanel } from "./plots/plots.ts";
 import { recordingPanel } from "./recording/recording.ts";
 import { scenePanel } from "./scene/scene.ts";
 import { servicesPanel } from "./services/services.ts";
+import { simulationPanel } from "./simulation/simulation.ts";
 import { topicsPanel } from "./topics/topics.ts";
 
 export const panels: readonly Panel[] = [
@@ -32,4 +33,5 @@ export const panels: readonly Panel[] = [
   diagnosticsPanel,
   framesPanel,
   recordingPanel,
+  simulationPanel,
 ];

@@ -26,7 +26,12 @@ export async function loadMesh(uri: string, fetchAsset: FetchAsset, material?: M
 
 function parse(kind: string, uri: string, bytes: Uint8Array): Object3D {
   try {
-    if (kind === "stl") return new Mesh(new STLLoader().parse(ownBuffer(bytes)));
+    if (kind === "stl") {
+      const geometry = new STLLoader().parse(ownBuffer(bytes));
+      // Many files have zeros for normals.
+      geometry.computeVertexNormals();
+      return new Mesh(geometry);
+    }
     const text = new TextDecoder().decode(bytes);
     if (kind === "dae") {
       const scene = new ColladaLoader().parse(text, "")?.scene;

@@ -6,6 +6,10 @@ import type { TfBuffer } from "./tf_buffer.ts";
 
 /** A humanoid has some 100 frames; more labels than this cannot be read. */
 const MAX_SHOWN = 300;
+const MAX_AXIS_M = 0.15;
+const MIN_AXIS_M = 0.01;
+/** Of the robot's size. */
+const AXIS_PART = 0.3;
 
 export class TfDisplay implements Display {
   private readonly tf: TfBuffer;
@@ -13,7 +17,7 @@ export class TfDisplay implements Display {
   private readonly shown = new Map<string, Group>();
   private readonly parents = new Map<string, LineSegments>();
   private version = -1;
-  lengthM = 0.15;
+  private lengthM = MAX_AXIS_M;
 
   constructor(tf: TfBuffer, color: string) {
     this.tf = tf;
@@ -21,6 +25,14 @@ export class TfDisplay implements Display {
   }
 
   update(): void {}
+
+  /** Fits the axes and names to a robot of this size. */
+  fit(sizeM: number): void {
+    const lengthM = Math.max(MIN_AXIS_M, Math.min(MAX_AXIS_M, sizeM * AXIS_PART));
+    if (lengthM === this.lengthM) return;
+    this.lengthM = lengthM;
+    this.version = -1;
+  }
 
   *placed(): Iterable<Placed> {
     if (this.version !== this.tf.treeVersion) this.rebuild();
@@ -30,8 +42,11 @@ export class TfDisplay implements Display {
       const newest = edge?.samples.at(-1);
       if (edge === undefined || newest === undefined) continue;
       const position = object.geometry.getAttribute("position") as BufferAttribute;
-      position.setXYZ(1, ...newest.transform.translation);
-      position.needsUpdate = true;
+      const [x, y, z] = newest.transform.translation;
+      if (position.getX(1) !== x || position.getY(1) !== y || position.getZ(1) !== z) {
+        position.setXYZ(1, x, y, z);
+        position.needsUpdate = true;
+      }
       yield { frame: edge.parent, stampS: null, object };
     }
   }
@@ -47,7 +62,7 @@ export class TfDisplay implements Display {
     this.dispose();
     for (const frame of this.tf.frames().slice(0, MAX_SHOWN)) {
       const group = new Group();
-      const name = label(frame, this.lengthM * 0.4, this.color);
+      const name = label(frame, this.lengthM * 0.3, this.color);
       name.position.z = this.lengthM * 0.35;
       group.add(axes(this.lengthM), name);
       this.shown.set(frame, group);

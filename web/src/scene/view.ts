@@ -1,6 +1,7 @@
 // The 3D picture: camera, light, ground and everything that displays draw, each at its frame.
 import {
   AmbientLight,
+  Box3,
   Color,
   DirectionalLight,
   GridHelper,
@@ -18,6 +19,11 @@ import { frameName, type TfBuffer } from "./tf_buffer.ts";
 
 // 30 pictures a second look fluent and cost half of 60, which a phone's battery notices.
 const MIN_FRAME_MS = 30;
+// Without a graphics card a picture takes the processor some 35 ms: five a second leave most of a core to others.
+const MIN_SOFTWARE_FRAME_MS = 180;
+// The ground's lines are 1 m apart, for small robots 10 cm.
+const SMALL_ROBOT_M = 1;
+const SMALL_GRID = 0.1;
 
 export interface Placement {
   readonly transform: Transform | undefined;
@@ -36,14 +42,20 @@ export class SceneView {
   private readonly tf: TfBuffer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(50, 1, 0.01, 2000);
-  private readonly renderer = new WebGLRenderer({ antialias: true });
+  private readonly isSoftware = isSoftwareRendering();
+  private readonly renderer = new WebGLRenderer({ antialias: !this.isSoftware });
   private readonly controls: OrbitControls;
   private readonly frame: FrameTask;
   private readonly resizes: ResizeObserver;
   private readonly drawn = new Map<string, Set<Object3D>>();
   private readonly followedAt = new Vector3();
   private grid = new GridHelper();
+  private gridScale = 1;
   private lastDrawMs = 0;
+  private isChanged = true;
+  private hasMoved = false;
+  /** The user moves the camera. */
+  private isTurning = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(host: HTMLElement, tf: TfBuffer) {
@@ -56,6 +68,12 @@ export class SceneView {
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.maxPolarAngle = Math.PI * 0.98;
     this.controls.addEventListener("change", () => this.markDirty());
+    this.controls.addEventListener("start", () => {
+      this.isTurning = true;
+    });
+    this.controls.addEventListener("end", () => {
+      this.isTurning = false;
+    });
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(3, -4, 8);
     this.scene.add(sun, new AmbientLight(0xffffff, 1.1));
@@ -78,6 +96,7 @@ export class SceneView {
     const lines = color("--scene-grid", "#3a404a");
     this.grid = new GridHelper(20, 20, lines, lines);
     this.grid.rotation.x = Math.PI / 2;
+    this.grid.scale.setScalar(this.gridScale);
     this.scene.add(this.grid);
     this.markDirty();
   }
@@ -95,7 +114,9 @@ export class SceneView {
       side: new Vector3(0, -1, 0.1),
     }[direction];
     this.controls.target.set(...target);
-    this.camera.position.copy(way.normalize().multiplyScalar(distanceM)).add(this.controls.target);
+    this.camera.position
+      .copy(way.normalize().multiplyScalar(distanceM / Math.min(1, this.camera.aspect)))
+      .add(this.controls.target);
     this.controls.update();
     this.markDirty();
   }
@@ -128,8 +149,36 @@ export class SceneView {
     this.markDirty();
   }
 
+  /** Draws again. */
   markDirty(): void {
+    this.isChanged = true;
     this.frame.markDirty();
+  }
+
+  /** Draws again if a thing has moved: most frames of most robots stay where they are. */
+  markMoved(): void {
+    this.frame.markDirty();
+  }
+
+  /** The box around what a display draws, in the fixed frame; empty when there is nothing. */
+  boundsOf(key: string): Box3 {
+    const box = new Box3();
+    for (const object of this.drawn.get(key) ?? []) box.expandByObject(object);
+    return box;
+  }
+
+  /** Whether a place in the fixed frame is inside the picture. */
+  shows(place: Vec3): boolean {
+    this.camera.updateMatrixWorld();
+    const { x, y } = new Vector3(...place).project(this.camera);
+    return Math.abs(x) < 1 && Math.abs(y) < 1;
+  }
+
+  /** Fits the ground's lines to a robot of this size. */
+  fitGrid(sizeM: number): void {
+    this.gridScale = sizeM < SMALL_ROBOT_M ? SMALL_GRID : 1;
+    this.grid.scale.setScalar(this.gridScale);
+    this.markDirty();
   }
 
   dispose(): void {
@@ -156,7 +205,8 @@ export class SceneView {
   }
 
   private drawSoon(): void {
-    const waitMs = MIN_FRAME_MS - (performance.now() - this.lastDrawMs);
+    const periodMs = this.isSoftware && !this.isTurning ? MIN_SOFTWARE_FRAME_MS : MIN_FRAME_MS;
+    const waitMs = periodMs - (performance.now() - this.lastDrawMs);
     if (waitMs <= 2) this.draw();
     else this.timer ??= setTimeout(() => this.draw(), waitMs);
   }
@@ -167,6 +217,8 @@ export class SceneView {
     this.lastDrawMs = performance.now();
     for (const [key, display] of this.displays) this.placeDisplay(key, display);
     this.follow();
+    if (!this.isChanged && !this.hasMoved) return;
+    this.isChanged = this.hasMoved = false;
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -177,11 +229,18 @@ export class SceneView {
     for (const each of display.placed()) {
       const placement = this.place(each.frame, each.stampS);
       problem ||= placement.problem;
-      applyTransform(each, placement.transform);
-      if (each.object.parent !== this.scene) this.scene.add(each.object);
+      if (applyTransform(each, placement.transform)) this.hasMoved = true;
+      if (each.object.parent !== this.scene) {
+        this.scene.add(each.object);
+        this.hasMoved = true;
+      }
       now.add(each.object);
     }
-    for (const object of before) if (!now.has(object)) object.removeFromParent();
+    for (const object of before) {
+      if (now.has(object)) continue;
+      object.removeFromParent();
+      this.hasMoved = true;
+    }
     this.drawn.set(key, now);
     if (problem === "") this.problems.delete(key);
     else this.problems.set(key, problem);
@@ -201,15 +260,32 @@ export class SceneView {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.isChanged = true;
     this.draw();
   }
 }
 
-function applyTransform({ object }: Placed, transform: Transform | undefined): void {
-  object.position.set(...(transform?.translation ?? ([0, 0, 0] as const)));
-  object.quaternion.set(...(transform?.rotation ?? ([0, 0, 0, 1] as const)));
+/** Puts a thing at its place; returns whether it was elsewhere. */
+function applyTransform({ object }: Placed, transform: Transform | undefined): boolean {
+  const [x, y, z] = transform?.translation ?? [0, 0, 0];
+  const [i, j, k, w] = transform?.rotation ?? [0, 0, 0, 1];
+  const { position: p, quaternion: q } = object;
+  if (p.x === x && p.y === y && p.z === z && q.x === i && q.y === j && q.z === k && q.w === w) return false;
+  p.set(x, y, z);
+  q.set(i, j, k, w);
+  return true;
+}
+
+/** Whether the browser draws 3D with the processor. */
+function isSoftwareRendering(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (gl === null) return false;
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }

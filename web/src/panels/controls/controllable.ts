@@ -3,7 +3,7 @@ import type { Graph } from "../panel.ts";
 
 // Subscribed by tools and by every node, never meant for a person's finger.
 const NOT_FOR_HANDS =
-  /^\/(rosout|rosout_agg|clock|tf|tf_static|diagnostics|parameter_events)$|\/(feedback|status|result|goal|cancel)$/;
+  /^\/(rosout|rosout_agg|clock|tf|tf_static|diagnostics|parameter_events)$|\/(feedback|status|result|goal|cancel)$|_simulation\/command$/;
 
 /**
  * Topics a person can control.

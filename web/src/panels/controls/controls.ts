@@ -1,5 +1,16 @@
+import type { Topic } from "../../store/topics.ts";
 import type { Panel } from "../panel.ts";
+import { controlKind } from "./control_kind.ts";
 import { controllableTopics } from "./controllable.ts";
+
+/** A form of many fields would fill the overview; the page of all controls has it. */
+export function fitsCard(topic: Topic): boolean {
+  try {
+    return controlKind(topic.name, topic.type()).kind !== "form";
+  } catch {
+    return false;
+  }
+}
 
 export const controlsPanel: Panel = {
   id: "controls",
@@ -7,11 +18,11 @@ export const controlsPanel: Panel = {
   icon: "controls",
   onTabBar: true,
   matches: (graph) =>
-    controllableTopics(graph, graph.ownNode).map((topic) => ({
-      key: topic,
-      title: topic,
-      settings: { topic },
-      order: 10,
-    })),
+    controllableTopics(graph, graph.ownNode)
+      .filter((name) => {
+        const topic = graph.topics.get(name);
+        return topic !== undefined && fitsCard(topic);
+      })
+      .map((topic) => ({ key: topic, title: topic, settings: { topic }, order: 10 })),
   load: () => import("./controls_panel.tsx"),
 };

@@ -1,8 +1,9 @@
 // The parameters of the robot: read, search, edit.
-import { type Signal, useSignal } from "@preact/signals";
+import { type Signal, signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Parameter } from "../../connection/protocol.ts";
 import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
+import { byNode, describeParameters, type ParameterLimits } from "../../store/parameter_limits.ts";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
@@ -16,6 +17,21 @@ interface ParametersSettings {
 const MAX_EDITED = 2000;
 const REFRESH_MS = 5000;
 
+/** What nodes said of their parameters; asked once for each. */
+const limits = signal<ReadonlyMap<string, ParameterLimits>>(new Map());
+const asked = new Set<string>();
+
+/** Asks for the limits of parameters that are new. */
+async function learnLimits({ robot }: PanelContext): Promise<void> {
+  const services = robot.services.peek();
+  const names = [...robot.parameters.values.peek().keys()].filter((each) => !asked.has(each));
+  if (names.length === 0 || services.size === 0 || !robot.mayAct.peek()) return;
+  // A node's services may be announced after its parameters.
+  for (const group of byNode(names, services).values()) for (const { full } of group) asked.add(full);
+  const found = await describeParameters(robot.gateway, services, names);
+  if (found.size > 0) limits.value = new Map([...limits.value, ...found]);
+}
+
 function ParametersPanel({ context }: { context: PanelContext }) {
   const settings = context.settings as Signal<ParametersSettings>;
   const { robot } = context;
@@ -27,6 +43,7 @@ function ParametersPanel({ context }: { context: PanelContext }) {
       .refresh()
       .then(() => {
         failure.value = "";
+        return learnLimits(context);
       })
       .catch((error: unknown) => {
         failure.value = (error as Error).message;
@@ -94,11 +111,13 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
     }
   };
   const text = valueText(value);
-  const isReadOnly = !context.robot.mayAct.value;
+  const known = limits.value.get(parameter.name);
+  const isReadOnly = !context.robot.mayAct.value || known?.isReadOnly === true;
+  const title = [parameter.name, known?.description, known?.isReadOnly && texts.parameters.readOnly];
   return (
     <div class="parameter">
       {/* biome-ignore lint/a11y/noLabelWithoutControl: one of the fields below is the control. */}
-      <label class="form-row" title={parameter.name}>
+      <label class="form-row" title={title.filter(Boolean).join("\n")}>
         <span class="form-name">{name}</span>
         {typeof value === "boolean" ? (
           <input
@@ -109,6 +128,8 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
           />
         ) : text.length > MAX_EDITED ? (
           <span class="parameter-long">{texts.parameters.tooLong(text.length)}</span>
+        ) : typeof value === "number" && known?.min !== undefined ? (
+          <RangeField value={value} limits={known} isReadOnly={isReadOnly} set={(next) => void set(next)} />
         ) : (
           <input
             type="text"
@@ -126,6 +147,32 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
       </label>
       {problem.value && <p class="problem">{problem.value}</p>}
     </div>
+  );
+}
+
+function RangeField(props: {
+  value: number;
+  limits: ParameterLimits;
+  isReadOnly: boolean;
+  set: (value: number) => void;
+}) {
+  const { min = 0, max = 0, step } = props.limits;
+  const shared = {
+    min,
+    max,
+    step: step || (Number.isInteger(min) && Number.isInteger(props.value) ? 1 : (max - min) / 500 || "any"),
+    value: props.value,
+    disabled: props.isReadOnly,
+    onChange: (event: { currentTarget: HTMLInputElement }) => {
+      const next = event.currentTarget.valueAsNumber;
+      if (Number.isFinite(next)) props.set(next);
+    },
+  };
+  return (
+    <span class="parameter-range">
+      <input type="range" {...shared} />
+      <input type="number" aria-label={texts.parameters.range(min, max)} {...shared} step="any" />
+    </span>
   );
 }
 

@@ -1,6 +1,7 @@
 // Numbers over time: any path of any message, several axes, pause, zoom, five minutes back.
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { seriesOfName } from "../../plot/plot_names.ts";
 import { type Series, seriesStore } from "../../plot/series.ts";
 import { KEPT_S } from "../../plot/series_buffer.ts";
 import { Icon } from "../../shell/icons.tsx";
@@ -44,13 +45,25 @@ function PlotsPage({ context }: { context: PanelContext }) {
   };
   // Without a choice, the first thing that moves.
   const suggested = useComputed(() => strings(plotSuggestions(graphOf(robot))[0]?.settings.series));
-  const ids = settings.value.series === undefined ? suggested.value : strings(settings.value.series);
+  const isNamed = settings.value.series !== undefined || settings.value.names !== undefined;
+  const ids = !isNamed ? suggested.value : strings(settings.value.series);
   const added = settings.value.add;
   useEffect(() => {
     if (typeof added !== "string") return;
     const own = strings(settings.peek().series);
     change({ add: undefined, series: own.includes(added) ? own : [...own, added].slice(-MAX_SERIES) });
   }, [added]);
+
+  // A link names values as rqt_plot does; topics may come later than the page.
+  const names = strings(settings.value.names);
+  const topics = robot.topics.value;
+  useEffect(() => {
+    if (names.length === 0) return;
+    const found = names.map((each) => seriesOfName(each, topics));
+    if (found.every((each) => each !== undefined)) {
+      change({ names: undefined, series: found.flat().slice(0, MAX_SERIES) });
+    }
+  }, [names.join(), topics]);
 
   const series = useSeries(context, ids);
   const overTime = series.filter((each) => !each.isArray);

@@ -4,10 +4,11 @@ import { useEffect } from "preact/hooks";
 import { recordingUrl } from "../../connection/address.ts";
 import { formatBytes, formatDuration } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
-import { EmptyState } from "../../shell/parts.tsx";
+import { EmptyState, IconButton } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
+import { Playback } from "./playback.tsx";
 
 type Format = "bag" | "mcap";
 
@@ -42,6 +43,7 @@ function RecordingPanel({ context }: { context: PanelContext }) {
         </p>
         {state.error && <p class="problem">{state.error}</p>}
       </section>
+      {state.playing && <Playback robot={robot} playing={state.playing} />}
       <h2>{texts.recording.files}</h2>
       {state.files.length === 0 ? (
         <EmptyState icon="recording" title={texts.recording.none} text={texts.recording.noneText} />
@@ -52,6 +54,12 @@ function RecordingPanel({ context }: { context: PanelContext }) {
               <span class="recording-name">{name}</span>
               <span class="number">{formatBytes(bytes)}</span>
               <time class="number">{new Date(time * 1000).toLocaleString()}</time>
+              <IconButton
+                icon="play"
+                label={texts.recording.play(name)}
+                isDisabled={!robot.mayAct.value}
+                onClick={() => robot.gateway.playRecording(name, 0, 1, true)}
+              />
               <a
                 class="icon-button"
                 href={recordingUrl(name)}

@@ -8,6 +8,7 @@ export const scenePanel: Panel = {
   title: "scene",
   icon: "scene",
   fillsPage: true,
+  loadsLate: true,
   isUseful: ({ topics }) =>
     topics.has("/robot_description") || [...topics.values()].some((each) => DRAWN.has(each.typeName)),
   matches: ({ topics }) =>

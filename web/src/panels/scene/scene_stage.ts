@@ -1,5 +1,6 @@
 // Keeps the 3D view equal to what is on the graph and what the user chose.
 import { effect, type Signal, signal } from "@preact/signals";
+import { Vector3 } from "three";
 import type { Display, DisplayContext, Placed } from "../../scene/display.ts";
 import type { DisplayType } from "../../scene/display_types.ts";
 import { DISPLAYS } from "../../scene/displays.ts";
@@ -22,6 +23,8 @@ const MARKER_TYPES = ["visualization_msgs/Marker", "visualization_msgs/MarkerArr
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
 /** The first transforms come one after another: the camera fits itself for so many half seconds. */
 const FIT_TICKS = 3;
+/** The longest side of what the camera fits itself to. */
+const MAX_SIZE_M = 30;
 /** Frames older than this while others move are named. */
 const STALE_FRAME_MS = 3000;
 
@@ -31,6 +34,10 @@ export interface SceneSettings {
   followedFrame?: string;
   /** Keys of displays that are not shown. */
   hidden?: string[];
+  /** Keys of the only displays that are shown; without it, all are. */
+  only?: string[];
+  /** A .rviz file beside the page, to start from. */
+  rviz?: string;
 }
 
 /** A row of the list beside the picture. */
@@ -93,8 +100,9 @@ export class SceneStage {
 
   constructor(host: HTMLElement, context: PanelContext) {
     this.context = context;
-    this.tf = followTf(context, () => this.view.markDirty());
+    this.tf = followTf(context, () => this.view.markMoved());
     this.view = new SceneView(host, this.tf);
+    void this.startFromRviz();
     this.endings.push(
       followRobotDescription(context, (urdf) => this.showRobot(urdf)),
       effect(() => this.syncDisplays()),
@@ -123,26 +131,47 @@ export class SceneStage {
   }
 
   toggle(key: string): void {
-    const hidden = new Set(this.settings.hidden ?? []);
-    if (!hidden.delete(key)) hidden.add(key);
-    this.change({ hidden: [...hidden] });
+    const { hidden = [], only } = this.settings;
+    if (this.isShown(key)) this.change({ hidden: [...hidden, key] });
+    else this.change({ hidden: hidden.filter((each) => each !== key), only: only && [...only, key] });
   }
 
   /** Start from a .rviz file: its fixed frame, and only its displays. Throws with a sentence. */
   applyRviz(text: string): void {
     const config = readRvizConfig(text);
     const wanted = config.displays.filter((each) => each.enabled);
-    const topics = new Set(wanted.map((each) => each.topic));
-    const hidden = this.drawable().filter((topic) => !topics.has(topic));
-    if (!wanted.some((each) => each.kind === "RobotModel")) hidden.push(ROBOT);
-    if (!wanted.some((each) => each.kind === "TF")) hidden.push(FRAMES);
-    this.change({ fixedFrame: config.fixedFrame, hidden });
+    const only = wanted.map((each) => each.topic);
+    if (wanted.some((each) => each.kind === "RobotModel")) only.push(ROBOT);
+    if (wanted.some((each) => each.kind === "TF")) only.push(FRAMES);
+    this.change({ fixedFrame: config.fixedFrame, hidden: [], only });
+  }
+
+  /** Start from the file that the link names. */
+  private async startFromRviz(): Promise<void> {
+    const { rviz } = this.settings;
+    if (rviz === undefined || !/^[\w-]+\.rviz$/.test(rviz)) return;
+    this.change({ rviz: undefined });
+    const answer = await fetch(rviz).catch(() => undefined);
+    if (!answer?.ok) return;
+    try {
+      this.applyRviz(await answer.text());
+    } catch (error) {
+      this.reports.set(ROBOT, (error as Error).message);
+    }
+  }
+
+  private isShown(key: string): boolean {
+    const { hidden = [], only } = this.settings;
+    return !hidden.includes(key) && (only?.includes(key) ?? true);
   }
 
   /** Move the camera so that everything is in the picture. */
   fit(): void {
     const { center, sizeM } = this.extent();
-    this.view.lookFrom(sizeM * 2.2 + 0.3, "corner", center);
+    this.view.lookFrom(sizeM * 1.9 + 0.1, "corner", center);
+    this.view.fitGrid(sizeM);
+    const frames = this.view.displays.get(FRAMES);
+    if (frames instanceof TfDisplay) frames.fit(sizeM);
   }
 
   dispose(): void {
@@ -151,21 +180,29 @@ export class SceneStage {
     this.view.dispose();
   }
 
-  /** The box around all frames: its middle, and its longest side, at most 30 m. */
+  /** The box around all frames and the robot: its middle, and its longest side, bounded. */
   private extent(): { center: Vec3; sizeM: number } {
-    const low: [number, number, number] = [0, 0, 0];
-    const high: [number, number, number] = [0, 0, 0];
+    const box = this.view.boundsOf(ROBOT);
+    const leastM = box.isEmpty() ? 0.5 : 0.1;
+    box.expandByPoint(new Vector3());
     for (const frame of this.tf.frames()) {
       const found = this.tf.lookup(this.view.fixedFrame, frame);
-      if (typeof found === "string") continue;
-      for (const i of [0, 1, 2] as const) {
-        low[i] = Math.min(low[i], found.transform.translation[i]);
-        high[i] = Math.max(high[i], found.transform.translation[i]);
-      }
+      if (typeof found !== "string") box.expandByPoint(new Vector3(...found.transform.translation));
     }
-    const middle = (i: 0 | 1 | 2) => (low[i] + high[i]) / 2;
-    const sizeM = Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2], 0.5);
-    return { center: [middle(0), middle(1), middle(2)], sizeM: Math.min(sizeM, 30) };
+    const { x, y, z } = box.getSize(new Vector3());
+    const sizeM = Math.min(Math.max(x, y, z, leastM), MAX_SIZE_M);
+    return { center: box.getCenter(new Vector3()).toArray(), sizeM };
+  }
+
+  /** Whether a robot drove out of the picture; not one beyond the largest picture. */
+  private hasLeftPicture(): boolean {
+    if (this.settings.followedFrame) return false;
+    return this.tf.frames().some((frame) => {
+      const found = this.tf.lookup(this.view.fixedFrame, frame);
+      if (typeof found === "string") return false;
+      const { translation } = found.transform;
+      return Math.hypot(...translation) < MAX_SIZE_M / 2 && !this.view.shows(translation);
+    });
   }
 
   private drawable(): string[] {
@@ -176,9 +213,8 @@ export class SceneStage {
   }
 
   private syncDisplays(): void {
-    const hidden = new Set(this.settings.hidden ?? []);
     const topics = this.drawable();
-    const wanted = new Set(topics.filter((topic) => !hidden.has(topic)));
+    const wanted = new Set(topics.filter((topic) => this.isShown(topic)));
     for (const [key, close] of this.subscriptions) {
       if (wanted.has(key)) continue;
       close();
@@ -190,12 +226,12 @@ export class SceneStage {
       if (wanted.has(topic) && !this.subscriptions.has(topic))
         this.subscriptions.set(topic, this.show(topic, COLORS[i % COLORS.length] as string));
     });
-    if (hidden.has(FRAMES)) this.view.remove(FRAMES);
+    if (!this.isShown(FRAMES)) this.view.remove(FRAMES);
     else if (!this.view.displays.has(FRAMES)) {
       const color = getComputedStyle(document.documentElement).getPropertyValue("--text") || "#ccc";
       this.view.add(FRAMES, new TfDisplay(this.tf, color));
     }
-    if (hidden.has(ROBOT)) this.view.remove(ROBOT);
+    if (!this.isShown(ROBOT)) this.view.remove(ROBOT);
     else if (this.model !== undefined && !this.view.displays.has(ROBOT))
       this.view.add(ROBOT, new RobotDisplay(this.model, this.tf));
     this.view.followedFrame = this.settings.followedFrame ?? "";
@@ -255,7 +291,13 @@ export class SceneStage {
     this.model = undefined;
     this.reports.delete(ROBOT);
     try {
-      this.model = new RobotModel(urdf, this.displayContext(ROBOT, "#b8bcc4"));
+      const context = this.displayContext(ROBOT, "#b8bcc4");
+      const invalidate = () => {
+        // A mesh that was loaded may be larger than all before; once more when it has been drawn at its place.
+        this.ticksToFit = 2;
+        context.invalidate();
+      };
+      this.model = new RobotModel(urdf, { ...context, invalidate });
     } catch (error) {
       this.reports.set(ROBOT, (error as Error).message);
     }
@@ -285,17 +327,16 @@ export class SceneStage {
       this.chooseFixedFrame();
       this.ticksToFit = FIT_TICKS;
     } else if (this.view.fixedFrame === "") this.chooseFixedFrame();
-    if (this.ticksToFit > 0 && !this.hasMoved) {
-      this.ticksToFit--;
+    if (!this.hasMoved && (this.ticksToFit > 0 || this.hasLeftPicture())) {
+      this.ticksToFit = Math.max(0, this.ticksToFit - 1);
       this.fit();
     }
-    const hidden = new Set(this.settings.hidden ?? []);
     const row = (key: string, title: string, type: string): Row => ({
       key,
       title,
       type,
-      isShown: !hidden.has(key),
-      problem: hidden.has(key) ? "" : (this.reports.get(key) ?? this.view.problems.get(key) ?? ""),
+      isShown: this.isShown(key),
+      problem: !this.isShown(key) ? "" : (this.reports.get(key) ?? this.view.problems.get(key) ?? ""),
     });
     const rows: Row[] = [];
     if (this.model !== undefined || this.reports.has(ROBOT)) rows.push(row(ROBOT, texts.scene.robot, "URDF"));

@@ -1,1 +1,0 @@
-var a=/^\/(rosout|rosout_agg|clock|tf|tf_static|diagnostics|parameter_events)$|\/(feedback|status|result|goal|cancel)$/;function l(s,o){let e=[];for(let[t,r]of s.subscribers){if(a.test(t)||!s.topics.has(t))continue;let n=i=>(i??[]).filter(c=>c!==o);n(r).length>0&&n(s.publishers.get(t)).length===0&&e.push(t)}return e.sort()}export{l as a};

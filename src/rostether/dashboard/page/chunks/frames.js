@@ -1,1 +1,0 @@
-var t=new Set,s=0;function i(){s=0;let o=[...t];t.clear();for(let e of o)try{e()}catch(r){console.error(r)}}function a(o){let e=!1,r=()=>o();return{markDirty(){e||(t.add(r),s===0&&(s=requestAnimationFrame(i)))},dispose(){e=!0,t.delete(r)}}}export{a};

@@ -1,0 +1,185 @@
+// Simulated boards: live pins, servos, and what surrounds them.
+import { useSignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { EmptyState } from "../../shell/parts.tsx";
+import { texts } from "../../texts.ts";
+import { TopicPublisher } from "../controls/topic_publisher.ts";
+import { useFeed } from "../hooks.ts";
+import type { PanelContext } from "../panel.ts";
+import { preactPanel } from "../preact_panel.tsx";
+import { BoardDrawing } from "./board_drawing.tsx";
+import { type BoardState, readBoardState, simulatedBoards } from "./board_state.ts";
+
+const t = texts.simulation;
+const MAX_RANGE_M = 4;
+const DEFAULT_RANGE_M = 1;
+const MAX_VOLTS = 5;
+const SETTLE_MS = 500;
+const FAULTS = ["none", "flip=0.0001", "flip=0.001", "flip=0.01", "drop=0.001", "drop=0.01"];
+
+type Tell = (line: string) => void;
+
+function SimulationPanel({ context }: { context: PanelContext }) {
+  const boards = simulatedBoards(context.robot.topics.value.values());
+  if (boards.size === 0)
+    return <EmptyState icon="simulation" title={t.none} text={t.noneText} command={t.noneCommand} />;
+  return (
+    <div class="simulation">
+      {[...boards].map(([topic, name]) => (
+        <Board key={topic} context={context} topic={topic} name={name} />
+      ))}
+    </div>
+  );
+}
+
+function Board({ context, topic, name }: { context: PanelContext; topic: string; name: string }) {
+  const { robot } = context;
+  const feed = useFeed(context, topic);
+  const message = feed.lastMessage();
+  const text = message instanceof Error ? undefined : message?.data;
+  const state = useMemo(() => readBoardState(text), [text]);
+  const commands = robot.topics.value.get(topic.replace(/state$/, "command"));
+  const publisher = useSignal<TopicPublisher | undefined>(undefined);
+  const mayAct = robot.mayAct.value && commands !== undefined;
+  useEffect(() => {
+    if (!mayAct) return;
+    const made = new TopicPublisher(robot, commands);
+    publisher.value = made;
+    return () => {
+      publisher.value = undefined;
+      made.dispose();
+    };
+  }, [mayAct, commands]);
+  const tell: Tell = (line) => publisher.peek()?.publish({ data: line });
+  const slide: Tell = (line) => publisher.peek()?.publishSmoothly({ data: line });
+  return (
+    <section class="control-card simulation-board" aria-label={name}>
+      <h2>
+        {name} <span class="simulation-kind">{state && `${state.board}, ${state.mcu}`}</span>
+      </h2>
+      {state ? (
+        <>
+          <BoardDrawing
+            state={state}
+            isDisabled={!mayAct}
+            drive={(pin, level) => tell(`pin ${pin}=${level ?? "z"}`)}
+          />
+          <p class="simulation-hint">{t.hint}</p>
+          <fieldset class="simulation-surroundings" disabled={!mayAct}>
+            <Obstacle state={state} tell={tell} slide={slide} />
+            <Volts state={state} slide={slide} />
+            <Line state={state} tell={tell} />
+          </fieldset>
+          {state.error && <p class="problem">{state.error}</p>}
+        </>
+      ) : (
+        <p class="empty-line">{t.waiting}</p>
+      )}
+    </section>
+  );
+}
+
+function Obstacle({ state, tell, slide }: { state: BoardState; tell: Tell; slide: Tell }) {
+  const meters = Number.parseFloat(state.words.range ?? "");
+  const isThere = Number.isFinite(meters);
+  return (
+    <div class="simulation-row">
+      <label>
+        <input
+          type="checkbox"
+          checked={isThere}
+          onChange={(event) => tell(`range ${event.currentTarget.checked ? DEFAULT_RANGE_M : "none"}`)}
+        />{" "}
+        {t.obstacle}
+      </label>
+      <Slider
+        label={t.obstacle}
+        min={0.02}
+        max={MAX_RANGE_M}
+        value={isThere ? meters : DEFAULT_RANGE_M}
+        onSlide={(value) => slide(`range ${value}`)}
+      />
+      <span class="number">{isThere ? `${meters.toFixed(2)} m` : "–"}</span>
+    </div>
+  );
+}
+
+function Volts({ state, slide }: { state: BoardState; slide: Tell }) {
+  const inputs = state.pins.filter(({ name }) => /^A[0-5]$/.test(name)).map(({ name }) => name);
+  return (
+    <>
+      {inputs.map((pin) => (
+        <div class="simulation-row" key={pin}>
+          <span>{pin}</span>
+          <Slider
+            label={t.volts(pin)}
+            min={0}
+            max={MAX_VOLTS}
+            value={state.volts[pin] ?? 0}
+            onSlide={(value) => slide(`adc ${pin}=${value}`)}
+          />
+          <span class="number">{(state.volts[pin] ?? 0).toFixed(2)} V</span>
+        </div>
+      ))}
+    </>
+  );
+}
+
+function Slider(props: {
+  label: string;
+  min: number;
+  max: number;
+  value: number;
+  onSlide: (value: number) => void;
+}) {
+  // While it is moved, the board's last answer is behind the finger.
+  const own = useSignal<number | undefined>(undefined);
+  return (
+    <input
+      type="range"
+      aria-label={props.label}
+      min={props.min}
+      max={props.max}
+      step={0.01}
+      value={own.value ?? props.value}
+      onInput={(event) => {
+        own.value = event.currentTarget.valueAsNumber;
+        props.onSlide(own.value);
+      }}
+      onChange={() => {
+        setTimeout(() => {
+          own.value = undefined;
+        }, SETTLE_MS);
+      }}
+    />
+  );
+}
+
+function Line({ state, tell }: { state: BoardState; tell: Tell }) {
+  const fault = state.words.fault ?? "none";
+  const isOff = state.words.power === "off";
+  const choices = FAULTS.includes(fault) ? FAULTS : [...FAULTS, fault];
+  return (
+    <div class="simulation-row">
+      <label>
+        {t.faults}{" "}
+        <select value={fault} onChange={(event) => tell(`fault ${event.currentTarget.value}`)}>
+          {choices.map((each) => (
+            <option key={each} value={each}>
+              {t.fault(each)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <span class="spring" />
+      <button type="button" class="button" onClick={() => tell("reset")}>
+        {t.reset}
+      </button>
+      <button type="button" class="button" onClick={() => tell(`power ${isOff ? "on" : "off"}`)}>
+        {isOff ? t.powerOn : t.powerOff}
+      </button>
+    </div>
+  );
+}
+
+export default preactPanel(SimulationPanel);
