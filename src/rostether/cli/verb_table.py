@@ -5,7 +5,7 @@ from __future__ import annotations
 from rostether.cli.shell.verbs import VerbEntry
 
 VERBS = {
-    "demo": VerbEntry("rostether.cli.bridge.demo:demo", "Run a simulated board; needs no hardware."),
+    "demo": VerbEntry("rostether.cli.demo.demo:demo", "Run a simulated board; needs no hardware."),
     "serve": VerbEntry("rostether.cli.bridge.serve:serve", "Connect boards to the ROS graph."),
     "serial-node": VerbEntry(
         "rostether.cli.bridge.serial_node:serial_node",
@@ -26,6 +26,7 @@ VERBS = {
     "node": VerbEntry("rostether.cli.node.group:node", "List, show, ping and stop nodes."),
     "service": VerbEntry("rostether.cli.service.group:service", "List, show and call services."),
     "sensor": VerbEntry("rostether.cli.platform.sensor:sensor", "List, show and rename sensors."),
+    "fleet": VerbEntry("rostether.cli.platform.fleet:fleet", "List, drive and stop many robots."),
     "tf": VerbEntry("rostether.cli.robot.tf:tf", "Show and publish transforms between frames."),
     "urdf": VerbEntry("rostether.cli.robot.urdf:urdf", "Check and show robot descriptions."),
     "xacro": VerbEntry("rostether.cli.robot.xacro:xacro", "Expand a xacro file."),
@@ -38,6 +39,12 @@ VERBS = {
     "run": VerbEntry("rostether.cli.launch.run:run", "Run a node of a package, like rosrun."),
     "launch": VerbEntry(
         "rostether.cli.launch.launch:launch", "Start the nodes of launch files, like roslaunch."
+    ),
+    "up": VerbEntry("rostether.cli.platform.up:up", "Run all parts of a robot, from one file."),
+    "install": VerbEntry("rostether.cli.platform.install:install", "Start a robot's parts at boot."),
+    "uninstall": VerbEntry("rostether.cli.platform.install:uninstall", "Start nothing at boot any more."),
+    "status": VerbEntry(
+        "rostether.cli.platform.install:status", "Show what starts at boot, and whether it runs."
     ),
     "pkg": VerbEntry("rostether.cli.launch.pkg:pkg", "Create, list and find packages."),
     "role": VerbEntry("rostether.cli.role.group:role", "Run a standard ROS node that launch files start."),

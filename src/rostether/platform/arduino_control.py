@@ -11,7 +11,7 @@ from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.stick import DEFAULT_DEADZONE, FORMULAS
 
-# As many commands wait in the platform's first node.
+# The queue length of the reference node.
 _QUEUE_MESSAGES = 10
 
 

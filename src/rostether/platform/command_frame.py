@@ -5,7 +5,7 @@ Numbers are little-endian, as on the boards:
     bytes   field
     0-1     magic "rC"
     2       version, 1
-    3       flags: 1 armed, 2 stop, 4 release, 8 the target is a mask of groups
+    3       flags: 1 armed, 2 stop, 4 release, 8 the target is a mask of groups, 16 query
     4-7     target: a robot's id, or a mask of groups (bit 0 is group 0)
     8-15    epoch: when the sender started, in microseconds since 1970
     16-19   sequence: 1 for the sender's first frame of the epoch
@@ -31,11 +31,12 @@ from rostether.platform.siphash import KEY_BYTES, TAG_BYTES, siphash_2_4
 NO_KEY = bytes(KEY_BYTES)
 ALL_GROUPS = 0xFFFF_FFFF
 DEFAULT_TTL_MS = 300
-MAX_TTL_MS = 1000
-"""A robot that has lost its sender drives on for this time at most."""
 
+# The longest time that a robot moves after it has lost its sender.
+MAX_TTL_MS = 1000
+
+# With the header and the tag, it fits an Ethernet frame: one lost fragment loses a whole datagram.
 MAX_PAYLOAD_BYTES = 1400
-"""With the header and the tag, it fits an Ethernet frame: fragments of a datagram are lost together."""
 
 _HEADER = struct.Struct("<2sBBIQIHH4s")
 _MAGIC = b"rC"
@@ -44,12 +45,16 @@ HEADER_BYTES = _HEADER.size
 
 
 class Flags(IntFlag):
-    """What a frame asks for; a frame that is neither armed nor a stop only keeps the sender known."""
+    """What a frame asks for. A query asks for the robot's status and changes nothing.
+
+    A frame without ARMED, STOP and QUERY stops the robot and only keeps the sender known.
+    """
 
     ARMED = 1
     STOP = 2
     RELEASE = 4
     TO_GROUPS = 8
+    QUERY = 16
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,18 +10,21 @@ from dataclasses import dataclass
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import (
+    ALL_GROUPS,
     DEFAULT_TTL_MS,
     NO_KEY,
     CommandFrame,
     Flags,
     decode_frame,
 )
+from rostether.platform.status_frame import Refusal
 
 REPEAT_S = 0.05
 STOP_PERIOD_S = 0.02
 STOP_FRAMES = 10
+
+# A changed command is sent three times at once, unless such copies were sent within `REPEAT_S`.
 CHANGE_FRAMES = 3
-"""A changed command is sent once and twice more at once, unless such copies were sent within `REPEAT_S`."""
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
 
@@ -30,7 +33,7 @@ _LAST_SEQUENCE = 0xFFFF_FFFF
 class SenderSettings:
     """Who is commanded, and how: `target` is a robot's id, or with `to_groups` a mask of groups."""
 
-    target: int
+    target: int = ALL_GROUPS
     to_groups: bool = True
     kind: bytes = bytes(4)
     ttl_ms: int = DEFAULT_TTL_MS
@@ -42,16 +45,17 @@ class CommandSender:
 
     def __init__(self, settings: SenderSettings, epoch_us: int) -> None:
         self._settings = settings
-        self._epoch_us = epoch_us
+        self.epoch_us = epoch_us
         self._sequence = 0
         self._payload: bytes | None = None
         self._stops_left = 0
+        self._stop_flags = Flags.STOP
         self._due_s: float | None = None
         self._copied_s = float("-inf")
 
     @property
     def due_s(self) -> float | None:
-        """When `repeat` is to be called next; None: not before the next command."""
+        """When to call `repeat` next; None: not before the next command."""
         return self._due_s
 
     def command(self, payload: bytes, now_s: float) -> list[bytes]:
@@ -70,17 +74,19 @@ class CommandSender:
         return [self._frame(Flags.ARMED, payload) for _ in range(count)]
 
     def stop(self, now_s: float) -> list[bytes]:
-        """Return the first datagram of a stop; `repeat` returns the others, then nothing more."""
-        self._payload = None
-        self._stops_left = STOP_FRAMES
-        return self.repeat(now_s)
+        """Stop the robots of all senders: return the first datagram; `repeat` returns the others."""
+        return self._end_motion(Flags.STOP, now_s)
+
+    def halt(self, now_s: float) -> list[bytes]:
+        """Stop only the robots that obey this sender: return the first datagram, like `stop`."""
+        return self._end_motion(Flags(0), now_s)
 
     def repeat(self, now_s: float) -> list[bytes]:
-        """Return what is to be sent again now."""
+        """Return the datagrams to repeat now."""
         if self._stops_left:
             self._stops_left -= 1
             self._due_s = now_s + STOP_PERIOD_S if self._stops_left else None
-            return [self._frame(Flags.STOP)]
+            return [self._frame(self._stop_flags)]
         if self._payload is None:
             self._due_s = None
             return []
@@ -88,19 +94,28 @@ class CommandSender:
         return [self._frame(Flags.ARMED, self._payload)]
 
     def release(self) -> bytes:
-        """Return the last datagram: it stops the robot and lets another sender command it at once."""
+        """Return the last datagram: robots that obey this sender stop, and accept other senders."""
         self._payload, self._stops_left, self._due_s = None, 0, None
-        return self._frame(Flags.STOP | Flags.RELEASE)
+        return self._frame(Flags.RELEASE)
+
+    def query(self) -> bytes:
+        """Return a datagram that asks for a status and commands nothing."""
+        return self._frame(Flags.QUERY)
+
+    def _end_motion(self, flags: Flags, now_s: float) -> list[bytes]:
+        self._payload = None
+        self._stops_left, self._stop_flags = STOP_FRAMES, flags
+        return self.repeat(now_s)
 
     def _frame(self, flags: Flags, payload: bytes = b"") -> bytes:
         if self._sequence == _LAST_SEQUENCE:
-            self._sequence, self._epoch_us = 0, self._epoch_us + 1
+            self._sequence, self.epoch_us = 0, self.epoch_us + 1
         self._sequence += 1
         settings = self._settings
         if settings.to_groups:
             flags |= Flags.TO_GROUPS
         return CommandFrame(
-            settings.target, self._epoch_us, self._sequence, flags, settings.ttl_ms, settings.kind, payload
+            settings.target, self.epoch_us, self._sequence, flags, settings.ttl_ms, settings.kind, payload
         ).encode(settings.key)
 
 
@@ -115,7 +130,7 @@ class ReceiverSettings:
 
 
 class CommandReceiver:
-    """One robot. It obeys one sender until that one releases it or is silent for its time to live.
+    """One robot. It obeys one sender until the sender releases it or is silent for its time to live.
 
     A sender's start is its epoch. A later epoch is accepted then, or at once if its frame is a stop; an
     earlier epoch is never accepted again, so that recorded frames have no effect.
@@ -126,29 +141,43 @@ class CommandReceiver:
         self._epoch_us = 0
         self._sequence = 0
         self._deadline_s: float | None = None
+        # The newest frame that was refused because of another sender: a record of it has no effect later.
+        self._refused = (0, 0)
         self.is_moving = False
         self.accepted_count = 0
         self.lost_count = 0
         self.refused_count = 0
         self.last_refusal = ""
+        # The last frame for this robot with a valid tag, obeyed or not, and why it is not obeyed.
+        self.last_frame: CommandFrame | None = None
+        self.refusal = Refusal.NONE
 
     @property
     def deadline_s(self) -> float | None:
-        """When `expired` is to be called next; None: the sender's time is over."""
+        """When to call `expired` next; None: the sender's time is over."""
         return self._deadline_s
 
+    @property
+    def holder_epoch_us(self) -> int | None:
+        """The epoch of the sender that commands this robot now, None if there is none."""
+        return None if self._deadline_s is None else self._epoch_us
+
     def receive(self, datagram: bytes, now_s: float) -> CommandFrame | None:
-        """Return the frame to obey, None for one that is for others or refused (`last_refusal` says why).
+        """Return the frame to obey, None if it is for others or refused (`last_refusal` has the reason).
 
         A frame with the flag STOP, or without ARMED, ends all motion.
         """
         self.expired(now_s)
+        self.last_frame, self.refusal = None, Refusal.NONE
         try:
             frame = decode_frame(datagram, self._settings.key)
         except RemoteProtocolError as error:
             self._refuse(str(error))
             return None
         if not self._is_meant(frame):
+            return None
+        self.last_frame = frame
+        if Flags.QUERY in frame.flags:
             return None
         if reason := self._objection(frame):
             self._refuse(reason)
@@ -177,12 +206,19 @@ class CommandReceiver:
     def _objection(self, frame: CommandFrame) -> str:
         is_stop = Flags.STOP in frame.flags
         if frame.epoch_us < self._epoch_us:
+            self.refusal = Refusal.OLDER
             return "the sender started before the last one: restart it, or the command was recorded"
-        if frame.epoch_us == self._epoch_us and frame.sequence <= self._sequence:
+        newest = self._sequence if frame.epoch_us == self._epoch_us else 0
+        if frame.epoch_us == self._refused[0]:
+            newest = max(newest, self._refused[1])
+        if frame.sequence <= newest:
             return "the command is not newer than the last one"
         if frame.epoch_us > self._epoch_us and self._deadline_s is not None and not is_stop:
+            self.refusal = Refusal.HELD
+            self._refused = max(self._refused, (frame.epoch_us, frame.sequence))
             return "another sender commands this robot"
         if not is_stop and self._settings.kind not in (None, frame.kind):
+            self.refusal = Refusal.OTHER_TYPE
             return f"the command is of another type: {frame.kind.hex()} begins its MD5 sum"
         return ""
 

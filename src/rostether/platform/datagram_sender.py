@@ -1,22 +1,38 @@
-"""Sends datagrams by every interface that is given; one that is missing is opened when it has come."""
+"""Sends datagrams on all given interfaces; opens a missing interface when it appears."""
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import socket
 import time
 from collections.abc import Callable
 
 from rostether.graph.ports import Level
 from rostether.platform.multicast_socket import GroupAddress, open_sender
+from rostether.platform.robot_table import SocketAddress
 
 # An interface that could not be opened is tried again this often.
 _REOPEN_S = 1.0
 
+# The number of answers that are read before other tasks run, and the size of the largest valid one.
+_BURST = 100
+_MAX_ANSWER_BYTES = 2048
+
 
 class DatagramSender:
-    """Sends to one group or address; `report` gets a line when sending fails, and when it works again."""
+    """Sends to one group or address; `report` gets a line when sending fails, and when it works again.
 
-    def __init__(self, address: GroupAddress, report: Callable[[Level, str], None]) -> None:
+    `on_datagram` gets the datagrams that arrive at its sockets; without it, they are not read.
+    """
+
+    def __init__(
+        self,
+        address: GroupAddress,
+        report: Callable[[Level, str], None],
+        on_datagram: Callable[[bytes, SocketAddress], None] | None = None,
+    ) -> None:
+        self._on_datagram = on_datagram
         self._address = address
         self._report = report
         self._sockets: dict[str, socket.socket | None] = dict.fromkeys(address.interfaces or ("",))
@@ -24,15 +40,35 @@ class DatagramSender:
         self._reported: set[str] = set()
 
     def send(self, datagram: bytes) -> bool:
-        """Send by all interfaces; False if none could."""
+        """Send on all interfaces; False if none could send."""
         return max(self._send_by(interface, datagram) for interface in self._sockets)
+
+    def send_to(self, datagram: bytes, address: SocketAddress) -> None:
+        """Send to one machine, if a socket is open and the system accepts it now."""
+        sock = next((each for each in self._sockets.values() if each is not None), None)
+        if sock is not None:
+            with contextlib.suppress(OSError):
+                sock.sendto(datagram, address)
 
     def close(self) -> None:
         """Close the sockets. Idempotent."""
         for interface, sock in self._sockets.items():
             if sock is not None:
+                if self._on_datagram is not None:
+                    asyncio.get_running_loop().remove_reader(sock)
                 sock.close()
             self._sockets[interface] = None
+
+    def _read(self, sock: socket.socket, on_datagram: Callable[[bytes, SocketAddress], None]) -> None:
+        for _ in range(_BURST):
+            try:
+                datagram, address = sock.recvfrom(_MAX_ANSWER_BYTES)
+            except BlockingIOError:
+                return
+            except OSError:
+                # A unicast address where no program listens.
+                continue
+            on_datagram(datagram, address)
 
     def _send_by(self, interface: str, datagram: bytes) -> bool:
         now_s = time.monotonic()
@@ -43,6 +79,8 @@ class DatagramSender:
             if sock is None:
                 self._retry_at_s[interface] = now_s + _REOPEN_S
                 sock = self._sockets[interface] = open_sender(self._address, interface)
+                if self._on_datagram is not None:
+                    asyncio.get_running_loop().add_reader(sock, self._read, sock, self._on_datagram)
                 del self._retry_at_s[interface]
             sock.sendto(datagram, (self._address.group, self._address.port))
         except BlockingIOError:

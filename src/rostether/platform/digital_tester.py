@@ -1,4 +1,4 @@
-"""The node digital_tester: a sensor that needs no hardware, to test the way from a sensor to the screen."""
+"""The node digital_tester: a sensor without hardware, to test the path from a sensor to the screen."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ async def publish_test_values(
 ) -> None:
     """Register a DIGITAL sensor and publish a whole number from 0 to 100 each second, until cancelled.
 
-    It waits for the sensing manager. Raises ServiceCallError where that one refuses, GraphError.
+    It waits for the sensing manager. Raises ServiceCallError if the manager refuses, GraphError.
     """
     topic = await _register(graph, platform, report)
     report(Level.INFO, f"registered for topic {topic}")

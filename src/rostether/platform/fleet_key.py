@@ -11,7 +11,7 @@ _MAX_FILE_BYTES = 1024
 
 
 def read_fleet_key(path: str) -> bytes:
-    """Return the key in a file. Raises ConfigError, without a word of what the file contains."""
+    """Return the key in a file. Raises ConfigError, which never contains text of the file."""
     try:
         with Path(path).expanduser().open("rb") as file:
             text = file.read(_MAX_FILE_BYTES).strip()

@@ -14,13 +14,15 @@ from dataclasses import dataclass, field, replace
 from rostether.errors import ConfigError
 from rostether.graph.ports import Graph, Level
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
+from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_frame import MAX_PAYLOAD_BYTES
 from rostether.platform.command_link import CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import MAX_DATAGRAM_BYTES, GroupAddress
+from rostether.platform.status_frame import Refusal
 
+# Above this, pauses are shorter than the event loop can measure; 0 means no pauses.
 MAX_FREQUENCY_HZ = 10_000.0
-"""Beyond, the pauses are shorter than the event loop can measure; 0 has no pauses at all."""
 
 # A datagram that could not be sent is tried again after this time at the earliest.
 _RETRY_S = 0.01
@@ -32,7 +34,8 @@ class BridgeSettings:
     """The parameters of the bridge; `frequency_hz` 0 sends every message at once.
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
-    stop; 0 repeats the last message without end.
+    stop; 0 repeats the last message without end. `unicast` are addresses of robots that get every frame by
+    unicast too.
     """
 
     topic: str = "multicast_topic"
@@ -40,6 +43,7 @@ class BridgeSettings:
     frequency_hz: float = 1000.0
     framed: SenderSettings | None = None
     input_timeout_s: float = 0.5
+    unicast: tuple[str, ...] = ()
 
 
 async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[Level, str], None]) -> None:
@@ -50,9 +54,8 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
         )
     if not 0 <= settings.input_timeout_s < float("inf"):
         raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; 0 is never")
-    sender = DatagramSender(settings.address.checked(), report)
     bridge = (
-        _FramedBridge(settings, settings.framed, sender) if settings.framed else _Bridge(settings, sender)
+        _FramedBridge(settings, settings.framed, report) if settings.framed else _Bridge(settings, report)
     )
     limit_bytes = MAX_PAYLOAD_BYTES if settings.framed else MAX_DATAGRAM_BYTES
     has_reported = False
@@ -75,15 +78,14 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
         await bridge.run()
     finally:
         bridge.end()
-        sender.close()
         await subscriber.close()
 
 
 class _Bridge:
-    """Bare datagrams: the newest message, once, at most `frequency_hz` times a second."""
+    """Bare datagrams: sends the newest message once, at most `frequency_hz` times a second."""
 
-    def __init__(self, settings: BridgeSettings, sender: DatagramSender) -> None:
-        self._sender = sender
+    def __init__(self, settings: BridgeSettings, report: Callable[[Level, str], None]) -> None:
+        self._sender = DatagramSender(settings.address.checked(), report)
         self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
         self._newest = b""
         self._has_news = asyncio.Event()
@@ -112,17 +114,20 @@ class _Bridge:
                 await asyncio.sleep(_RETRY_S)
 
     def end(self) -> None:
-        """Nothing remains to be sent."""
+        """Close the sockets; nothing remains to be sent."""
+        self._sender.close()
 
 
 class _FramedBridge:
-    """Framed datagrams: the state, repeated, until the topic is silent."""
+    """Framed datagrams: repeats the newest message until the topic is silent."""
 
-    def __init__(self, settings: BridgeSettings, framed: SenderSettings, sender: DatagramSender) -> None:
+    def __init__(
+        self, settings: BridgeSettings, framed: SenderSettings, report: Callable[[Level, str], None]
+    ) -> None:
         self._settings = framed
         self._timeout_s = settings.input_timeout_s or float("inf")
         self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
-        self._sender = sender
+        self._channel = CommandChannel(settings.address, report, key=framed.key, unicast=settings.unicast)
         self._commands: CommandSender | None = None
         self._newest: bytes | None = None
         self._silent_at_s: float | None = None
@@ -134,15 +139,15 @@ class _FramedBridge:
         self._has_news.set()
 
     def meet(self, header: Mapping[str, str]) -> None:
-        """Learn the type of the topic; another type makes another sender."""
+        """Set the type of the topic; a new type starts a new sender."""
         md5sum = header.get("md5sum", ANY_MD5SUM)
         if md5sum == ANY_MD5SUM:
             return
         kind = bytes.fromhex(md5sum[:8])
         if self._commands is None or kind != self._settings.kind:
-            self.end()
+            self._release()
             self._settings = replace(self._settings, kind=kind)
-            self._commands = CommandSender(self._settings, time.time_ns() // 1000)
+            self._begin()
             self._has_news.set()
 
     async def run(self) -> None:
@@ -158,16 +163,25 @@ class _FramedBridge:
                 next_news_s = now_s + self._period_s
                 self._silent_at_s = now_s + self._timeout_s
             elif self._silent_at_s is not None and now_s >= self._silent_at_s:
-                datagrams, self._silent_at_s = self._commands.stop(now_s), None
+                datagrams, self._silent_at_s = self._commands.halt(now_s), None
+                if Refusal.OLDER in self._channel.refusing().values():
+                    # Another program stopped the robots; the next message may command them again.
+                    self._begin()
             elif self._commands.due_s is not None and now_s >= self._commands.due_s:
                 datagrams = self._commands.repeat(now_s)
             else:
                 continue
             for datagram in datagrams:
-                self._sender.send(datagram)
+                self._channel.send(datagram)
+
+    def _begin(self) -> None:
+        """Start an epoch, later than that of every earlier sender."""
+        self._commands = CommandSender(self._settings, time.time_ns() // 1000)
+        self._channel.epoch_us = self._commands.epoch_us
+        self._channel.forget_refusals()
 
     async def _wait(self, next_news_s: float) -> None:
-        """Return when a message may be sent, or something is due."""
+        """Return when a message may be sent, or a repetition is due."""
         is_waiting = self._newest is not None and self._commands is not None
         times = [self._silent_at_s, self._commands.due_s if self._commands else None]
         times.append(next_news_s if is_waiting else None)
@@ -180,7 +194,11 @@ class _FramedBridge:
             return
 
     def end(self) -> None:
-        """Stop the robots and let another program command them."""
+        """Stop and release the robots, and close the sockets."""
+        self._release()
+        self._channel.close()
+
+    def _release(self) -> None:
         if self._commands is not None:
             for _ in range(_RELEASES):
-                self._sender.send(self._commands.release())
+                self._channel.send(self._commands.release())

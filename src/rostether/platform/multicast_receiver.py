@@ -3,27 +3,35 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.platform.command_link import CommandReceiver, ReceiverSettings
-from rostether.platform.multicast_socket import GroupAddress, join_group, open_receiver
+from rostether.platform.multicast_socket import GroupAddress, join_group, open_receiver, open_sender
+from rostether.platform.robot_table import SocketAddress
+from rostether.platform.signal_strength import read_signal_dbm
+from rostether.platform.status_reporter import StatusReporter
 from rostether.serde.layout import Layout
 from rostether.transports.allow_list import AllowList, check_networks
 from rostether.transports.own_names import own_addresses
 
-# A switch that forgets a group (no querier) is informed again when nothing comes, and once a minute.
+# Joins are repeated when no datagram arrives, and once a minute: switches may forget a group (no querier).
 SILENCE_S = 2.0
 REJOIN_S = 60.0
 # The number of datagrams that are read before other tasks run.
 _BURST = 100
 _MAX_BYTES = 65_536
+# The socket for statuses has no group; the address only selects the family.
+_NO_GROUP = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +53,12 @@ class ReceiverNodeSettings:
 async def receive_topic(
     graph: TypedGraph, settings: ReceiverNodeSettings, report: Callable[[Level, str], None]
 ) -> None:
-    """Publish what arrives until cancelled. Raises ConfigError, UnknownTypeError, GraphError."""
+    """Publish received messages until cancelled. Raises ConfigError, UnknownTypeError, GraphError."""
     address = settings.address.checked()
     sources = check_networks(settings.sources, "~sources")
     publisher = await graph.publisher(settings.topic, settings.type_name)
     if not sources and not settings.has_key:
-        # It may ask a name server.
+        # The call may query a name server.
         sources = tuple(str(each) for each in await asyncio.to_thread(own_addresses))
     try:
         sock = open_receiver(address)
@@ -58,24 +66,20 @@ async def receive_topic(
         raise ConfigError(f"cannot receive at {address}: {error.strerror or error}") from None
     layout = graph.store.layout(settings.type_name)
     receiver = _Receiver(sock, publisher, layout, AllowList(sources), settings, report)
-    loop = asyncio.get_running_loop()
-    loop.add_reader(sock, receiver.read)
     report(Level.INFO, f"receiving {settings.type_name} from {address} as {publisher.topic}")
     try:
         await receiver.keep_joined()
     finally:
-        loop.remove_reader(sock)
         receiver.close()
-        sock.close()
 
 
 class _Receiver:
-    """From opening the socket to its end."""
+    """One run of the receiver, from opening the socket to closing it."""
 
     def __init__(
         self,
         sock: socket.socket,
-        publisher: TypedPublisher,
+        publisher: TypedPublisher[...],
         layout: Layout,
         sources: AllowList,
         settings: ReceiverNodeSettings,
@@ -86,14 +90,24 @@ class _Receiver:
         self._layout = layout
         self._sources = sources
         self._address = settings.address
-        self._commands = None if settings.framed is None else CommandReceiver(settings.framed)
+        self._commands: CommandReceiver | None = None
         self._report = report
         self._limiter = RepeatLimiter()
         self._last_s = time.monotonic()
         self._watchdog: asyncio.TimerHandle | None = None
+        self._sockets = [sock]
+        if settings.framed is not None:
+            self._commands = CommandReceiver(settings.framed)
+            self._reporter = StatusReporter(settings.framed.robot_id, settings.framed.key)
+            # Statuses have their own port, so that a sender's unicast reaches only this robot.
+            self._sockets.append(
+                open_sender(replace(self._address, group=_NO_GROUP[self._address.family]), "")
+            )
+        for each in self._sockets:
+            asyncio.get_running_loop().add_reader(each, self._read, each)
 
     async def keep_joined(self) -> None:
-        """Join, and join again in time, until cancelled."""
+        """Join, and repeat the join when due, until cancelled."""
         if not self._address.is_multicast:
             await asyncio.Event().wait()
         failed = False
@@ -109,11 +123,10 @@ class _Receiver:
                 if failed or now_s - self._last_s >= SILENCE_S or now_s - joined_s >= REJOIN_S:
                     break
 
-    def read(self) -> None:
-        """Read what has come."""
+    def _read(self, sock: socket.socket) -> None:
         for _ in range(_BURST):
             try:
-                datagram, source = self._sock.recvfrom(_MAX_BYTES)
+                datagram, source = sock.recvfrom(_MAX_BYTES)
             except OSError:
                 return
             self._last_s = time.monotonic()
@@ -121,12 +134,15 @@ class _Receiver:
             if not self._sources.allows(host):
                 self._refuse(f"a datagram from {host}: allow it with _sources:={host}")
             elif self._commands is not None:
-                self._obey(self._commands, datagram, host)
+                self._obey(self._commands, datagram, source)
             else:
                 self._publish(datagram, host)
 
     def close(self) -> None:
-        """End the watchdog, after a last stop for a robot that moves."""
+        """Close the sockets and end the watchdog, after a last stop for a robot that moves."""
+        for each in self._sockets:
+            asyncio.get_running_loop().remove_reader(each)
+            each.close()
         if self._watchdog is not None:
             self._watchdog.cancel()
         if self._commands is not None and self._commands.is_moving:
@@ -143,11 +159,13 @@ class _Receiver:
             )
         return ""
 
-    def _obey(self, commands: CommandReceiver, datagram: bytes, host: str) -> None:
+    def _obey(self, commands: CommandReceiver, datagram: bytes, source: SocketAddress) -> None:
+        host = source[0]
         was_moving, refused_count = commands.is_moving, commands.refused_count
         frame = commands.receive(datagram, self._last_s)
         if commands.refused_count > refused_count and "not newer" not in commands.last_refusal:
             self._refuse(f"a command from {host}: {commands.last_refusal}")
+        self._answer(commands, source)
         if frame is None:
             return
         if commands.is_moving:
@@ -155,6 +173,15 @@ class _Receiver:
         elif was_moving:
             self._publisher.publish()
         self._watch(commands)
+
+    def _answer(self, commands: CommandReceiver, source: SocketAddress) -> None:
+        text = str(replace(self._address, group=source[0], port=source[1]))
+        status = self._reporter.answer(
+            commands, text, self._last_s, partial(read_signal_dbm, self._address.interfaces)
+        )
+        if status is not None:
+            with contextlib.suppress(OSError):
+                self._sockets[-1].sendto(status, source)
 
     def _watch(self, commands: CommandReceiver) -> None:
         if self._watchdog is not None:

@@ -1,4 +1,4 @@
-"""UDP sockets for multicast groups, IPv4 and IPv6; a unicast address works in the place of a group."""
+"""UDP sockets for multicast groups, IPv4 and IPv6; a unicast address also works."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from rostether.errors import ConfigError
 
 REFERENCE_GROUP = "224.0.1.1"
 REFERENCE_PORT = 12345
+
+# The maximum payload of UDP over IPv4.
 MAX_DATAGRAM_BYTES = 65_507
-"""The most that UDP over IPv4 carries."""
 
 
 @dataclass(frozen=True, slots=True)
 class GroupAddress:
-    """A group and a port, and the interfaces by which it is reached: names, or IPv4 addresses.
+    """A group, a port, and the network interfaces to use: names, or IPv4 addresses.
 
-    No interface leaves the choice to the system's routes. `ttl` is how many networks a datagram crosses.
+    Without interfaces, the system's routes decide. `ttl` is how many networks a datagram crosses.
     """
 
     group: str = REFERENCE_GROUP
@@ -30,7 +31,7 @@ class GroupAddress:
     ttl: int = 1
 
     def checked(self) -> GroupAddress:
-        """Return it if the group is a numeric address. Raises ConfigError."""
+        """Return the place if its group is a numeric address. Raises ConfigError."""
         try:
             ipaddress.ip_address(self.group)
         except ValueError:
@@ -46,7 +47,7 @@ class GroupAddress:
 
     @property
     def is_multicast(self) -> bool:
-        """Whether the address is a group's, and not one machine's."""
+        """Whether the address is a multicast group, not a unicast address."""
         return ipaddress.ip_address(self.group).is_multicast
 
     def __str__(self) -> str:
@@ -55,7 +56,7 @@ class GroupAddress:
 
 
 def open_sender(address: GroupAddress, interface: str) -> socket.socket:
-    """Return a socket that sends by one interface, "" for the system's choice. Raises OSError."""
+    """Return a socket that sends on one interface, "" for the system's choice. Raises OSError."""
     sock = socket.socket(address.family, socket.SOCK_DGRAM)
     try:
         sock.setblocking(False)
@@ -83,7 +84,7 @@ def open_receiver(address: GroupAddress) -> socket.socket:
         # Several programs of one machine may receive a group.
         if address.is_multicast:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # Bound to the group, a socket receives nothing else. Windows binds to own addresses only.
+        # A socket bound to the group receives only its datagrams. Windows binds only to local addresses.
         host = "" if sys.platform == "win32" and address.is_multicast else address.group
         sock.bind((host, address.port, 0, _scope(address)) if ":" in address.group else (host, address.port))
     except OSError:
@@ -93,7 +94,7 @@ def open_receiver(address: GroupAddress) -> socket.socket:
 
 
 def join_group(sock: socket.socket, address: GroupAddress, interface: str) -> None:
-    """Join the group, after leaving it where it was joined, so that switches are informed again.
+    """Join the group, after leaving it if it was joined, so that switches are informed again.
 
     Raises OSError where the interface is missing or has no address.
     """

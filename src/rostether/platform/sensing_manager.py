@@ -14,15 +14,16 @@ from functools import partial
 from pathlib import Path
 
 from rostether.graph.ports import Level, Snapshot, Subscriber
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.sensor_files import read_state, write_state
 from rostether.platform.sensor_registry import Sensor, SensorRegistry
 from rostether.rostime import Time
 from rostether.serde.values import Message
 
+# The interval between checks of the states; fast enough for a display.
 JUDGE_PERIOD_S = 0.5
-"""How soon a state changes after its time; people look at it."""
 
 
 class SensingManager:
@@ -42,7 +43,7 @@ class SensingManager:
         self._named = named
         self._registry = SensorRegistry()
         self._subscribers: dict[str, Subscriber] = {}
-        self._publisher: TypedPublisher | None = None
+        self._publisher: TypedPublisher[...] | None = None
         self._has_news = asyncio.Event()
         self._cannot_write_reported = False
 
@@ -56,7 +57,7 @@ class SensingManager:
         if restored:
             self._report(Level.INFO, f"sensors known from an earlier run: {len(restored)}")
         self._publisher = await self._graph.publisher("sensors", "sensing_platform/Sensors", latch=True)
-        # Before the first registration, so that no topic in use is given to another sensor.
+        # Before the first registration, so that no sensor gets a topic in use.
         self._note_publishers(await self._graph.snapshot())
         services = [
             await self._graph.serve("sensors_register", "sensors/RegistrationService", self._register),
@@ -79,7 +80,7 @@ class SensingManager:
             await self._publisher.close()
 
     async def _wait(self, following: asyncio.Task[None]) -> None:
-        """Return when the list has changed."""
+        """Wait until the list has changed."""
         while True:
             if following.done():
                 following.result()

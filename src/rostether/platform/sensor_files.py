@@ -1,4 +1,4 @@
-"""The files of the sensing manager: sensors.toml, written by users, and what it remembers itself."""
+"""The files of the sensing manager: sensors.toml, written by users, and its saved state."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rostether.errors import ConfigError, InvalidNameError
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
 
+# A thousand sensors need about 200 KB; a larger file was given by mistake.
 MAX_FILE_BYTES = 1024 * 1024
-"""A thousand sensors are some 200 KB; more is another file, given by mistake."""
 
 _FORMAT = 1
 _REGISTERED_TOPIC = re.compile(r"/sensor_node\d+")
@@ -24,7 +24,7 @@ _KEYS = ("name", "platform", "type", "unit")
 
 
 def read_sensors_toml(path: Path) -> list[Sensor]:
-    """Return the sensors that a file names, one line for each topic. Raises ConfigError.
+    """Return the sensors in a file, which has one line per topic. Raises ConfigError.
 
     "/arm/ultrasound" = { name = "Distance", unit = "m" }
     """
@@ -69,7 +69,7 @@ def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
 
 
 def read_state(path: Path) -> list[Sensor]:
-    """Return the sensors of an earlier run; a file that is missing or damaged has none."""
+    """Return the sensors of an earlier run; none if the file is missing or damaged."""
     try:
         with path.open("rb") as file:
             content = json.loads(file.read(MAX_FILE_BYTES))
@@ -84,7 +84,7 @@ def read_state(path: Path) -> list[Sensor]:
 
 
 def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
-    """Write the sensors; the file is whole at any time. Raises OSError."""
+    """Write the sensors atomically. Raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     text = json.dumps({"format": _FORMAT, "sensors": [asdict(each) for each in sensors]}, indent=1)

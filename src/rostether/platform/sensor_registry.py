@@ -1,6 +1,6 @@
-"""The sensors of all platforms: who they are, and their states; no clock, no graph and no file.
+"""The sensors of all platforms and their states; without clock, graph or files.
 
-A sensor's id and topic never change; its name may. The states, by what its topic shows:
+A sensor's id and topic never change; its name may. The states follow from its topic:
 
     init          registered, has not published yet
     ready         publishes, or a camera that waits for a subscriber
@@ -16,15 +16,15 @@ from dataclasses import dataclass, replace
 
 from rostether.errors import ServiceCallError
 
+# By the sensor types of the registration service.
 MESSAGE_TYPES = {
     "CAMERA": "sensor_msgs/CompressedImage",
     "ANALOG": "std_msgs/Float64",
     "DIGITAL": "std_msgs/Float64",
 }
-"""By the sensor types of the registration service."""
 
+# Each costs a subscription; the longest lost one is replaced.
 MAX_SENSORS = 1000
-"""Each costs a subscription; the longest lost one is replaced."""
 
 MAX_TEXT_CHARACTERS = 100
 SILENT_S = 3.0
@@ -33,7 +33,7 @@ LOST_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """What identifies and describes a sensor. `number` is -1 for one that the sensors' file names."""
+    """The identity and description of a sensor. `number` is -1 if it comes from the sensors' file."""
 
     id: str
     number: int
@@ -47,7 +47,7 @@ class Sensor:
 
 @dataclass(slots=True)
 class _Condition:
-    """What is known of a sensor's topic; times are seconds of a monotonic clock."""
+    """The observations of a sensor's topic; times are seconds of a monotonic clock."""
 
     since_s: float
     state: str = "init"
@@ -62,7 +62,7 @@ class SensorRegistry:
 
     def __init__(self, sensors: Iterable[Sensor] = (), now_s: float = 0.0) -> None:
         self._sensors: dict[str, Sensor] = {each.id: each for each in sensors}
-        # They have published in an earlier run, so that one of them that has gone is found again.
+        # They have published in an earlier run, so that a returning sensor gets its old entry.
         self._conditions = {
             key: _Condition(now_s, "disconnected", was_connected=True, left_s=now_s) for key in self._sensors
         }
@@ -74,7 +74,7 @@ class SensorRegistry:
         return tuple(self._sensors.values())
 
     def state(self, sensor_id: str) -> tuple[str, float]:
-        """Return a sensor's state, and since when it has it."""
+        """Return a sensor's state, and its start time."""
         condition = self._conditions[sensor_id]
         return condition.state, condition.since_s
 
@@ -109,7 +109,7 @@ class SensorRegistry:
         self._sensors[sensor.id] = sensor
 
     def rename(self, sensor_id: str, name: str) -> Sensor:
-        """Give a sensor another name; id, topic and state stay. Raises ServiceCallError."""
+        """Rename a sensor; id, topic and state do not change. Raises ServiceCallError."""
         _check_text("name", name)
         if sensor_id not in self._sensors:
             raise ServiceCallError(f"no sensor has the id {sensor_id!r:.100}; see: rostether sensor list")
@@ -119,7 +119,7 @@ class SensorRegistry:
         return self._sensors[sensor_id]
 
     def connect(self, sensor_id: str, is_connected: bool, now_s: float) -> None:
-        """Note whether the sensor's topic has a publisher now."""
+        """Record whether the sensor's topic has a publisher now."""
         condition = self._conditions[sensor_id]
         if condition.is_connected and not is_connected:
             condition.left_s = now_s
@@ -129,7 +129,7 @@ class SensorRegistry:
         condition.was_connected |= is_connected
 
     def note_message(self, sensor_id: str, now_s: float) -> None:
-        """Note a message of the sensor; one that is not known any more is left out."""
+        """Record a message of the sensor; ignores unknown sensors."""
         if (condition := self._conditions.get(sensor_id)) is not None:
             condition.is_connected = condition.was_connected = True
             condition.heard_s = now_s
@@ -148,7 +148,7 @@ class SensorRegistry:
         for sensor in self._sensors.values():
             if (sensor.platform, sensor.sensor_type) == (platform, sensor_type) and sensor.number >= 0:
                 condition = self._conditions[sensor.id]
-                # One that has not published yet may be about to: it has just been registered.
+                # A new sensor may be about to publish: it has just been registered.
                 if condition.was_connected and not condition.is_connected:
                     return sensor
         return None
@@ -168,7 +168,7 @@ def _state(condition: _Condition, sensor: Sensor, now_s: float) -> str:
         if now_s - condition.left_s >= LOST_S:
             return "lost"
         return "disconnected" if condition.was_connected else "init"
-    # A camera publishes only while it is subscribed, and pictures are not subscribed for this.
+    # A camera publishes only while it has subscribers; the manager does not subscribe to pictures.
     if sensor.sensor_type == "CAMERA":
         return "ready"
     if condition.heard_s is None:

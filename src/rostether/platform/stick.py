@@ -1,4 +1,4 @@
-"""From a joystick's two axes to direction and speed: 0 degrees is forward, 90 right, 180 and -180 back."""
+"""Converts a joystick's two axes to direction and speed: 0 degrees is forward, 90 right, 180 or -180 back."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ Formula: TypeAlias = Callable[[float, float, float], DriveCommand]
 
 
 def reference_command(left: float, forward: float, deadzone: float) -> DriveCommand:
-    """Return the command of the platform's first node.
+    """Return the command that the reference node sends.
 
     The speed is 0 only if both axes are below the dead zone, and 1.414 in the corners. The angle is rounded
     to 32 bits, because the axes are 32-bit numbers there.
     """
     angle = _float32(_float32(math.atan2(-left, forward)) * 180)
     is_still = abs(left) < deadzone and abs(forward) < deadzone
-    # Its value of pi.
+    # The reference node's value of pi.
     return DriveCommand(angle / 3.14159265359, 0.0 if is_still else math.sqrt(forward**2 + left**2))
 
 

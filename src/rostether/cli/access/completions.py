@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.ros_choice import chosen_middleware
+from rostether.cli.access.middleware import chosen_middleware
 from rostether.errors import RostetherError
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from rostether.cli.access.ros_choice import (
+from rostether.cli.access.middleware import (
     ANY_MIDDLEWARE,
     ROS2_OPTION,
     Middleware,
@@ -67,18 +67,16 @@ SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.1
 
 _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced; with --ros2, use both."
 ROS1_OPTION = click.option("--ros1", is_flag=True, help=_ROS1_HELP)
-_ROS_OPTIONS = (
-    ROS1_OPTION,
-    click.option(
-        ROS2_OPTION,
-        cls=OptionalValueOption,
-        alone=ANY_MIDDLEWARE,
-        is_value=is_middleware,
-        type=MiddlewareName(),
-        metavar="[zenoh|rclpy]",
-        help="Use the ROS 2 graph, through zenoh or an installed rclpy.",
-    ),
+ROS2_CHOICE = click.option(
+    ROS2_OPTION,
+    cls=OptionalValueOption,
+    alone=ANY_MIDDLEWARE,
+    is_value=is_middleware,
+    type=MiddlewareName(),
+    metavar="[zenoh|rclpy]",
+    help="Use the ROS 2 graph, through zenoh or an installed rclpy.",
 )
+_ROS_OPTIONS = (ROS1_OPTION, ROS2_CHOICE)
 _REACH_OPTIONS = (
     click.option(
         "--zenoh-connect",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import ZenohReach
-from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.access.middleware import Middleware
 from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.graph.ports import Graph, JoinGraph

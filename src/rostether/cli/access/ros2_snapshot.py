@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rostether.cli.access.ros2_view import SERVICE_KINDS, TOPIC_KINDS, GraphView
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.ros2.endpoint_info import EndpointKind
 
 
@@ -12,7 +12,7 @@ def as_snapshot(view: GraphView) -> Snapshot:
     return Snapshot(
         tuple(sorted(set(view.nodes))),
         {
-            name: TopicInfo(
+            name: TopicEntry(
                 name,
                 ", ".join(view.types(TOPIC_KINDS, name)),
                 _nodes(view, EndpointKind.PUBLISHER, name),
@@ -21,7 +21,7 @@ def as_snapshot(view: GraphView) -> Snapshot:
             for name in view.names(TOPIC_KINDS, with_hidden=True)
         },
         {
-            name: ServiceInfo(
+            name: ServiceEntry(
                 name,
                 _nodes(view, EndpointKind.SERVER, name),
                 ", ".join(view.types(SERVICE_KINDS, name)),

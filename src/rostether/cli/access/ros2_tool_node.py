@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
+from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros2_view import GraphView, is_hidden
-from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.shell.output import warn
-from rostether.errors import GraphError
+from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.anonymous import anonymous_name
+from rostether.ros2.endpoint_info import EndpointKind
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -50,6 +51,23 @@ class ToolNode:
         own = raw.node_name
         ends = [end for end in await raw.endpoints() if end.node_name != own]
         return GraphView([node for node in (await raw.snapshot()).nodes if node != own], ends)
+
+    async def learn_type(self, view: GraphView, topic: str) -> None:
+        """Ask the publishers of a topic for the definition of its type if it is not known here.
+
+        Raises UnknownTypeError if they do not describe it.
+        """
+        from rostether.ros2.type_description import learn_type
+
+        for end in view.of(EndpointKind.PUBLISHER, topic):
+            try:
+                self.registry.message_type(end.type)
+            except UnknownTypeError as error:
+                try:
+                    await learn_type(self.graph.raw, self.types, end.node_name, end.type, end.type_hash)
+                except UnknownTypeError as reason:
+                    raise UnknownTypeError(f"{error}; {reason}") from None
+            return
 
     async def settled_snapshot(self) -> GraphView:
         """Return the graph once nothing new has arrived for a while."""
@@ -108,7 +126,7 @@ async def tool_node(
     registry = NativeRegistry.from_environment(msg_paths)
     # A tool runs briefly: it must not be the router that others depend on.
     reach = ZenohReach(router="never")
-    types = NativeTypes(registry) if needs_definitions else UndefinedTypes(registry)
+    types = NativeTypes(registry) if needs_definitions else UndefinedTypes(registry, asks_nodes=False)
     async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH and not is_quiet:
             await warn_without_router(is_error=needs_router)

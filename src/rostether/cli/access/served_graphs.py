@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.used_master import used_master
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
 from rostether.ros1.environment import RosEnvironment

@@ -8,7 +8,7 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.bag.recording_files import asked_form, format_option, storage_option
-from rostether.cli.bag.recording_graph import native_types
+from rostether.cli.bag.recording_graph import recording_types
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -61,7 +61,7 @@ def bag_convert(
         if reader.damage:
             warn(f"{source}: {reader.damage}; only its complete part is read")
         # Only types that go from ROS 1 to ROS 2 must be known; the recordings contain all others.
-        types = native_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
+        types = recording_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
         count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
         unfit = sum(reader.counts.values()) - count
         if unfit and not reader.unreadable:

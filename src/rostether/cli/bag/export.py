@@ -1,4 +1,4 @@
-"""`rostether export`: what a recording holds, as CSV or Parquet."""
+"""`rostether export`: writes the messages of a recording as CSV or Parquet."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def export(
     with closing(open_recording(recording)) as reader:
         if reader.damage:
             warn(f"{recording}: {reader.damage}; only its complete part is read")
-        chosen = Export(reader, topics=topics, fields=fields, tell=warn)
+        chosen = Export(reader, topics=topics, fields=fields, report=warn)
         place = _Place(recording, output, format_name, chosen)
         try:
             chosen.write(place.create)
@@ -90,7 +90,7 @@ def export(
 
 
 class _Place:
-    """Where tables go to, and in which format."""
+    """The folder and the format of the tables."""
 
     def __init__(self, recording: Path, output: str | None, format_name: str | None, chosen: Export) -> None:
         self._created: list[Path] = []
@@ -111,7 +111,7 @@ class _Place:
         ending = self._file.suffix.removeprefix(".") if self._file is not None else None
         self._format = format_name or ending or "csv"
         if output is None:
-            # Not the name alone: it is that of a ROS 2 bag's folder.
+            # The name alone is that of a ROS 2 bag's folder.
             whole = recording.resolve()
             name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
             self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")
@@ -154,12 +154,12 @@ class _Place:
         return self._file or self._folder / f"{table.name}.{self._format}"
 
     def remove(self) -> None:
-        """Remove the incomplete file: half a table looks like a whole one."""
+        """Remove the incomplete file: half a table looks like a complete one."""
         for path in self._created:
             path.unlink(missing_ok=True)
 
     def report(self, tables: list[ExportedTable]) -> None:
-        """Say what was written; ends with 1 when messages were left out."""
+        """Report the written files; exits with 1 if messages were left out."""
         for table in tables:
             if not self._is_stdout:
                 rows = f"{table.row_count} rows, {len(table.columns) + 2} columns"

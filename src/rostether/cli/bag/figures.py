@@ -6,7 +6,7 @@ from datetime import datetime
 
 from rostether.rostime import NS_PER_S
 
-# What MB means in all options and sizes of recordings, as with rosbag.
+# The size of 1 MB in all options and sizes of recordings, as in rosbag.
 MEGABYTE = 1024 * 1024
 
 
@@ -20,7 +20,7 @@ def size_text(size_bytes: float) -> str:
 
 
 def time_text(time_ns: int) -> str:
-    """Return a time such as `Nov 14 2023 22:13:20.00 (1700000000.00)`, local as rosbag has it."""
+    """Return a time such as `Nov 14 2023 22:13:20.00 (1700000000.00)`, in local time, like rosbag."""
     seconds = time_ns / NS_PER_S
     rounded_ns = (time_ns + 5_000_000) // 10_000_000 * 10_000_000
     try:

@@ -1,4 +1,4 @@
-"""`rostether bag filter`: the messages of a recording that an expression is true for."""
+"""`rostether bag filter`: copies the messages for which an expression is true."""
 
 from __future__ import annotations
 

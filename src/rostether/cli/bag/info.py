@@ -1,4 +1,4 @@
-"""`rostether bag info`: what recordings hold."""
+"""`rostether bag info`: shows the contents of recordings."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import click
 
 from rostether.cli.bag.figures import duration_text, size_text, time_text
 from rostether.cli.bag.yaml_text import yaml_text, yaml_value
+from rostether.cli.shell.colors import paint_keys
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line
@@ -102,10 +103,10 @@ def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:
 
 
 def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
-    """Add how often messages came on each topic: one by the usual (median) time between two."""
+    """Add each topic's message rate, from the median time between two messages."""
     periods: dict[str, _Periods] = {}
     for message in reader.messages():
-        # In floats, so that figures are those of rosbag to the last digit.
+        # In floats, so that the digits are the same as rosbag's.
         seconds, nanoseconds = divmod(message.time_ns, NS_PER_S)
         periods.setdefault(message.connection.topic, _Periods()).add(seconds + nanoseconds / NS_PER_S)
     for row in facts["topics"]:
@@ -152,7 +153,7 @@ def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:
         rows += _block("topics", _topic_lines(facts))
     width = max(len(label) for label, _ in rows) + 1
     for label, text in rows:
-        write_line(f"{label + ':' if label else '':<{width}} {escape_line(text)}")
+        write_line(f"{label + ':' if label else '':<{width}} {escape_line(text)}", paint_keys)
 
 
 def _block(label: str, lines: list[str]) -> list[tuple[str, str]]:

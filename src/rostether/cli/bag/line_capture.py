@@ -1,4 +1,4 @@
-"""The options with which a bridge records its links, and the capture that they make."""
+"""The options for recording a bridge's links, and the capture file."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ async def recorded(
             "started": datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z"),
             "host": f"rostether {version('rostether')}",
         },
-        limit_bytes=round(limit_mb * MEGABYTE),
-        tell=lambda text: reporter.line(Level.WARN, text),
+        limit_bytes=int(limit_mb * MEGABYTE),
+        report=lambda text: reporter.line(Level.WARN, text),
     )
     reporter.line(Level.INFO, f"Recording the lines to {path}")
     try:

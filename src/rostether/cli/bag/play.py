@@ -1,10 +1,8 @@
-"""`rostether bag play`: recordings played into the graph, with keys to pause and to step."""
+"""`rostether bag play`: publishes recordings on the graph, with keys to pause and to step."""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import os
 import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import ExitStack, asynccontextmanager, closing
@@ -19,6 +17,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.progress import show
 from rostether.cli.bag.recording_graph import recording_graph
+from rostether.cli.shell.keys import typed_keys
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
@@ -177,7 +176,7 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
     environment = read_environment(graph)
     plain = [*files, *options.bags]
     remappings = dict(each.split(":=", 1) for each in plain if ":=" in each and not each.startswith("_"))
-    # As rosbag takes it, `--topics /a /b`: names that are no file are topics.
+    # As in rosbag, `--topics /a /b`: words that are not files are topics.
     given = [each for each in plain if ":=" not in each]
     if topics:
         topics = (*topics, *(each for each in given if each.startswith("/") and not Path(each).exists()))
@@ -272,19 +271,11 @@ def _check_topics(settings: PlaySettings, recorded: set[str]) -> None:
 
 @asynccontextmanager
 async def _keys(player: Player, end: Callable[[], object], *, is_quiet: bool) -> AsyncIterator[None]:
-    """Heed keys and show where it is, as long as the block lasts; without a terminal do neither."""
-    if not sys.stdin.isatty():
-        yield
-        return
-    import termios
-    import tty
-
-    stdin = sys.stdin.fileno()
-    before = termios.tcgetattr(stdin)
+    """Handle keys and show the progress during the block; without a terminal do neither."""
     loop = asyncio.get_running_loop()
 
-    def read() -> None:
-        for key in os.read(stdin, 64).decode(errors="replace"):
+    def press(typed: bytes) -> None:
+        for key in typed.decode(errors="replace"):
             if key == " ":
                 player.toggle_pause()
             elif key == "s":
@@ -293,21 +284,17 @@ async def _keys(player: Player, end: Callable[[], object], *, is_quiet: bool) ->
                 end()
 
     showing = None
-    try:
-        tty.setcbreak(stdin)
-        loop.add_reader(stdin, read)
-        if not is_quiet:
-            write_line(_KEYS_SHOWN)
-            if sys.stderr.isatty():
-                showing = loop.create_task(_show(player))
-        yield
-    finally:
-        if showing is not None:
-            showing.cancel()
-            show("")
-        loop.remove_reader(stdin)
-        with contextlib.suppress(termios.error):
-            termios.tcsetattr(stdin, termios.TCSADRAIN, before)
+    with typed_keys(press) as has_keys:
+        try:
+            if has_keys and not is_quiet:
+                write_line(_KEYS_SHOWN)
+                if sys.stderr.isatty():
+                    showing = loop.create_task(_show(player))
+            yield
+        finally:
+            if showing is not None:
+                showing.cancel()
+                show("")
 
 
 async def _show(player: Player) -> None:

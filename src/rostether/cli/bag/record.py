@@ -1,4 +1,4 @@
-"""`rostether bag record`: topics into a file, until Ctrl-C or a limit."""
+"""`rostether bag record`: records topics into a file, until Ctrl-C or a limit."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 BEGIN_TOPIC = "/begin_write"
-# What -b 0 is, with which rosbag means no bound at all.
+# The buffer for -b 0, which means no limit in rosbag.
 MAX_BUFFER_MB = 4096
 
 KILOBYTE = 1024
@@ -205,7 +205,7 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
     if options.bz2 and options.lz4:
         raise click.UsageError("give --bz2 or --lz4, not both")
     environment = read_environment(graph)
-    # roslaunch hands remappings and private parameters over among the topics.
+    # roslaunch passes remappings and private parameters among the topics.
     remapped = {
         resolve(old, environment): resolve(new, environment)
         for old, marker, new in (each.partition(":=") for each in topics)
@@ -273,16 +273,16 @@ async def _record(
     from rostether.recording.recorder import Recorder
     from rostether.recording.ros2.unfit_messages import UnfitMessages
 
-    def tell(text: str) -> None:
+    def report(text: str) -> None:
         if not settings.is_quiet:
             line.clear()
             write_line(text)
 
-    def tell_wrong(text: str) -> None:
+    def report_unfit(text: str) -> None:
         line.clear()
         warn(text)
 
-    unfit = files.unfit = UnfitMessages(tell_wrong)
+    unfit = files.unfit = UnfitMessages(report_unfit)
     line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
     async with recording_graph(
         options, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
@@ -290,14 +290,14 @@ async def _record(
         files.types = graph.types
         create: Callable[[Path], RecordingWriter] = files.create
         if settings.publishes_begin:
-            create = await _telling_begin(graph.raw, files)
+            create = await _reporting_begin(graph.raw, files)
         recorder = Recorder(
             graph.raw,
             choice,
             limits,
             create=create,
             name=files.path_of,
-            tell=tell,
+            report=report,
             repeat_latched=settings.repeat_latched,
             buffer_bytes=settings.buffer_bytes,
         )
@@ -307,10 +307,10 @@ async def _record(
         finally:
             showing.cancel()
             line.clear()
-            # Where the first one cannot be made, the error says all there is to say.
+            # If the first file cannot be created, the error is enough.
             if written := [str(each) for each in recorder.progress.files if each.exists()]:
                 total = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
-                tell(f"{total} in {', '.join(written)}")
+                report(f"{total} in {', '.join(written)}")
                 for topic, count in unfit.counts.items():
                     warn(f"WARNING: {topic}: left out {count} messages that do not fit their type")
                 if not recorder.progress.message_count and not unfit.counts:
@@ -320,8 +320,8 @@ async def _record(
                     )
 
 
-async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
-    """Return what creates a file and publishes its name on /begin_write."""
+async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
+    """Return a function that creates a file and publishes its name on /begin_write."""
     from rostether.msgdef.registry import Registry
     from rostether.recording.recorder import ACTIVE_SUFFIX
 
@@ -337,7 +337,7 @@ async def _telling_begin(graph: Graph, files: NewFiles) -> Callable[[Path], Reco
 
 
 async def _until_ended(leaving: object, recorder: Recorder) -> None:
-    """Record; being asked to end, by a signal or by `rosnode kill`, is how recordings end well."""
+    """Record until a signal or `rosnode kill`, the normal ends of a recording."""
     recording = asyncio.create_task(recorder.run())
     left = asyncio.ensure_future(leaving)  # type: ignore[call-overload]
     try:

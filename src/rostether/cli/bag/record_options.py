@@ -1,4 +1,4 @@
-"""`serve --record DIR`: all topics of the graph into bags, beside the bridge and never in its way."""
+"""`serve --record DIR`: records all topics of the graph into bags, without slowing the bridge."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ if TYPE_CHECKING:
     from rostether.recording.recorder import Recorder
     from rostether.ros2.types.type_support import Ros2Types
 
-MAX_JOIN_RETRY_S = 1.0  # as often as a board's node is tried
+# As often as a board's node is tried.
+MAX_JOIN_RETRY_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class BagRecording:
-    """Where the bags go, how large one gets, and how many are kept; None keeps all."""
+    """The folder of the bags, their size, and how many to keep; None keeps all."""
 
     folder: Path
     size_mb: float
@@ -63,7 +64,7 @@ _OPTIONS = (
 def _bag_recording(
     *, record: Path | None = None, record_size: float = 1000, record_keep: int | None = None
 ) -> BagRecording | None:
-    """Return the options, None without --record. Raises ConfigError for what is not a folder."""
+    """Return the options, or None without --record. Raises ConfigError if it is not a folder."""
     if record is None:
         return None
     if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
@@ -122,7 +123,7 @@ async def _record(
             ),
             create=create,
             name=name,
-            tell=lambda text: reporter.line(_level_of(text), text),
+            report=lambda text: reporter.line(_level_of(text), text),
             repeat_latched=True,
         )
         try:
@@ -176,5 +177,5 @@ async def _until_left(graph: Graph, recorder: Recorder) -> None:
 
 
 def _level_of(text: str) -> Level:
-    # Each topic that comes would else be a line among those of the boards.
+    # Otherwise each new topic would be a line among those of the boards.
     return Level.DEBUG if text.startswith("Subscribing to ") else Level.INFO

@@ -1,4 +1,4 @@
-"""The files that a recording is written to: their names, and whose messages they hold, and how packed."""
+"""The files of a recording: their names, their kind of messages, and their compression."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ storage_option = click.option(
 
 
 def asked_form(typed: str | None) -> Form | None:
-    """Return what --format said."""
+    """Return the format of --format."""
     from rostether.recording.files import Form
 
     return None if typed is None else Form(typed)
@@ -43,7 +43,7 @@ def asked_form(typed: str | None) -> Form | None:
 
 @dataclass(frozen=True, slots=True)
 class Packing:
-    """How chunks are compressed, how large they get, and what a ROS 2 bag's folder holds."""
+    """The compression and the size of chunks, and the file format in a ROS 2 bag's folder."""
 
     compression: str
     chunk_bytes: int
@@ -51,7 +51,7 @@ class Packing:
 
 
 class NewFiles:
-    """The files of one recording, named as rosbag and rosbag2 do it. Raises ConfigError.
+    """The files of one recording, named like those of rosbag and rosbag2. Raises ConfigError.
 
     `types` and `unfit` are set later, when the graph is known.
     """
@@ -104,7 +104,7 @@ class NewFiles:
         return self._folder / f"{stem}{self._suffix}"
 
     def create(self, path: Path) -> RecordingWriter:
-        """Begin a file. Raises RecordingError, ConfigError."""
+        """Create a file. Raises RecordingError, ConfigError."""
         if not self._suffix:
             return self._ros2_bag().create(path)
         from rostether.recording.files import create_recording
@@ -134,7 +134,7 @@ class NewFiles:
 
 
 def _check_compression(packing: Packing, suffix: str) -> None:
-    """Raise ConfigError for what would only fail when the file is begun."""
+    """Raise ConfigError for options that would fail only when the file is created."""
     if packing.compression == "none" or suffix == ".bag":
         return
     if suffix == ".db3" or (not suffix and packing.storage != "mcap"):

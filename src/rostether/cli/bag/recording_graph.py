@@ -1,4 +1,4 @@
-"""The graph that is recorded, or played into: ROS 1, ROS 2, or both at once."""
+"""The graph to record from or to play to: ROS 1, ROS 2, or both."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
+from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros_choice import Middleware
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -36,7 +36,7 @@ async def recording_graph(
     origins: Iterable[Ros2Origin] = (),
     msg_paths: Iterable[Path] = (),
 ) -> AsyncIterator[RecordingGraph]:
-    """Be a node as long as the block lasts. Raises GraphError, ConfigError.
+    """Join as a node during the block. Raises GraphError, ConfigError.
 
     On ROS 2 alone, messages come and go natively, in ROS 2's own fields, if `is_native`; `origins` are types
     of recordings, which need not be known here.
@@ -48,8 +48,8 @@ async def recording_graph(
             yield RecordingGraph(node.raw, None)
         return
     paths = tuple(msg_paths)
-    types = native_types(origins, paths) if is_native and graph.is_ros2_alone else None
-    # What records for an hour must not be the router that others count on.
+    types = recording_types(origins, paths) if is_native and graph.is_ros2_alone else None
+    # A recorder must not become the router that other programs need.
     reach = ZenohReach(graph.zenoh.connect, graph.zenoh.listen, "never")
     name = graph.arguments.get("__name") or anonymous_name(purpose)
     async with ros2_access(graph.ros2, paths, reach=reach, types=types) as access:
@@ -70,15 +70,15 @@ async def recording_graph(
             await raw.close()
 
 
-def native_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:
-    """Return the types of ROS 2 here and in recordings, in their own fields."""
+def recording_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:
+    """Return the types of ROS 2 here and in recordings, in their own fields; unknown ones stay CDR."""
     from rostether.msgdef.registry import Registry
     from rostether.msgdef.ros2.definitions import Ros2Definitions
     from rostether.recording.ros2_types import RecordedDefinitions
     from rostether.ros2.types.native_registry import NativeRegistry
-    from rostether.ros2.types.native_types import NativeTypes
+    from rostether.ros2.types.undefined_types import UndefinedTypes
 
     definitions = RecordedDefinitions(Ros2Definitions.from_environment(msg_paths))
     for origin in origins:
         definitions.learn(origin)
-    return NativeTypes(NativeRegistry(definitions, Registry.from_environment(msg_paths)))
+    return UndefinedTypes(NativeRegistry(definitions, Registry.from_environment(msg_paths)))

@@ -1,4 +1,4 @@
-"""What `rosbag info -y` prints, character by character: scripts read it with sed as well as with YAML."""
+"""The exact output of `rosbag info -y`: scripts read it with sed as well as with YAML."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _shown(value: Any, indent: int = 0) -> str:
 
 
 def _word(text: str) -> str:
-    """Return a word as YAML takes it, plain where that can be."""
+    """Return a word in YAML, without quotes if possible."""
     try:
         is_plain = load(f"a: {text}") == {"a": text}
     except YamlError:

@@ -1,4 +1,4 @@
-"""What a simulated board is to run: an ELF or HEX file as it is, or a sketch, built now."""
+"""The program of a simulated board: an ELF or HEX file, or a sketch, which is built first."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _PROGRAM_SUFFIXES = (".elf", ".hex")
 
 
 async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -> Path:
-    """Return the program for a board. Raises BoardError without such a file, and what a build raises."""
+    """Return the program for a board. Raises BoardError if there is no such file, and build errors."""
     if path.suffix.lower() in _PROGRAM_SUFFIXES:
         return path
     if not path.exists():  # noqa: ASYNC240 - one look
@@ -24,7 +24,7 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
         return await build_sketch(path, find_board(board), BuildOptions(msg_paths=tuple(msg_paths)))
 
     try:
-        # A build searches folders of libraries and definitions, while a bridge serves its boards.
+        # A build searches folders of libraries and definitions; meanwhile a bridge must serve its boards.
         built = await in_own_loop(build)
     except SketchError as error:
         warn(error.diagnostics.rstrip())

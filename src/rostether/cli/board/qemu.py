@@ -21,7 +21,7 @@ MACHINES = ("lm3s6965evb",)
 async def start_in_qemu(
     program: Path, machine: str, link_path: Path | None = None, *, has_words: bool
 ) -> QemuBoard:
-    """Start an ELF file. Raises ConfigError for other files and for words of other boards, BoardError."""
+    """Start an ELF file. Raises ConfigError for other files and for options of other boards, BoardError."""
     from rostether.simulation.qemu import QemuBoard
 
     if has_words:
@@ -37,7 +37,7 @@ async def start_in_qemu(
 async def run_in_qemu(
     program: Path, machine: str, link_path: Path | None, *, has_words: bool, as_json: bool
 ) -> None:
-    """Run an ELF file until it is ended; of the words of other boards it knows `reset`, on standard input.
+    """Run an ELF file until it ends; its only command on standard input is `reset`.
 
     Raises as `start_in_qemu`.
     """

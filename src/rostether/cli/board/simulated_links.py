@@ -1,17 +1,18 @@
-"""Simulated boards as link addresses: `sim:blink.ino` is built, started, and served at its serial port."""
+"""Simulated boards as link addresses: builds and starts `sim:blink.ino`, and serves its serial port."""
 
 from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Coroutine, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.board.qemu import MACHINES, start_in_qemu
-from rostether.graph.ports import Level
+from rostether.errors import GraphError
+from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.transports.address import Address, SerialAddress, SimAddress
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 _KNOWN_FROM_ITS_START = ("ready", "reset")
+# A change that the board's node requested is not reported.
+_ASKED_BY_NODE = frozenset(("pins", "servo"))
 _WARNINGS = (
     "asleep",
     "bad_opcode",
@@ -36,9 +39,14 @@ _WARNINGS = (
 
 @asynccontextmanager
 async def simulated(
-    links: Sequence[Address], reporter: Reporter, msg_paths: Sequence[Path] = ()
+    links: Sequence[Address],
+    reporter: Reporter,
+    msg_paths: Sequence[Path] = (),
+    join: JoinGraph | None = None,
 ) -> AsyncIterator[list[Address]]:
-    """Start the simulated boards among the links, and give the links with their serial ports instead.
+    """Start the simulated boards among the links, and yield the links with serial ports in their place.
+
+    With `join`, each AVR board is also a node that shows its pins and takes commands.
 
     Raises BoardError, ConfigError for unknown boards, FirmwareError for sketches that cannot be built.
     """
@@ -55,18 +63,22 @@ async def simulated(
             if link.board in MACHINES:
                 place, report = await _start_qemu(link, reporter, stack)
             else:
-                place, report = await _start_avr(link, reporter, stack, msg_paths)
+                board = await _start_avr(link, reporter, stack, msg_paths)
+                place, report = board.address, _report(board, str(link), reporter, _hidden(link))
+                if join is not None:
+                    joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
+                    reports.append(asyncio.create_task(_be_node(board, link, joining, reporter)))
             reports.append(asyncio.get_running_loop().create_task(report))
             opened.append(SerialAddress(place, name=name, ns=link.ns))
-        # Ended first: a board that we end has nothing more to report.
+        # The reports end first: a board that is ended on purpose has nothing to report.
         stack.push_async_callback(_end, reports)
         yield opened
 
 
 async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
-) -> tuple[str, Coroutine[None, None, None]]:
-    """Start a board that ends with the stack; return its serial port, and what reports of it."""
+) -> SimulatedBoard:
+    """Start a board that ends with the exit stack."""
     from rostether.cli.board.program import find_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
@@ -82,13 +94,32 @@ async def _start_avr(
             )
         )
     reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}")
-    return board.address, _report(board, str(link), reporter)
+    return board
+
+
+async def _be_node(
+    board: SimulatedBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
+) -> None:
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+    from rostether.simulation.simavr.simulation_node import SimulationNode
+
+    try:
+        graph = await join()
+        try:
+            typed = TypedGraph(graph, TypeStore(Registry.from_environment()))
+            await SimulationNode(board, typed, link.words).run()
+        finally:
+            await graph.close()
+    except GraphError as error:
+        reporter.line(Level.WARN, f"{link}: the dashboard cannot show its pins: {error}")
 
 
 async def _start_qemu(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack
 ) -> tuple[str, Coroutine[None, None, None]]:
-    """As `_start_avr`, for a program of a Cortex-M."""
+    """Start a Cortex-M that ends with the exit stack; return its serial port, and its reporter."""
     has_words = bool(link.words or link.uart is not None or link.seed)
     board = await stack.enter_async_context(
         await start_in_qemu(Path(link.program), link.board, has_words=has_words)
@@ -97,8 +128,8 @@ async def _start_qemu(
 
     async def report() -> None:
         await board.wait_end()
-        said = f": {board.last_words}" if board.last_words else ""
-        reporter.line(Level.ERROR, f"{link}: the simulated board has ended{said}")
+        reason = f": {board.last_words}" if board.last_words else ""
+        reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
 
     return board.address, report()
 
@@ -116,13 +147,19 @@ def _name(program: Path, taken: Sequence[str]) -> str:
     return numbered
 
 
-async def _report(board: SimulatedBoard, title: str, reporter: Reporter) -> None:
+def _hidden(link: SimAddress) -> frozenset[str]:
+    return _ASKED_BY_NODE - {word.partition(" ")[0] for word in link.words}
+
+
+async def _report(
+    board: SimulatedBoard, title: str, reporter: Reporter, hidden: frozenset[str] = frozenset()
+) -> None:
     from rostether.bridge.reporter import Notices
     from rostether.simulation.simavr.board_events import show_event
 
     notices = Notices(reporter, "", asyncio.get_running_loop().time)
 
-    def tell(event: BoardEvent) -> None:
+    def report_event(event: BoardEvent) -> None:
         text = f"{title}: {show_event(event).strip()}"
         if event.name in _WARNINGS:
             # One event for each lost byte: thousands, when a program does not read.
@@ -131,9 +168,10 @@ async def _report(board: SimulatedBoard, title: str, reporter: Reporter) -> None
             notices.show(Level.INFO, text)
 
     for event in [each for each in board.recent if each.name not in _KNOWN_FROM_ITS_START]:
-        tell(event)
+        report_event(event)
     async for event in board.events():
-        tell(event)
+        if event.name not in hidden:
+            report_event(event)
     reporter.line(Level.ERROR, f"{title}: the simulated board has ended")
 
 

@@ -1,4 +1,4 @@
-"""A board as its node describes it on /diagnostics, read back into figures."""
+"""Reads the figures of boards from /diagnostics."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class EndpointStatus:
 
 @dataclass(frozen=True, slots=True)
 class BoardStatus:
-    """One board; figures that are not known yet are None, texts are one line that steers no terminal."""
+    """One board; unknown figures are None, texts are one line without control characters."""
 
     name: str
     state: str
@@ -61,7 +61,7 @@ class BoardStatus:
 
 
 def read_statuses(array: Any) -> list[BoardStatus]:
-    """Return the boards of a diagnostic_msgs/DiagnosticArray; what others publish there is left out."""
+    """Return the boards of a diagnostic_msgs/DiagnosticArray, without the entries of other programs."""
     return [_read(status) for status in array.status if _is_board(status)]
 
 

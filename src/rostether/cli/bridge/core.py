@@ -8,17 +8,17 @@ from dataclasses import replace
 import click
 
 from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, ZenohReach, graph_options
-from rostether.cli.access.master_choice import master_answers
-from rostether.cli.access.options import listen_option
-from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros_choice import (
+from rostether.cli.access.middleware import (
     ANY_MIDDLEWARE,
     ROS2_OPTION,
     Middleware,
     MiddlewareName,
     is_middleware,
 )
+from rostether.cli.access.options import listen_option
+from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.access.used_master import master_answers
 from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.shell.option_group import ignored_options
 from rostether.cli.shell.optional_value import OptionalValueOption

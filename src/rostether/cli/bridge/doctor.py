@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.middleware import ANY_MIDDLEWARE, ROS2_OPTION, MiddlewareName, is_middleware
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros_choice import ANY_MIDDLEWARE, ROS2_OPTION, MiddlewareName, is_middleware
+from rostether.cli.shell.colors import paint_finding
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     rostether doctor tcp://0.0.0.0:11411          a board on the network that should connect to us
     rostether doctor sim:blink.ino                a sketch on a simulated board
     rostether doctor /dev/ttyACM0 --json
+    rostether doctor --fleet --key-file fleet.key robots that obey commands over multicast
     rostether doctor --ros2                       the ROS 2 graph and the zenoh routers instead of a board
     """,
 )
@@ -54,16 +56,36 @@ if TYPE_CHECKING:
     metavar="[zenoh|rclpy]",
     help="Check whether the ROS 2 graph can be reached, instead of a board: routers, certificates, nodes.",
 )
+@click.option(
+    "--fleet", is_flag=True, help="Examine the robots of a fleet instead of a board; see also: fleet doctor."
+)
+@click.option("--key-file", metavar="FILE", help="With --fleet, the fleet's key.")
 @msg_path_option
 @json_option
 def doctor(
-    port: str | None, seconds: float | None, ros2: str | None, msg_paths: tuple[Path, ...], as_json: bool
+    port: str | None,
+    seconds: float | None,
+    ros2: str | None,
+    fleet: bool,
+    key_file: str | None,
+    msg_paths: tuple[Path, ...],
+    as_json: bool,
 ) -> int:
     """Diagnose why a board does not connect, and show what to do next.
 
-    PORT is a serial port or any other link address (default: the boards on USB). No other program may use the
-    port at the same time. The exit code is 0 if the board is healthy, 1 if there is a problem.
+    PORT is a serial port or any other link address (default: the boards on USB, else those of a bridge that
+    runs). No other program may use the port at the same time. The exit code is 0 if the board is healthy, 1
+    if there is a problem.
     """
+    if fleet:
+        if (port, seconds, ros2) != (None, None, None):
+            raise click.UsageError("with --fleet, doctor examines no board: leave out PORT and other options")
+        from rostether.cli.platform.fleet_doctor import examine_fleet
+        from rostether.cli.platform.fleet_options import fleet_settings
+
+        return run(examine_fleet(fleet_settings(key_file=key_file), as_json=as_json))
+    if key_file is not None:
+        raise click.UsageError("--key-file needs --fleet")
     if ros2 is not None:
         if port is not None or seconds is not None:
             raise click.UsageError("with --ros2, doctor examines no board: leave out PORT and --duration")
@@ -86,13 +108,17 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
     from rostether.serde.store import TypeStore
     from rostether.transports.serial import list_ports
 
-    addresses = [port] if port is not None else _plugged_in(list_ports())
+    ports = list_ports()
+    addresses = [port] if port is not None else _plugged_in(ports)
     if not addresses:
-        return EXIT_FAILED
+        served = await _examine_served(as_json)
+        if served is None:
+            _explain_no_board(ports)
+        return EXIT_DONE if served else EXIT_FAILED
     examiner = Doctor(
         TypeStore(Registry.from_environment(msg_paths)),
         watch_s=WATCH_S if seconds is None else seconds,
-        say=_say_nothing if as_json else warn,
+        report_step=_report_nothing if as_json else warn,
         list_ports=list_ports,
     )
     is_well = True
@@ -112,9 +138,11 @@ def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:
     on_usb = [port for port in ports if port.usb_vendor_id is not None]
     if len(on_usb) == 1:
         return [on_usb[0].path]
-    boards = [port.path for port in on_usb if board_of(port.usb_vendor_id, port.usb_product_id)]
-    if boards:
-        return boards
+    return [port.path for port in on_usb if board_of(port.usb_vendor_id, port.usb_product_id)]
+
+
+def _explain_no_board(ports: Sequence[SerialPort]) -> None:
+    on_usb = [port for port in ports if port.usb_vendor_id is not None]
     listed = ", ".join(f"{port.path} ({port.description})" for port in on_usb or ports)
     if on_usb:
         warn(f"found {listed}; choose the board's port, for example: rostether doctor {on_usb[0].path}")
@@ -124,7 +152,29 @@ def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:
             f"no board found on USB{beside}; use a USB cable that carries data (some only charge), or "
             f"give the board's address, for example tcp://0.0.0.0:11411"
         )
-    return []
+
+
+async def _examine_served(as_json: bool) -> bool | None:
+    """Report the boards of a bridge that runs; return whether they are healthy, None if there are none."""
+    from rostether.cli.access.graph_options import GraphOptions
+    from rostether.cli.access.ros1_access import joined, read_environment
+    from rostether.cli.access.used_master import master_answers
+    from rostether.cli.bridge.doctor_report import reported_lines, reported_record
+    from rostether.cli.bridge.reported_boards import reported_boards
+
+    options = GraphOptions()
+    environment = read_environment(options)
+    if not await master_answers(environment):
+        return None
+    async with joined(options, purpose="doctor", environment=environment) as graph:
+        boards = await reported_boards(graph)
+    for board in boards:
+        if as_json:
+            write_json(reported_record(board))
+            continue
+        for line in reported_lines(board, environment.master_uri):
+            write_line(line, paint_finding)
+    return all(not board.level for board in boards) if boards else None
 
 
 def _write(diagnosis: Diagnosis, as_json: bool) -> None:
@@ -136,8 +186,8 @@ def _write(diagnosis: Diagnosis, as_json: bool) -> None:
         write_json(board_record(diagnosis))
         return
     for line in lines_of(diagnosis):
-        write_line(line)
+        write_line(line, paint_finding)
 
 
-def _say_nothing(_text: str) -> None:
+def _report_nothing(_text: str) -> None:
     """Scripts read only the result."""

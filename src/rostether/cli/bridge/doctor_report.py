@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 
 from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
 from rostether.bridge.health.doctor import Diagnosis
+from rostether.cli.board.status import BoardStatus
 
 _WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
 
@@ -25,6 +27,25 @@ def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
             yield f"    {_describe_endpoint(diagnosis, endpoint)}"
     if diagnosis.is_well:
         yield "  no problem found"
+
+
+def reported_lines(board: BoardStatus, master_uri: str) -> Iterator[str]:
+    """Yield lines for users about a board that a running bridge reports."""
+    yield f"{board.name}, on a bridge that runs at {master_uri}"
+    for finding in board.findings:
+        yield f"  {finding}"
+    since = "" if board.connected_s is None else f" for {board.connected_s:.0f} s"
+    yield f"  board: {board.state}{since}, {board.peer}, {board.checksum_errors} damaged frames"
+    for endpoint in board.endpoints:
+        rate = f", {endpoint.rate_hz:.1f} Hz" if endpoint.is_topic else ""
+        yield f"    {endpoint.role} {endpoint.name} [{endpoint.type}]{rate}"
+    if not board.level:
+        yield "  no problem found"
+
+
+def reported_record(board: BoardStatus) -> dict[str, object]:
+    """Return the record of a board that a running bridge reports."""
+    return {"address": board.peer, "is_well": not board.level, **asdict(board)}
 
 
 def finding_record(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:

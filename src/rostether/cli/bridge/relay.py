@@ -17,11 +17,11 @@ from rostether.cli.access.graph_options import (
     GraphOptions,
     graph_options,
 )
-from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros_choice import Middleware
+from rostether.cli.access.used_master import used_master
 from rostether.cli.service.ros1_probe import probe_type
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -29,7 +29,7 @@ from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
-from rostether.relay.choice import Choice, Direction, Services, Topics
+from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
 
@@ -120,9 +120,9 @@ def relay(
 
 def read_choice(
     topics: Sequence[str], forth: Sequence[str], back: Sequence[str], services: Sequence[str]
-) -> Choice:
+) -> RelayFilter:
     """Return the requested relay; names are full names, with or without their first slash."""
-    return Choice(
+    return RelayFilter(
         (
             *(Topics(_full(name)) for name in topics),
             *(Topics(_full(name), Direction.FORTH) for name in forth),
@@ -135,7 +135,7 @@ def read_choice(
 async def relay_between(
     environment: RosEnvironment,
     graph: GraphOptions,
-    choice: Choice,
+    choice: RelayFilter,
     reporter: ConsoleReporter,
     *,
     master_port: int | None = None,

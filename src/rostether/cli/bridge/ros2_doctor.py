@@ -6,8 +6,9 @@ from collections.abc import AsyncIterator
 from typing import NamedTuple
 
 from rostether.cli.access.graph_options import ZenohReach
+from rostether.cli.access.middleware import Middleware, chosen_middleware
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros_choice import Middleware, chosen_middleware
+from rostether.cli.shell.colors import paint_finding
 from rostether.cli.shell.output import write_json, write_line
 from rostether.errors import RostetherError
 from rostether.mechanisms.anonymous import anonymous_name
@@ -29,7 +30,8 @@ async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
         if as_json:
             write_json({"ok": finding.is_well, "what": finding.what, "text": finding.text})
         else:
-            write_line(f"{'ok' if finding.is_well else 'PROBLEM'}: {finding.what}: {finding.text}")
+            word = "ok" if finding.is_well else "PROBLEM"
+            write_line(f"{word}: {finding.what}: {finding.text}", paint_finding)
     return is_well
 
 
@@ -54,6 +56,7 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
     """Try the router of this machine, and every endpoint that the configuration files name."""
     # As in every tool, zenoh may be missing; `ros2_access` reports that.
     try:
+        from rostether.ros2.zenoh.access_check import find_denied_topics
         from rostether.ros2.zenoh.configuration import (
             ROUTER_ENDPOINT,
             Reach,
@@ -80,6 +83,9 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         tls = tls_of(configuration)
         for endpoint in endpoints_of(configuration, "connect"):
             fault = await find_fault(endpoint, tls)
+            denied = () if fault else await find_denied_topics(configuration, endpoint, environment.domain_id)
+            if denied:
+                fault = f"its access control does not carry {', '.join(denied)} for this machine"
             yield _Finding(not fault, f"{endpoint} in {path}", fault or "answers")
         listening = endpoints_of(configuration, "listen")
         if listening:

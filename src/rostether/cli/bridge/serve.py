@@ -247,7 +247,7 @@ async def _serve(
             bags_recorded(
                 serving.bags, graphs.join, reporter, types=None if graph.uses_ros1 else graphs.types
             ),
-            simulated(serving.links, reporter, serving.msg_paths) as opened,
+            simulated(serving.links, reporter, serving.msg_paths, graphs.join) as opened,
             bridge(
                 graphs.join,
                 opened,

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
-import sys
-import webbrowser
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,8 +18,10 @@ from rostether.cli.access.graph_options import (
 )
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.dashboard.served import Dashboard, DashboardSettings, served_dashboard
-from rostether.cli.gateway.gateways import Tell
+from rostether.cli.dashboard.view import PANELS, read_view
+from rostether.cli.gateway.gateways import Report
 from rostether.cli.gateway.node import read_gateway_words
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
 from rostether.cli.gateway.serving import serve_gateway
@@ -40,6 +39,8 @@ class DashboardOptions:
     no_open: bool
     recordings: Path | None
     tiles: Path | None
+    panel: str | None
+    shown: tuple[str, ...]
 
 
 _dashboard_options = option_group(
@@ -72,6 +73,16 @@ _dashboard_options = option_group(
             metavar="FILE",
             help="Map tiles for the map without internet, an .mbtiles file with pictures.",
         ),
+        click.option(
+            "--panel", type=click.Choice(PANELS), metavar="PANEL", help=f"Open a panel: {', '.join(PANELS)}."
+        ),
+        click.option(
+            "--show",
+            "shown",
+            multiple=True,
+            metavar="NAME",
+            help="What the panel shows: /TOPIC/FIELD for plots, a topic for images, an .rviz file for scene.",
+        ),
     ),
 )
 
@@ -83,6 +94,7 @@ _dashboard_options = option_group(
     rostether dashboard --port 8080 --no-open
     rostether dashboard --listen 0.0.0.0 --token 7f3c9a   for phones and other machines
     rostether dashboard --tiles campus.mbtiles            streets on the map
+    rostether dashboard --panel plots --show /ultrasound/range
     rostether dashboard --ros2 zenoh
     """,
 )
@@ -109,6 +121,8 @@ def dashboard(
     place, node = read_gateway_words(words, graph.arguments)
     if place != DEFAULT_PLACE:
         raise click.UsageError(f"{place!r} is not NAME:=OTHER; --port and --listen choose where to listen")
+    if options.shown and options.panel is None:
+        raise click.UsageError("--show needs --panel")
     settings = DashboardSettings(
         place=_place(options.listen, options.port),
         access=replace(gateways, allow=graph.allow),
@@ -116,32 +130,18 @@ def dashboard(
         has_page=not options.no_page,
         recordings=options.recordings,
         tiles=options.tiles,
+        views=(read_view(options.panel, options.shown),) if options.panel is not None else (),
         wider="`rostether dashboard --listen 0.0.0.0`",
     )
 
     @asynccontextmanager
-    async def opened(graphs: ServedGraphs, tell: Tell) -> AsyncIterator[Dashboard]:
-        async with served_dashboard(settings, graphs, msg_paths, tell) as served:
-            if settings.has_page and not options.no_open and _has_browser(os.environ):
-                await open_browser(served.url)
+    async def opened(graphs: ServedGraphs, report: Report) -> AsyncIterator[Dashboard]:
+        async with served_dashboard(settings, graphs, msg_paths, report) as served:
+            if settings.has_page and not options.no_open and has_browser(os.environ):
+                await open_browser(served.view_urls[0] if served.view_urls else served.url)
             yield served
 
     serve_gateway(graph, msg_paths, opened)
-
-
-async def open_browser(url: str) -> None:
-    """Show an address in the user's browser; without one nothing happens."""
-    # A browser that does not start is no error: the address is on the screen.
-    await asyncio.gather(asyncio.to_thread(webbrowser.open, url), return_exceptions=True)
-
-
-def _has_browser(environ: Mapping[str, str]) -> bool:
-    """Return whether a window can open: a text browser in this terminal would hide the output."""
-    if not sys.stdout.isatty():
-        return False
-    if sys.platform in ("darwin", "win32"):
-        return "SSH_CONNECTION" not in environ
-    return bool(environ.get("DISPLAY") or environ.get("WAYLAND_DISPLAY"))
 
 
 def _place(listen: str | None, port: int | None) -> str:

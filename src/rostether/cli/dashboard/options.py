@@ -1,4 +1,4 @@
-"""The option `--dashboard` of verbs that do something else as well."""
+"""The option `--dashboard` of other verbs."""
 
 from __future__ import annotations
 

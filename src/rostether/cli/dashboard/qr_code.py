@@ -6,7 +6,7 @@ import io
 
 
 def qr_code(text: str) -> str:
-    """Return a text as a QR code, in characters that are half as high as wide."""
+    """Return a text as a QR code of half-block characters."""
     import segno
 
     lines = io.StringIO()

@@ -1,4 +1,4 @@
-"""The dashboard on graphs that are joined already: its gateway, its page and its address."""
+"""Serves the dashboard on joined graphs: its gateway, its page and its address."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from urllib.parse import quote
 
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.qr_code import qr_code
+from rostether.cli.dashboard.view import View
 from rostether.cli.gateway.encryption import Encryption, read_encryption
 from rostether.cli.gateway.foxglove import gateway_on, in_ros1_words
-from rostether.cli.gateway.gateways import Tell, joined_as, tell_reach
+from rostether.cli.gateway.gateways import Report, joined_as, report_reach
 from rostether.cli.gateway.node import NodeWords
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
 from rostether.cli.shell.output import write_line
@@ -50,7 +51,8 @@ class DashboardSettings:
     """Where the dashboard is served, and who may use it.
 
     `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
-    gateway is served. `wider` is what people type, with {port}, to let other machines connect.
+    gateway is served. `views` are panels whose addresses are printed too. `wider` is what people type, with
+    {port}, to let other machines connect.
     """
 
     place: str = DEFAULT_PLACE
@@ -59,6 +61,7 @@ class DashboardSettings:
     has_page: bool = True
     recordings: Path | None = None
     tiles: Path | None = None
+    views: tuple[View, ...] = ()
     wider: str = "--dashboard 0.0.0.0:{port}"
 
 
@@ -68,6 +71,7 @@ class Dashboard:
 
     gateway: FoxgloveGateway
     url: str
+    view_urls: tuple[str, ...] = ()
 
     async def wait_ended(self) -> None:
         """Wait until its node has left the graph."""
@@ -76,7 +80,7 @@ class Dashboard:
 
 @asynccontextmanager
 async def served_dashboard(
-    settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+    settings: DashboardSettings, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
 ) -> AsyncIterator[Dashboard]:
     """Serve the dashboard until the end of the block. Raises ConfigError, GraphError."""
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
@@ -89,7 +93,7 @@ async def served_dashboard(
                 port = await asyncio.to_thread(_free_port, host, DEFAULT_PORT)
             try:
                 dashboard = await stack.enter_async_context(
-                    _served_at(host, port, settings, graphs, msg_paths, tell)
+                    _served_at(host, port, settings, graphs, msg_paths, report)
                 )
                 break
             except TransportOpenError:
@@ -106,7 +110,7 @@ async def _served_at(
     settings: DashboardSettings,
     graphs: ServedGraphs,
     msg_paths: Sequence[Path],
-    tell: Tell,
+    report: Report,
 ) -> AsyncIterator[Dashboard]:
     from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.recordings import Recordings
@@ -120,10 +124,12 @@ async def _served_at(
     recordings = Recordings(
         settings.recordings or recordings_folder(),
         lambda: on.join(anonymous_name("record")),
-        lambda text: tell(Level.INFO, f"{NODE}: {text}"),
+        lambda text: report(Level.INFO, f"{NODE}: {text}"),
     )
     tiles = await asyncio.to_thread(MapTiles, settings.tiles) if settings.tiles is not None else None
-    site = await asyncio.to_thread(_load_site, encryption, recordings, tiles) if settings.has_page else None
+    site = None
+    if settings.has_page:
+        site = await asyncio.to_thread(_load_site, encryption, recordings, tiles, settings.views)
     served = FoxgloveSettings(
         host,
         port,
@@ -137,53 +143,59 @@ async def _served_at(
         key=encryption.key,
         metadata={"rostether_version": version("rostether"), **_map_metadata(tiles)},
     )
-    graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), tell)
+    graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report)
 
     async def join_teleop() -> Graph:
         name = NodeWords().name_for(TELEOP_NODE, port, DEFAULT_PORT)
-        return await joined_as(on, NodeWords(namespace=settings.node.namespace), name, tell)
+        return await joined_as(on, NodeWords(namespace=settings.node.namespace), name, report)
 
     try:
         async with gateway_on(
-            graph, on, served, tell, DashboardParts(site, join_teleop, recordings)
+            graph, on, served, report, DashboardParts(site, join_teleop, recordings)
         ) as gateway:
             url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))
+            page = url.partition("#")[0].rstrip("/")
+            view_urls = tuple(f"{page}/#{view.fragment(access.token)}" for view in settings.views)
             if settings.has_page:
-                tell(Level.INFO, f"Dashboard: {url}")
+                report(Level.INFO, f"Dashboard: {url}")
                 if access.view_token:
                     view_url = page_url(host, gateway.port, access.view_token, is_encrypted=bool(access.tls))
-                    tell(Level.INFO, f"Dashboard, to look only: {view_url}")
+                    report(Level.INFO, f"Dashboard, to look only: {view_url}")
                 if encryption.authority is not None:
-                    page = f"{url.partition('#')[0].rstrip('/')}/{PAGE_FILE}"
-                    tell(Level.INFO, f"Browsers warn until a device trusts this machine; see {page}")
+                    report(
+                        Level.INFO,
+                        f"Browsers warn until a device trusts this machine; see {page}/{PAGE_FILE}",
+                    )
+                for view, view_url in zip(settings.views, view_urls, strict=True):
+                    report(Level.INFO, f"Dashboard, {view.panel or 'overview'}: {view_url}")
                 if not is_loopback(host) and sys.stdout.isatty():
                     write_line(qr_code(url))
             else:
-                tell(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
-            tell_reach("dashboard", host, gateway.port, access.token, settings.wider, tell)
-            yield Dashboard(gateway, url)
+                report(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
+            report_reach("dashboard", host, gateway.port, access.token, settings.wider, report)
+            yield Dashboard(gateway, url, view_urls)
     finally:
         await graph.close()
 
 
 @asynccontextmanager
 async def dashboard_beside(
-    settings: DashboardSettings | None, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+    settings: DashboardSettings | None, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
 ) -> AsyncIterator[Dashboard | None]:
-    """Serve the dashboard where it is wanted, beside something else. Raises as `served_dashboard`."""
+    """Serve the dashboard if it is requested. Raises as `served_dashboard`."""
     if settings is None:
         yield None
         return
-    async with served_dashboard(settings, graphs, msg_paths, tell) as dashboard:
+    async with served_dashboard(settings, graphs, msg_paths, report) as dashboard:
         yield dashboard
 
 
 def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = False) -> str:
-    """Return the address to open in a browser; the token is in the part that browsers keep to themselves."""
+    """Return the address to open in a browser; the token is in the fragment, which browsers do not send."""
     if host == DEFAULT_PLACE:
         host = LOOPBACK
     elif host in _EVERYWHERE:
-        # Phones know this machine by its address rather than by its name.
+        # Phones often cannot resolve this machine's name, but can use its address.
         host = outward_address() or socket.gethostname()
     fragment = f"#token={quote(token, safe='')}" if token else ""
     scheme = "https" if is_encrypted else "http"
@@ -198,17 +210,19 @@ def _map_metadata(tiles: MapTiles | None) -> dict[str, str]:
     return {"tiles": f"{TILES}{{z}}/{{x}}/{{y}}", "tiles_max_zoom": str(tiles.max_zoom)}
 
 
-def _load_site(encryption: Encryption, recordings: Recordings, tiles: MapTiles | None) -> Site:
+def _load_site(
+    encryption: Encryption, recordings: Recordings, tiles: MapTiles | None, views: Sequence[View]
+) -> Site:
     from rostether.dashboard.page_files import load_page
 
-    more = {}
+    more = {name: content for view in views for name, content in view.files.items()}
     if encryption.authority is not None:
-        more = authority_files(encryption.authority, socket.gethostname())
+        more |= authority_files(encryption.authority, socket.gethostname())
     return load_page(more, recordings, tiles)
 
 
 def _free_port(host: str, wanted: int) -> int:
-    """Return the wanted port, else the next free one, else 0 for any."""
+    """Return the requested port, else the next free one, else 0 for any."""
     name = LOOPBACK if host == DEFAULT_PLACE else host
     for port in range(wanted, wanted + _NEXT_PORTS):
         try:

@@ -1,4 +1,4 @@
-"""`rostether firmware build`: from a sketch to what a board runs."""
+"""`rostether firmware build`: compiles a sketch for a board."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ async def refuse_too_large(built: BuiltFirmware, elf: ElfFile) -> None:
 
 
 def describe_sizes(built: BuiltFirmware, elf: ElfFile) -> str:
-    """Return flash and RAM with their limits, where these are known."""
+    """Return flash and RAM with their limits, if known."""
     board = built.board
     return f"{_of(elf.flash_bytes, board.flash_bytes)} of flash, {_of(elf.ram_bytes, board.ram_bytes)} of RAM"
 

@@ -1,4 +1,4 @@
-"""`rostether new`: a sketch to begin with."""
+"""`rostether new`: writes the first sketch for a sensor."""
 
 from __future__ import annotations
 

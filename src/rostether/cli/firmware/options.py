@@ -1,4 +1,4 @@
-"""What `firmware build`, `size`, `upload` and `sim` have in common: their options, and how a build is run."""
+"""The common part of `firmware build`, `size`, `upload` and `sim`: their options, and running a build."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AVR_GCC = "avr-gcc"
 
 
 def complete_boards(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the boards that begin with what was typed."""
+    """Return the boards that begin with the typed text."""
     from rostether.errors import FirmwareError
     from rostether.firmware.toolchain import find_avr_toolchain
 
@@ -49,7 +49,7 @@ board_option = click.option(
 
 
 def build_options(function: Function) -> Function:
-    """Give a command the sketch's argument and the options of a build; it gets `sketch` and `options`."""
+    """Add the sketch argument and the build options to a command, as `sketch` and `options`."""
 
     @wraps(function)
     def with_options(
@@ -80,7 +80,7 @@ def build_options(function: Function) -> Function:
 
 
 async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFirmware:
-    """Build a sketch; what the compiler printed goes to stderr as it is."""
+    """Build a sketch; the compiler's output goes to stderr unchanged."""
     from rostether.firmware.build import build_sketch, find_board
 
     try:

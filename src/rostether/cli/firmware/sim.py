@@ -1,4 +1,4 @@
-"""`rostether firmware sim`: what `board run` does, with the options of a build."""
+"""`rostether firmware sim`: `board run` with the options of a build."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rostether.cli.shell.verbs import Verb
 if TYPE_CHECKING:
     from rostether.firmware.build import BuildOptions
 
-# What the build's own options say.
+# The build's own options cover these.
 _OURS = frozenset(("program", "board", "msg_paths"))
 
 

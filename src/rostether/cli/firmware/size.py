@@ -1,4 +1,4 @@
-"""`rostether firmware size`: what a sketch takes of its board, and what takes it."""
+"""`rostether firmware size`: how much of the board a sketch uses, and which parts use it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report of `firmware size` as a person reads it, on 80 columns."""
+"""The report of `firmware size` for people, 80 columns wide."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rostether.firmware.footprint import Footprint, Group, Item
     from rostether.firmware.stack import StackEstimate
 
-# Wider tables are no easier to read.
+# Wider tables are not easier to read.
 MAX_COLUMNS = 100
 SHOWN_ITEMS = 3
 _BAR_CELLS = 20

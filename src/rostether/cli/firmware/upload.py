@@ -1,4 +1,4 @@
-"""`rostether firmware upload`: a sketch onto a real board."""
+"""`rostether firmware upload`: flashes a sketch to a real board."""
 
 from __future__ import annotations
 

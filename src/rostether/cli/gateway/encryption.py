@@ -13,7 +13,7 @@ AUTO = "auto"
 
 @dataclass(frozen=True, slots=True)
 class Encryption:
-    """Files for a gateway's settings, empty without encryption; `authority` is to be installed elsewhere."""
+    """Files for a gateway's settings, empty without encryption; other devices install `authority`."""
 
     certificate: str = ""
     key: str = ""

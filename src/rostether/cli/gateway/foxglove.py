@@ -22,7 +22,7 @@ from rostether.cli.access.graph_options import (
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.encryption import read_encryption
-from rostether.cli.gateway.gateways import GatewayGraph, Tell, joined_as, ros1_gateway_graph, tell_reach
+from rostether.cli.gateway.gateways import GatewayGraph, Report, joined_as, report_reach, ros1_gateway_graph
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
 from rostether.cli.gateway.options import access_options, read_place, viewer_access_options
 from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
@@ -72,9 +72,9 @@ def foxglove(
     place, node = read_gateway_words(words, graph.arguments)
     settings = read_settings(place, replace(gateways, allow=graph.allow))
 
-    def open_gateway(graphs: ServedGraphs, tell: Tell) -> AbstractAsyncContextManager[FoxgloveGateway]:
+    def open_gateway(graphs: ServedGraphs, report: Report) -> AbstractAsyncContextManager[FoxgloveGateway]:
         on = in_ros1_words(graphs, msg_paths)
-        return _gateway(settings, node, on, tell, "`rostether foxglove 0.0.0.0:{port}`")
+        return _gateway(settings, node, on, report, "`rostether foxglove 0.0.0.0:{port}`")
 
     serve_gateway(graph, msg_paths, open_gateway)
 
@@ -102,20 +102,20 @@ def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> Non
 
 @asynccontextmanager
 async def served_foxglove(
-    options: GatewayOptions, graphs: ServedGraphs, msg_paths: Sequence[Path], tell: Tell
+    options: GatewayOptions, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
 ) -> AsyncIterator[None]:
-    """Serve Foxglove where `serve --foxglove` asks for it. Raises ConfigError."""
+    """Serve Foxglove if `serve --foxglove` requests it. Raises ConfigError."""
     if options.foxglove is None:
         yield
         return
     settings = read_settings(options.foxglove, options)
     on = in_ros1_words(graphs, msg_paths)
-    async with _gateway(settings, NodeWords(), on, tell, "--foxglove 0.0.0.0:{port}"):
+    async with _gateway(settings, NodeWords(), on, report, "--foxglove 0.0.0.0:{port}"):
         yield
 
 
 def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
-    """Return what was typed as settings. Raises ConfigError."""
+    """Return the typed options as settings. Raises ConfigError."""
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
 
     host, port = read_place(place, DEFAULT_PORT)
@@ -135,7 +135,7 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
 def settings_of_parameters(
     parameters: Mapping[str, Any], token: str = "", allow: tuple[str, ...] = ()
 ) -> FoxgloveSettings:
-    """Return what the parameters of a foxglove_bridge ask for. Raises ConfigError naming the parameter."""
+    """Return the settings from a foxglove_bridge's parameters. Raises ConfigError naming the parameter."""
     from rostether.gateways.foxglove.limits import FoxgloveLimits
     from rostether.gateways.foxglove.settings import (
         CAPABILITIES,
@@ -167,18 +167,22 @@ def settings_of_parameters(
 
 async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
     settings = settings_of_parameters(await private_parameters(graph), token)
-    # Its own node is there already.
+    # Its node already exists.
     on = ros1_gateway_graph(_no_join, graph.store, node_environment(arguments))
     async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:
         await gateway.wait_ended()
 
 
 def in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
-    """Return the graphs with ROS 1's definitions, on ROS 2 too: Foxglove's panels know times by them."""
+    """Return the graphs with ROS 1 definitions, also on ROS 2: Foxglove's panels need them for times."""
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
 
     store = TypeStore(Registry.from_environment(msg_paths))
+    if graphs.types is not None:
+        from rostether.ros2.rcl_interfaces import rcl_interfaces
+
+        rcl_interfaces().add_to(store.registry)
     if graphs.ros1 is not None:
         on = ros1_gateway_graph(graphs.join, store, graphs.ros1)
     else:
@@ -188,13 +192,13 @@ def in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGra
 
 @asynccontextmanager
 async def _gateway(
-    settings: FoxgloveSettings, node: NodeWords, on: GatewayGraph, tell: Tell, wider: str
+    settings: FoxgloveSettings, node: NodeWords, on: GatewayGraph, report: Report, wider: str
 ) -> AsyncIterator[FoxgloveGateway]:
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 
-    graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), tell)
+    graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), report)
     try:
-        async with _gateway_on(graph, on, settings, tell, wider) as gateway:
+        async with _gateway_on(graph, on, settings, report, wider) as gateway:
             yield gateway
     finally:
         await graph.close()
@@ -202,11 +206,11 @@ async def _gateway(
 
 @asynccontextmanager
 async def _gateway_on(
-    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, tell: Tell, wider: str
+    graph: Graph, on: GatewayGraph, settings: FoxgloveSettings, report: Report, wider: str
 ) -> AsyncIterator[FoxgloveGateway]:
-    async with gateway_on(graph, on, settings, tell) as gateway:
-        tell(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
-        tell_reach("foxglove", settings.host, settings.port, settings.token, wider, tell)
+    async with gateway_on(graph, on, settings, report) as gateway:
+        report(Level.INFO, f"foxglove: open a connection to {gateway.url} in Foxglove")
+        report_reach("foxglove", settings.host, settings.port, settings.token, wider, report)
         yield gateway
 
 
@@ -214,7 +218,7 @@ def gateway_on(
     graph: Graph,
     on: GatewayGraph,
     settings: FoxgloveSettings,
-    tell: Tell,
+    report: Report,
     dashboard: DashboardParts | None = None,
 ) -> FoxgloveGateway:
     """Return a gateway on a node, to be used as a context manager."""
@@ -226,7 +230,7 @@ def gateway_on(
         settings,
         find_service_type=on.ask_service_type,
         find_packages=partial(_packages, on.msg_paths),
-        tell=tell,
+        report=report,
         dashboard=dashboard,
     )
 
@@ -254,5 +258,5 @@ def _packages(msg_paths: Sequence[Path]) -> Mapping[str, Path]:
     from rostether.packages.search_path import find_packages
 
     given = find_packages([each.expanduser() for each in msg_paths])
-    # Where a ROS 2 is sourced, robots' meshes are where it was installed.
+    # If a ROS 2 is sourced, robots' meshes are in its installation.
     return installed_packages(install_prefixes(os.environ)) | package_folders(os.environ, Path.cwd()) | given

@@ -31,19 +31,20 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.serde.store import TypeStore
 
-Tell: TypeAlias = Callable[[Level, str], None]
+Report: TypeAlias = Callable[[Level, str], None]
+
+# Takes a service's name. Raises GraphError.
 AskService: TypeAlias = Callable[[str], Awaitable[str]]
-"""Takes a service's name. Raises GraphError."""
 
 ROSBRIDGE_NODE = "rosbridge_websocket"
 
 
 @dataclass(frozen=True, slots=True)
 class GatewayGraph:
-    """How gateways are on a graph: what makes their nodes, their types, and how services are asked.
+    """How gateways join a graph: their node factory, their types, and how they query services.
 
-    With `is_ros2` types are in ROS 2's words alone. ROS 1 needs `ask_service_type` and `ask_service_host`,
-    and `is_live`: there a node that joins ends another one of its name.
+    With `is_ros2`, type names are those of ROS 2. ROS 1 needs `ask_service_type` and `ask_service_host`,
+    and `is_live`, because a node that joins ends another one of its name there.
     """
 
     join: JoinGraph
@@ -64,7 +65,7 @@ async def gateway_graph(
 ) -> AsyncIterator[GatewayGraph]:
     """Give gateways their own view of the graphs that boards are bridged into.
 
-    On ROS 1, or both, messages have ROS 1's words, as boards send them; on ROS 2 alone those of ROS 2.
+    On ROS 1, or both, messages have ROS 1 types, as boards send them; on ROS 2 alone, ROS 2 types.
     """
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
@@ -86,7 +87,7 @@ async def gateway_graph(
 
 
 def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnvironment) -> GatewayGraph:
-    """Return how gateways are on a ROS 1 graph, alone or beside another."""
+    """Return how gateways join a ROS 1 graph, alone or beside another."""
 
     async def ask_type(service: str) -> str:
         async with master_client(environment) as client:
@@ -103,7 +104,7 @@ def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnviro
 
 @asynccontextmanager
 async def rosbridge_gateway(
-    options: GatewayOptions, on: GatewayGraph, tell: Tell, words: NodeWords | None = None
+    options: GatewayOptions, on: GatewayGraph, report: Report, words: NodeWords | None = None
 ) -> AsyncIterator[RosbridgeServer]:
     """Run rosbridge at `options.rosbridge` as long as the block lasts.
 
@@ -125,15 +126,15 @@ async def rosbridge_gateway(
         certificate=encryption.certificate,
         key=encryption.key,
     )
-    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), tell)
+    graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
     try:
-        async with rosbridge_server(graph, on, settings, tell, options.wider) as server:
+        async with rosbridge_server(graph, on, settings, report, options.wider) as server:
             yield server
     finally:
         await graph.close()
 
 
-async def joined_as(on: GatewayGraph, words: NodeWords, name: str, tell: Tell) -> Graph:
+async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError where another node has the name."""
 
     async def join(
@@ -143,19 +144,21 @@ async def joined_as(on: GatewayGraph, words: NodeWords, name: str, tell: Tell) -
         return await on.join(node_name, namespace=namespace, remappings=remappings)
 
     in_its_place = partial(join, namespace=words.namespace, remappings=words.remappings)
-    return await joined_patiently(in_its_place, name, tell)
+    return await joined_patiently(in_its_place, name, report)
 
 
-async def joined_patiently(join: JoinGraph, name: str, tell: Tell) -> Graph:
+async def joined_patiently(join: JoinGraph, name: str, report: Report) -> Graph:
     """Join as soon as there is a master. Raises GraphError."""
-    return await wait_for_master(lambda: join(name), lambda error: tell(Level.WARN, f"{name} waits: {error}"))
+    return await wait_for_master(
+        lambda: join(name), lambda error: report(Level.WARN, f"{name} waits: {error}")
+    )
 
 
 @asynccontextmanager
 async def rosbridge_server(
-    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, tell: Tell, wider: str
+    graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, wider: str
 ) -> AsyncIterator[RosbridgeServer]:
-    """Run a rosbridge server on a node, and say where it is. Raises as `rosbridge_gateway`.
+    """Run a rosbridge server on a node, and report its address. Raises as `rosbridge_gateway`.
 
     `wider` is what people type, with {port}, to let other machines connect.
     """
@@ -179,31 +182,31 @@ async def rosbridge_server(
         style=style,
         ask_service_type=on.ask_service_type,
         local_services=rosapi,
-        tell=tell,
+        report=report,
     )
     async with AsyncExitStack() as stack:
         stack.push_async_callback(server.close)
         try:
             await stack.enter_async_context(offering_rosapi(rosapi, on.join, graph, on.is_live))
         except (DefinitionError, GraphError) as error:
-            # Clients are answered all the same, without the graph.
-            tell(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
+            # Its own clients still get answers, without the graph.
+            report(Level.INFO, f"rosbridge: only its own clients can call rosapi's services: {error}")
         await server.start()
-        tell(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
-        tell_reach("rosbridge", settings.host, settings.port, settings.token, wider, tell)
+        report(Level.INFO, f"rosbridge: web pages and programs connect to {server.uri}")
+        report_reach("rosbridge", settings.host, settings.port, settings.token, wider, report)
         yield server
 
 
-def tell_reach(gateway: str, host: str, port: int, token: str, wider: str, tell: Tell) -> None:
-    """Say who reaches a gateway; `wider` is what people type, with {port}, to let other machines connect."""
+def report_reach(gateway: str, host: str, port: int, token: str, wider: str, report: Report) -> None:
+    """Report who can reach a gateway; `wider` is the command, with {port}, that admits other machines."""
     if is_loopback(host):
-        tell(
+        report(
             Level.INFO,
             f"{gateway}: accepts connections from this machine only; {wider.format(port=port)} "
             f"allows other machines",
         )
     elif not token:
-        tell(
+        report(
             Level.WARN,
             f"{gateway}: every client that reaches it can publish and call services; --token and --allow "
             f"restrict that",
@@ -211,6 +214,6 @@ def tell_reach(gateway: str, host: str, port: int, token: str, wider: str, tell:
 
 
 def check_rosbridge() -> None:
-    """Raise ConfigError where the extra is not installed."""
+    """Raise ConfigError if the extra is not installed."""
     if find_spec("cbor2") is None:
         raise ConfigError(f"rosbridge is not installed; run: {install_command('rosbridge')}")

@@ -1,4 +1,4 @@
-"""What a gateway's node is called: two gateways of one graph, on two ports, are two nodes."""
+"""The name of a gateway's node: two gateways of one graph, on two ports, are two nodes."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rostether.names.remap import parse_arguments
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 
+# Takes a node's full name, returns whether a node of that name answers. Raises GraphError.
 IsLive: TypeAlias = Callable[[str], Awaitable[bool]]
-"""Takes a node's full name, returns whether a node of that name answers. Raises GraphError."""
 
 
 @dataclass(frozen=True, slots=True)
 class NodeWords:
-    """What a command line says of a gateway's node; without a name it is the gateway's own."""
+    """The settings of a gateway's node on a command line; the name defaults to the gateway's."""
 
     name: str = ""
     namespace: str = "/"
@@ -37,7 +37,7 @@ class NodeWords:
 
 
 def read_gateway_words(words: Sequence[str], special: Mapping[str, str]) -> tuple[str, NodeWords]:
-    """Return the place to listen on and what the words say of the node.
+    """Return the place to listen on and the settings of the node.
 
     Raises click.UsageError, ConfigError, InvalidNameError.
     """
@@ -79,7 +79,7 @@ def asking_ros1(environment: RosEnvironment) -> IsLive:
 
 
 async def check_free(name: str, namespace: str, is_live: IsLive | None) -> None:
-    """Raise GraphError for the name of a node that lives: who joins under it would end that one."""
+    """Raise GraphError if a live node has the name: a second node would end it."""
     full_name = join(namespace, name)
     if is_live is not None and await is_live(full_name):
         raise GraphError(

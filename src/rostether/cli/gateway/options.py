@@ -1,4 +1,4 @@
-"""Options of the gateways for web pages and viewers: `serve --rosbridge [HOST:PORT]` and its like."""
+"""Options of the gateways for web pages and viewers, such as `serve --rosbridge [HOST:PORT]`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """What was typed: a place for each gateway that is wanted (None: not wanted), and who may use them.
+    """The typed options: the place of each requested gateway (None: not requested), and who may use it.
 
     `wider` is what people type, with {port}, to let other machines connect.
     """

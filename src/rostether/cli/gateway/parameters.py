@@ -1,4 +1,4 @@
-"""Parameters of nodes that are gateways, as launch files for the established ones give them."""
+"""Parameters of gateway nodes, as in launch files for the ROS originals."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
 
 _TRUE = ("true", "1", "yes", "on")
-# What launch files write for a parameter that they leave open; "None" is how Python's own nodes say it.
+# The values in launch files for an unset parameter; Python nodes use "None".
 _NOTHING = (None, "", "None")
 
 
 async def private_parameters(graph: TypedGraph) -> dict[str, Any]:
-    """Return all of the node's own parameters; none where there are none."""
+    """Return all private parameters of the node; empty if it has none."""
     found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
     return dict(found) if isinstance(found, Mapping) else {}
 
 
 def flag(parameters: Mapping[str, Any], name: str) -> bool:
-    """Return a parameter that is true or false, False where it is missing."""
+    """Return a parameter that is true or false, False if it is missing."""
     return str(parameters.get(name, False)).strip().lower() in _TRUE
 
 
@@ -41,7 +41,7 @@ def whole_number(parameters: Mapping[str, Any], name: str, default: int) -> int:
 
 
 def certificate_files(parameters: Mapping[str, Any], switch: str) -> tuple[str, str]:
-    """Return ~certfile and ~keyfile. Raises ConfigError that names what was switched on without them."""
+    """Return ~certfile and ~keyfile. Raises ConfigError naming the switch that needs them."""
     if not parameters.get("certfile"):
         raise ConfigError(f"~{switch} needs ~certfile and ~keyfile: a certificate and its key")
     return str(parameters["certfile"]), str(parameters.get("keyfile") or "")

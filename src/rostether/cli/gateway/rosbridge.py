@@ -22,7 +22,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.gateway.gateways import (
     ROSBRIDGE_NODE,
-    Tell,
+    Report,
     check_rosbridge,
     gateway_graph,
     ros1_gateway_graph,
@@ -90,11 +90,11 @@ async def _opened(
     node: NodeWords,
     msg_paths: tuple[Path, ...],
     graphs: ServedGraphs,
-    tell: Tell,
+    report: Report,
 ) -> AsyncIterator[RosbridgeServer]:
     async with (
         gateway_graph(graphs, graph_options, msg_paths) as graph,
-        rosbridge_gateway(options, graph, tell, node) as server,
+        rosbridge_gateway(options, graph, report, node) as server,
     ):
         yield server
 
@@ -133,7 +133,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
 
 
 async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, Any]:
-    """Return the node's private parameters; words such as `--port 9091` win, as with rosbridge_websocket."""
+    """Return the private parameters; options such as `--port 9091` override them, as in the original."""
     parameters = await private_parameters(graph)
     rest = iter(words)
     for word in rest:
@@ -144,7 +144,7 @@ async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, 
 
 
 def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSettings:
-    """Return what a rosbridge_websocket's parameters ask for. Raises ConfigError naming the parameter."""
+    """Return the settings from the node's parameters. Raises ConfigError naming the parameter."""
     from rostether.gateways.rosbridge.settings import (
         DEFAULT_MAX_MESSAGE_BYTES,
         DEFAULT_PORT,
@@ -174,7 +174,7 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
 
 
 def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
-    """Return the names in `[/a, '/b*']`; an empty list, or none at all, is everything."""
+    """Return the names in `[/a, '/b*']`; an empty or missing list means everything."""
     value = parameters.get(name)
     parts = value if isinstance(value, list) else str(value or "").strip().strip("[]").split(",")
     globs = tuple(text for part in parts if (text := str(part).strip().strip("'\"")))

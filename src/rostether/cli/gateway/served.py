@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.gateway.gateways import Tell, gateway_graph, rosbridge_gateway
+from rostether.cli.gateway.gateways import Report, gateway_graph, rosbridge_gateway
 from rostether.cli.gateway.options import GatewayOptions
 
 
@@ -18,15 +18,15 @@ async def served_gateways(
     graphs: ServedGraphs,
     graph_options: GraphOptions,
     msg_paths: Sequence[Path],
-    tell: Tell,
+    report: Report,
 ) -> AsyncIterator[None]:
-    """Run the gateways that are wanted, if any. Raises as `rosbridge_gateway`."""
+    """Run the requested gateways, if any. Raises as `rosbridge_gateway`."""
     async with AsyncExitStack() as stack:
         if options.rosbridge is not None:
             graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
-            await stack.enter_async_context(rosbridge_gateway(options, graph, tell))
+            await stack.enter_async_context(rosbridge_gateway(options, graph, report))
         if options.foxglove is not None:
             from rostether.cli.gateway.foxglove import served_foxglove
 
-            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, tell))
+            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, report))
         yield

@@ -11,13 +11,13 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
-from rostether.cli.gateway.gateways import Tell
+from rostether.cli.gateway.gateways import Report
 from rostether.cli.shell.running import run
 from rostether.graph.ports import Level
 
 
 class Gateway(Protocol):
-    """What serves clients."""
+    """A running gateway."""
 
     async def wait_ended(self) -> None:
         """Wait until its node has left the graph."""
@@ -26,17 +26,17 @@ class Gateway(Protocol):
 def serve_gateway(
     graph: GraphOptions,
     msg_paths: Sequence[Path],
-    open_gateway: Callable[[ServedGraphs, Tell], AbstractAsyncContextManager[Gateway]],
+    open_gateway: Callable[[ServedGraphs, Report], AbstractAsyncContextManager[Gateway]],
 ) -> None:
-    """Run a gateway on the graphs that this command line means. Raises what `served_graphs` does."""
+    """Run a gateway on the graphs that the command line selects. Raises as `served_graphs`."""
     environment = read_environment(graph)
 
     async def serve() -> None:
-        tell = ConsoleReporter().line
+        report = ConsoleReporter().line
         async with served_graphs(environment, graph, msg_paths=msg_paths) as graphs:
             for line in graphs.lines:
-                tell(Level.INFO, line)
-            async with open_gateway(graphs, tell) as gateway:
+                report(Level.INFO, line)
+            async with open_gateway(graphs, report) as gateway:
                 await gateway.wait_ended()
 
     run(serve(), is_service=True)

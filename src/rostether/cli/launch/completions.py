@@ -1,4 +1,4 @@
-"""What a shell can complete of packages and their programs."""
+"""Shell completion of packages and their programs."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from rostether.cli.launch.served_nodes import served_nodes
 
 
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the packages on disk, and those whose nodes we serve, that begin with what was typed."""
+    """Return the packages on disk or built in that begin with the typed text."""
     ours = {package for package, _ in served_nodes()}
     return [name for name in sorted({*_packages_here(), *ours}) if name.startswith(incomplete)]
 
 
 def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the programs of the package typed before that begin with what was typed."""
+    """Return the programs of the typed package that begin with the typed text."""
     from rostether.packages.executables import programs
 
     package = context.params.get("package", "")

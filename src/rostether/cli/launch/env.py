@@ -59,7 +59,7 @@ def env(shell: str | None, first: bool) -> None:
 
 
 def shell_code(folder: Path, *, first: bool, is_fish: bool) -> str:
-    """Return the code: our folder on PATH once, and `roscd`, which only a function can be."""
+    """Return the code: it adds the folder to PATH once, and defines `roscd`, which must be a function."""
     quoted = shlex.quote(str(folder))
     if is_fish:
         where = f"set -gx PATH {quoted} $PATH" if first else f"set -gx PATH $PATH {quoted}"

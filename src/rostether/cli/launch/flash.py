@@ -1,4 +1,4 @@
-"""`rostether flash`: a sketch onto a board, which is then served."""
+"""`rostether flash`: flashes a sketch to a board, then serves the board."""
 
 from __future__ import annotations
 

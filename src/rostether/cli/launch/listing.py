@@ -1,4 +1,4 @@
-"""The listings of `rostether launch`, which start nothing, and its summary before the start."""
+"""The listings of `rostether launch`, which do not start nodes, and the summary before a start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from rostether.launch.plan import LaunchNode, LaunchPlan
 from rostether.names.graph_name import join
 from rostether.param_yaml import dump
 
-_MAX_VALUE_CHARS = 20  # as roslaunch: a summary shows which parameters there are, not what a URDF holds
+# As in roslaunch: a summary lists the parameters, without the text of a URDF.
+_MAX_VALUE_CHARS = 20
 
 
 def parameter_lines(plan: LaunchPlan) -> str:
@@ -28,7 +29,7 @@ def node_lines(plan: LaunchPlan) -> list[str]:
 
 
 def argument_lines(plan: LaunchPlan) -> Iterator[str]:
-    """Yield what arguments the files take, those that have to be given first."""
+    """Yield the arguments of the files, required ones first."""
     known = sorted((each for each in plan.arguments if not each.is_fixed), key=lambda each: each.name)
     required = [each for each in known if not each.default]
     optional = [each for each in known if each.default]

@@ -1,4 +1,4 @@
-"""make_libraries.py as a role: `firmware lib` with its arguments."""
+"""make_libraries.py as a role: runs `firmware lib` with the arguments of make_libraries.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From (package, program) to the command line to start: our own node, or the user's script or binary."""
+"""Maps (package, program) to a command line: a built-in node, or the user's script or binary."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
-from rostether.cli.launch.python_choice import python_for
+from rostether.cli.launch.script_python import python_for
 from rostether.cli.launch.served_nodes import served_nodes, window_program
 from rostether.errors import ConfigError
 from rostether.packages.executables import find_program, is_python, library_folders
@@ -16,10 +16,10 @@ from rostether.packages.python_scripts import explain_python2
 def node_command(
     package: str, program: str, *, packages: Mapping[str, Path], environ: Mapping[str, str]
 ) -> list[str]:
-    """Find what `rosrun PACKAGE PROGRAM` means; `packages` are the folders of all packages that are seen.
+    """Return the command line of `rosrun PACKAGE PROGRAM`; `packages` are the folders of all packages.
 
     The environment to start it in is `rospy.environment.node_environment`'s.
-    Raises ConfigError: no such package or program, with those that are near.
+    Raises ConfigError with similar names if there is no such package or program.
     """
     if served := served_nodes().get((package, program)):
         return served

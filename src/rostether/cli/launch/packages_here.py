@@ -1,4 +1,4 @@
-"""The packages that a command sees, with a word on those of which it can take only one."""
+"""The packages that a command finds, with warnings about duplicate names."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ MAX_TOLD = 3
 
 
 def packages_here() -> dict[str, Path]:
-    """Return the folders of all packages that this command sees; warns of two of one name."""
-    with told_namesakes() as on_namesake:
+    """Return the folders of all packages that this command finds; warns about duplicate names."""
+    with warned_namesakes() as on_namesake:
         return package_folders(os.environ, Path.cwd(), on_namesake=on_namesake)
 
 
 @contextmanager
-def told_namesakes() -> Iterator[OnNamesake]:
+def warned_namesakes() -> Iterator[OnNamesake]:
     """Yield a callback for packages with the same name, and print a warning for each at the end."""
     lines: list[str] = []
 

@@ -1,4 +1,4 @@
-"""`rostether pkg`: the packages of a workspace: create, list, find, and what catkin's commands did."""
+"""`rostether pkg`: creates, lists and finds packages, and replaces catkin's commands."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ def pkg() -> None:
 
 
 def here() -> dict[str, Path]:
-    """Return the folders of all packages that this command sees."""
+    """Return the folders of all packages that this command finds."""
     return packages_here()
 
 
 def folder_of(name: str) -> Path:
-    """Return a package's folder. Raises ConfigError with those that are near."""
+    """Return a package's folder. Raises ConfigError with similar names."""
     from difflib import get_close_matches
 
     packages = here()

@@ -3,13 +3,51 @@
 from __future__ import annotations
 
 import getpass
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.packages.create import NewPackage, create_package
+
+_package_options = option_group(
+    "package",
+    NewPackage,
+    (
+        click.argument("name"),
+        click.argument("dependencies", nargs=-1, metavar="[DEPENDENCY]..."),
+        click.option(
+            "--meta",
+            "is_metapackage",
+            is_flag=True,
+            help="Create a metapackage: only a name for the packages it depends on.",
+        ),
+        click.option(
+            "-s",
+            "--sys-deps",
+            "system_dependencies",
+            multiple=True,
+            help="A system package to depend on; may be repeated.",
+        ),
+        click.option(
+            "-b",
+            "--boost-comps",
+            "boost_components",
+            multiple=True,
+            help="A Boost library to use; may be repeated.",
+        ),
+        click.option("-V", "--pkg_version", "version", default="0.0.0", help="The version (0.0.0)."),
+        click.option("-D", "--description", default="", help="The description."),
+        click.option("-l", "--license", "licenses", multiple=True, help="A licence; may be repeated."),
+        click.option("-a", "--author", "authors", multiple=True, help="An author; may be repeated."),
+        click.option(
+            "-m", "--maintainer", "maintainers", multiple=True, help="A maintainer; may be repeated."
+        ),
+    ),
+)
 
 
 @click.command(
@@ -20,55 +58,12 @@ from rostether.packages.create import NewPackage, create_package
     rostether pkg create my_robot rospy -V 0.1.0 -D "My robot" -l Apache-2.0 -m "Ada <ada@example.org>"
     """,
 )
-@click.argument("name")
-@click.argument("dependencies", nargs=-1, metavar="[DEPENDENCY]...")
-@click.option(
-    "--meta", is_flag=True, help="Create a metapackage: only a name for the packages it depends on."
-)
-@click.option(
-    "-s",
-    "--sys-deps",
-    "system_dependencies",
-    multiple=True,
-    help="A system package to depend on; may be repeated.",
-)
-@click.option("-b", "--boost-comps", "boost", multiple=True, help="A Boost library to use; may be repeated.")
-@click.option("-V", "--pkg_version", "version", default="0.0.0", help="The version (0.0.0).")
-@click.option("-D", "--description", default="", help="The description.")
-@click.option("-l", "--license", "licenses", multiple=True, help="A licence; may be repeated.")
-@click.option("-a", "--author", "authors", multiple=True, help="An author; may be repeated.")
-@click.option("-m", "--maintainer", "maintainers", multiple=True, help="A maintainer; may be repeated.")
+@_package_options
 @click.option("--rosdistro", help="Accepted for compatibility; has no effect.")
 @json_option
-def create(  # noqa: PLR0913 - one for each option of the command
-    name: str,
-    dependencies: tuple[str, ...],
-    meta: bool,
-    system_dependencies: tuple[str, ...],
-    boost: tuple[str, ...],
-    version: str,
-    description: str,
-    licenses: tuple[str, ...],
-    authors: tuple[str, ...],
-    maintainers: tuple[str, ...],
-    rosdistro: str | None,
-    as_json: bool,
-) -> None:
+def create(package: NewPackage, rosdistro: str | None, as_json: bool) -> None:
     """Write package.xml and CMakeLists.txt of a new package into a folder of its name."""
-    package = NewPackage(
-        name=name,
-        dependencies=dependencies,
-        system_dependencies=system_dependencies,
-        boost_components=boost,
-        version=version,
-        description=description,
-        licenses=licenses,
-        authors=authors,
-        maintainers=maintainers,
-        is_metapackage=meta,
-        user=_user(),
-    )
-    created = create_package(Path.cwd(), package)
+    created = create_package(Path.cwd(), replace(package, user=_user()))
     for line in created.warnings:
         warn(line)
     if as_json:

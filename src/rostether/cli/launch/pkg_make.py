@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 _OF_CMAKE = ("-D", "-G", "-j", "-l", "-W")
-# Targets that people type, and what takes their place.
+# Common targets, and their replacements.
 _TARGETS = {
     "install": "no install folder is made; packages are used where they are",
     "run_tests": "no tests are built or run; run those of Python with pytest",
@@ -45,7 +45,7 @@ def init(folder: Path | None) -> None:
 
 class _CatkinVerb(Verb):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        # Of -DCMAKE_X=h a cluster of short options would be read, and the h in it ask for help.
+        # Otherwise -DCMAKE_X=h is read as short options, and its h prints the help.
         return super().parse_args(ctx, [each for each in args if not each.startswith(_OF_CMAKE)])
 
 

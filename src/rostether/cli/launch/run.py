@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import click
 
+from rostether.cli.dashboard.browser import has_browser
 from rostether.cli.launch.completions import complete_package_folders, complete_programs
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.packages_here import packages_here
@@ -43,10 +44,11 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     such as serial_node.py, relay and robot_state_publisher are built in. All arguments after the node's name
     go to the node.
     """
-    if line := replacement_line(package, os.environ, in_terminal=True):
+    in_terminal = not has_browser(os.environ)
+    if line := replacement_line(package, os.environ, in_terminal=in_terminal):
         warn(line)
-        become(view_command(package, arguments), os.environ)
-    # To look through a home directory takes its time, and our own nodes are in no folder.
+        become(view_command(package, arguments, in_terminal=in_terminal), os.environ)
+    # Searching a home directory takes time, and built-in nodes are not in a folder.
     is_ours = (package, program) in served_nodes()
     packages = {} if is_ours else packages_here()
     found = node_command(package, program, packages=packages, environ=os.environ)

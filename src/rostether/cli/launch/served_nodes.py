@@ -1,8 +1,8 @@
-"""The nodes that launch files and rosrun name, and that are ours by role: (package, type) -> our command.
+"""The built-in nodes of launch files and rosrun: maps (package, type) to a rostether command.
 
-A row is the words behind `rostether`. Such a command takes what any ROS node takes: `__name:=`, `__ns:=`,
-`_parameter:=value`, `from:=to`. What shows itself in a window of its own stands in `_WINDOWS`: the user's own
-is started when installed, else one line says what takes its place.
+A row has the words after `rostether`. The command accepts all arguments of ROS nodes: `__name:=`, `__ns:=`,
+`_parameter:=value`, `from:=to`. `_WINDOWS` has the programs with windows: the installed program is used if
+there is one, otherwise a panel of the dashboard replaces it.
 """
 
 from __future__ import annotations
@@ -72,63 +72,94 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("topic_tools", "mux_list"): ("role", "mux-list"),
 }
 
-# The part of the dashboard that replaces a window.
+# The panel of the dashboard that replaces a window, and its contents; an empty one is the overview.
 _WINDOWS = {
-    "rviz": "the robot in 3D",
-    "rviz2": "the robot in 3D",
-    "rqt_graph": "nodes and topics",
-    "rqt_plot": "values over time",
-    "rqt_image_view": "pictures",
-    "rqt_gui": "plots, pictures, logs and 3D",
-    "rqt_console": "logs",
-    "rqt_topic": "topics and their messages",
-    "rqt_publisher": "topics and publishes on them",
-    "rqt_service_caller": "services and calls them",
-    "rqt_reconfigure": "parameters and sets them",
-    "rqt_robot_steering": "a joystick that drives the robot",
+    "rviz": ("scene", "the robot in 3D"),
+    "rviz2": ("scene", "the robot in 3D"),
+    "rqt_graph": ("graph", "nodes and topics"),
+    "rqt_plot": ("plots", "values over time"),
+    "rqt_image_view": ("images", "pictures"),
+    "rqt_gui": ("", "plots, pictures, logs and 3D"),
+    "rqt_console": ("console", "logs"),
+    "rqt_topic": ("topics", "topics and their messages"),
+    "rqt_publisher": ("controls", "topics and publishes on them"),
+    "rqt_service_caller": ("services", "services and calls them"),
+    "rqt_reconfigure": ("parameters", "parameters and sets them"),
+    "rqt_robot_monitor": ("diagnostics", "diagnostics"),
+    "rqt_robot_steering": ("drive", "a joystick that drives the robot"),
 }
+_OTHER_WINDOW = ("", "the robot")
 
-# In a terminal these show the same at once.
+# Without a browser, these commands show the same in the terminal.
 _TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}
+
+# RViz's options with a value, and those that name the file of displays.
+_RVIZ_VALUES = {"-d", "--display-config", "-s", "--splash-screen", "--help-file", "-f", "--fixed-frame", "-t"}
+_RVIZ_FILE = {"-d", "--display-config"}
 
 # Built-in programs that launch files run for a parameter's value: `$(find xacro)/xacro`.
 _PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 
 
 def served_nodes() -> dict[tuple[str, str], list[str]]:
-    """Map (package, type) of the nodes that we serve to whole command lines, without the node's arguments."""
+    """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
     return {node: our_command(*words) for node, words in SERVED_NODES.items() if _exists(words)}
 
 
 def our_command(*words: str) -> list[str]:
-    """Return the command line of one of our verbs, run by this very Python."""
+    """Return the command line of a rostether verb, run by this Python."""
     # Without -P, a file in the current folder could replace one of rostether's modules.
     return [sys.executable, "-P", "-m", "rostether", *words]
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
-    """Return what takes the place of an rviz or rqt program that is not installed; None for others."""
+    """Return what replaces an rviz or rqt program that is not installed; None for others."""
     if package not in _WINDOWS and not package.startswith("rqt_"):
         return None
     if window_program(package, package, environ) is not None:
         return None
-    shown = _WINDOWS.get(package, "the robot")
+    _, shown = _WINDOWS.get(package, _OTHER_WINDOW)
     if in_terminal and package in _TERMINAL_VIEWS:
         return f"{package} is not installed here; `rostether {package.removeprefix('rqt_')}` shows {shown}"
     return f"{package} is not installed here; the dashboard shows {shown}"
 
 
-def view_command(package: str, arguments: Sequence[str]) -> list[str]:
-    """Return our command line that shows what a window of rviz or rqt would, given its arguments."""
-    if package in _TERMINAL_VIEWS:
-        names = [each for each in arguments if ":=" not in each and not each.startswith("-")]
-        return our_command(*_TERMINAL_VIEWS[package], *names)
-    # A window's own options, such as rviz's `-d FILE`, mean nothing here.
-    return our_command("dashboard", *(each for each in arguments if ":=" in each and each[0] != "-"))
+def view_command(package: str, arguments: Sequence[str], *, in_terminal: bool = False) -> list[str]:
+    """Return the command line that replaces a window of rviz or rqt with its arguments."""
+    panel, shown = window_view(package, arguments)
+    if in_terminal and package in _TERMINAL_VIEWS:
+        return our_command(*_TERMINAL_VIEWS[package], *shown)
+    words = ["--panel", panel, *(word for each in shown for word in ("--show", each))] if panel else []
+    return our_command("dashboard", *words, *(each for each in arguments if ":=" in each and each[0] != "-"))
+
+
+def window_view(package: str, arguments: Sequence[str]) -> tuple[str, list[str]]:
+    """Return the dashboard's panel for a window of rviz or rqt, and its contents from the arguments."""
+    panel, _ = _WINDOWS.get(package, _OTHER_WINDOW)
+    if panel == "scene":
+        return panel, _rviz_file(arguments)
+    return panel, [
+        each for each in arguments if ":=" not in each and not each.startswith("-")
+    ] if panel else []
+
+
+def _rviz_file(arguments: Sequence[str]) -> list[str]:
+    found: list[str] = []
+    words = iter(arguments)
+    for word in words:
+        name, has_value, value = word.partition("=")
+        if word in _RVIZ_VALUES:
+            value = next(words, "")
+        elif not has_value:
+            # A single file is also one of displays.
+            name, value = "-d", "" if word.startswith("-") or ":=" in word else word
+        if name in _RVIZ_FILE and value:
+            found = [value]
+    return found
 
 
 def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path | None:
-    """Return the user's own rviz or rqt program, None where it is not installed."""
+    """Return the installed rviz or rqt program, None if there is none."""
     for library in library_folders(package, None, environ):
         if os.access(library / name, os.X_OK) and (library / name).is_file():
             return library / name
@@ -136,7 +167,7 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
 
     for part in environ.get("PATH", os.defpath).split(os.pathsep):
         found = shutil.which(name, path=part) if part else None
-        # Our own shim would only come back to us.
+        # The shim would start this command again.
         if found is not None and not is_shim(Path(found)):
             return Path(found)
     return None

@@ -1,4 +1,4 @@
-"""What the words behind `launch` mean: a launch file of a package, files by path, `name:=value` arguments."""
+"""Reads the words after `launch`: a launch file of a package, files by path, `name:=value` arguments."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from rostether.packages.search_path import walk
 STDIN = "-"
 _ARGUMENT = re.compile(r"[~/A-Za-z_][\w/]*:=.*", re.DOTALL)
 _LAUNCH_SUFFIXES = (".launch", ".xml", ".test")
-_MAX_LISTED = 8  # a line that people still read
+
+# The longest readable list in an error line.
+_MAX_LISTED = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +36,7 @@ class LaunchSources:
 def split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]:
     """Sort words into others, arguments, and the names of arguments with an empty value.
 
-    Those say nothing, as with roslaunch.
+    Empty ones have no effect, as with roslaunch.
     """
     rest: list[str] = []
     arguments: dict[str, str] = {}
@@ -84,7 +86,7 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
 
 
 def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return packages that have launch files; behind a package, its launch files."""
+    """Return packages with launch files; after a package, its launch files."""
     packages = package_folders(os.environ, Path.cwd())
     words = ctx.params.get("words") or ()
     if words and words[0] in packages:

@@ -12,9 +12,9 @@ import click
 
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.master_choice import used_master
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
+from rostether.cli.access.used_master import used_master
 from rostether.cli.bridge.serving import bridge
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
@@ -122,7 +122,7 @@ async def _replay(
 
     async with used_master(environment, is_chosen=is_chosen) as used:
         reporter.line(Level.INFO, used.line)
-        # The address only gives the name.
+        # The address only provides the name.
         addresses = [TcpAddress("capture", 0, name=name)]
         async with bridge(
             joining_ros1(used.environment),
@@ -155,7 +155,7 @@ class _Settling:
     async def settle(self) -> None:
         """Wait."""
         await asyncio.sleep(0)
-        # The search of a type runs in a thread; the end of the capture would cancel it.
+        # A thread searches for a type; the end of the capture would cancel the search.
         while any(board.is_searching for board in self._supervisor.boards()):  # noqa: ASYNC110
             await asyncio.sleep(SEARCH_POLL_S)
         known = sum(len(board.endpoints) for board in self._supervisor.boards())

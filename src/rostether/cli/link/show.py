@@ -1,4 +1,4 @@
-"""`rostether link show`: the frames of a capture, one a line."""
+"""`rostether link show`: the frames of a capture, one per line."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
     logs: dict[int, LineLog] = {}
     counts: Counter[str] = Counter()
 
-    def tell(link: int, entries: list[LineEntry]) -> None:
+    def show(link: int, entries: list[LineEntry]) -> None:
         for entry in entries:
             side = "device" if entry.from_device else "host"
             counts[f"{side} {'faults' if entry.fault else 'frames'}"] += 1
@@ -66,15 +66,15 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
         match each:
             case Chunk():
                 log = logs.setdefault(each.link, LineLog(version))
-                tell(each.link, list(log.feed(each.time_s, each.from_device, each.data)))
+                show(each.link, list(log.feed(each.time_s, each.from_device, each.data)))
             case LinkOpened() | LinkClosed():
                 ended = logs.pop(each.link, None)
-                tell(each.link, list(ended.finish(time_s)) if ended is not None else [])
+                show(each.link, list(ended.finish(time_s)) if ended is not None else [])
                 if not as_json:
                     what = f"opened: {shown_line(each.peer)}" if isinstance(each, LinkOpened) else "closed"
                     write_line(f"{time_s:12.6f}  link {each.link} {what}")
     for link, log in logs.items():
-        tell(link, list(log.finish(time_s)))
+        show(link, list(log.finish(time_s)))
     if not as_json:
         write_line(
             f"protocol version {version}, {time_s:.1f} s; from the board {counts['device frames']} frames, "

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import functools
+import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.option_group import Function, ignored_options
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownTypeError
+from rostether.mechanisms.text import did_you_mean
 
 if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
@@ -31,65 +35,79 @@ _HERE = __name__
     examples="rostether interface show sensor_msgs/msg/Imu",
 )
 def interface() -> None:
-    """Show message and service definitions of ROS 2, like ros2 interface."""
+    """Show message, service and action definitions of ROS 2, like ros2 interface."""
 
 
-_kind_options = (
-    click.option("-m", "--only-msgs", is_flag=True, help="Only messages."),
-    click.option("-s", "--only-srvs", is_flag=True, help="Only services."),
-)
+# The middle part of a type's name -> the title of a list.
+_TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
+
+
+def _kind_options(function: Function) -> Function:
+    """Add options that choose kinds of types; the verb gets the chosen ones as `kinds`, or all."""
+
+    @functools.wraps(function)
+    def chosen(*args: Any, only_msgs: bool, only_srvs: bool, only_actions: bool, **kwargs: Any) -> Any:
+        flags = zip(_TITLES, (only_msgs, only_srvs, only_actions), strict=True)
+        kinds = [kind for kind, is_chosen in flags if is_chosen]
+        return function(*args, kinds=kinds or list(_TITLES), **kwargs)
+
+    decorated: Any = click.option("-m", "--only-msgs", is_flag=True, help="Only messages.")(chosen)
+    decorated = click.option("-s", "--only-srvs", is_flag=True, help="Only services.")(decorated)
+    return click.option("-a", "--only-actions", is_flag=True, help="Only actions.")(decorated)  # type: ignore[no-any-return]
 
 
 @click.command("show", cls=Verb, examples="rostether interface show std_srvs/srv/SetBool")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
+@ignored_options(comments="--all-comments", no_comments="--no-comments")
 @msg_path_option
 def show(names: tuple[str, ...], msg_paths: tuple[Path, ...]) -> None:
-    """Show the fields of types, with all nested fields."""
+    """Show the fields of types, with all nested fields; `-` reads a type from stdin."""
     from rostether.cli.msg.ros2_definitions import shown
 
     registry = _registry(msg_paths)
-    for name in names:
+    for given in names:
+        name = sys.stdin.readline().strip() if given == "-" else given
         write_line(shown(registry, _kind(name), name))
 
 
 @click.command("list", cls=Verb, examples="rostether interface list --only-msgs")
-@_kind_options[0]
-@_kind_options[1]
+@_kind_options
 @msg_path_option
-def list_all(only_msgs: bool, only_srvs: bool, msg_paths: tuple[Path, ...]) -> None:
-    """List all message and service types."""
+def list_all(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
+    """List all message, service and action types."""
     registry = _registry(msg_paths)
-    for title, names in _chosen(registry, only_msgs=only_msgs, only_srvs=only_srvs):
-        write_line(f"{title}:")
-        for name in names:
+    for kind in kinds:
+        write_line(f"{_TITLES[kind]}:")
+        for name in _names(registry, kind):
             write_line(f"    {name}")
 
 
 @click.command("package", cls=Verb, examples="rostether interface package std_msgs")
 @click.argument("name", metavar="PACKAGE")
+@_kind_options
 @msg_path_option
-def package(name: str, msg_paths: tuple[Path, ...]) -> None:
+def package(name: str, kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
     """List the types of one package."""
     registry = _registry(msg_paths)
-    found = [*registry.messages(name), *registry.services(name)]
-    if not found:
+    found = [each for kind in kinds for each in _names(registry, kind, name)]
+    if name not in registry.packages():
+        meant = did_you_mean(name, registry.packages())
         raise UnknownTypeError(
-            f"no package {name!r} with definitions is known; give its folder with --msg-path; "
-            "`rostether interface packages` lists the known ones"
+            f"no package {name!r} with definitions is known; {meant and f'{meant} Otherwise, '}"
+            "give its folder with --msg-path; `rostether interface packages` lists the known ones"
         )
     for each in found:
         write_line(each)
 
 
 @click.command("packages", cls=Verb, examples="rostether interface packages")
-@_kind_options[0]
-@_kind_options[1]
+@_kind_options
 @msg_path_option
-def packages(only_msgs: bool, only_srvs: bool, msg_paths: tuple[Path, ...]) -> None:
-    """List the packages that have message or service types."""
+def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
+    """List the packages that have message, service or action types."""
     registry = _registry(msg_paths)
-    chosen = _chosen(registry, only_msgs=only_msgs, only_srvs=only_srvs)
-    for name in sorted({each.partition("/")[0] for _, names in chosen for each in names}):
+    names = [each for kind in kinds for each in _names(registry, kind)]
+    for name in sorted({each.partition("/")[0] for each in names}):
         write_line(name)
 
 
@@ -98,14 +116,20 @@ def packages(only_msgs: bool, only_srvs: bool, msg_paths: tuple[Path, ...]) -> N
 @click.option("--no-quotes", is_flag=True, help="Without quotes around the text.")
 @msg_path_option
 def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
-    """Print a message with its default values, or a service's request, as YAML."""
+    """Print a message with its default values, a service's request, or an action's goal, as YAML."""
     from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
     from rostether.cli.topic.ros2_typed_values import ValueForm
     from rostether.rostime import Time
     from rostether.serde.store import TypeStore
 
     registry = _registry(msg_paths)
-    definition = registry.ros2_message(name) if _kind(name) == "msg" else registry.ros2_service(name).request
+    match _kind(name):
+        case "msg":
+            definition = registry.ros2_message(name)
+        case "srv":
+            definition = registry.ros2_service(name).request
+        case _:
+            definition = registry.definitions.action(name).action.goal
     form = ValueForm(registry.ros2_message, Time)
     message = form.fill(TypeStore(registry).codec(_short(definition.full_name)), definition, [])
     text = MessageText(registry.ros2_message, TextStyle(truncate_length=None)).yaml(message, definition)
@@ -119,13 +143,13 @@ def _registry(msg_paths: Sequence[Path]) -> NativeRegistry:
 
 
 def _kind(name: str) -> str:
-    """Return `msg` or `srv`. Raises UsageError for a name that says neither."""
+    """Return `msg`, `srv` or `action`. Raises UsageError for a name without one of them."""
     parts = name.split("/")
-    if len(parts) == 3 and parts[1] in ("msg", "srv"):
+    if len(parts) == 3 and parts[1] in _TITLES:
         return parts[1]
-    if len(parts) == 3 and parts[1] == "action":
-        raise click.UsageError(f"{name}: actions are not supported; their messages and services are")
-    raise click.UsageError(f"{name!r} is not a type; write PACKAGE/msg/NAME or PACKAGE/srv/NAME")
+    raise click.UsageError(
+        f"{name!r} is not a type; write PACKAGE/msg/NAME, PACKAGE/srv/NAME or PACKAGE/action/NAME"
+    )
 
 
 def _short(name: str) -> str:
@@ -134,11 +158,7 @@ def _short(name: str) -> str:
     return short_name(name)
 
 
-def _chosen(registry: NativeRegistry, *, only_msgs: bool, only_srvs: bool) -> list[tuple[str, list[str]]]:
-    every = not (only_msgs or only_srvs)
-    chosen = []
-    if only_msgs or every:
-        chosen.append(("Messages", registry.messages()))
-    if only_srvs or every:
-        chosen.append(("Services", registry.services()))
-    return chosen
+def _names(registry: NativeRegistry, kind: str, package: str | None = None) -> list[str]:
+    from rostether.msgdef.definition_files import Kind
+
+    return registry.definitions.names(Kind(kind), package)

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
 
 def shown(registry: Registry, group: str, name: str) -> str:
-    """Return the fields of a message, or of both halves of a service, each type's fields below it."""
-    found = _found(registry, group, name)
-    halves = [found] if isinstance(found, Ros2Message) else [found.request, found.response]
+    """Return the fields of a message, or of all parts of a service or action, each type's fields below it."""
     native = _native(registry)
+    if group == "action":
+        halves = native.definitions.action(name).action.parts
+    else:
+        halves = _found(registry, group, name).parts
     texts = (shown_definition(half, native.ros2_message, _lines(native, half, "")) for half in halves)
     return "\n---\n".join(text.removesuffix("\n") for text in texts)
 

@@ -1,4 +1,4 @@
-"""What `rostether node` asks of a graph, and the choice between ROS 1 and ROS 2."""
+"""The Protocol behind `rostether node`, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Nodes(Protocol):
         """Print the machines that nodes run on, or the nodes on one."""
 
     def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
-        """Ping a node once a second, or each node once where `name` is None."""
+        """Ping a node once a second, or each node once if `name` is None."""
 
     def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
         """Ask nodes to shut down."""

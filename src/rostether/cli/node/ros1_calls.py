@@ -11,6 +11,7 @@ from typing import Any
 
 from rostether.cli.access.ros1_access import OUR_NAME
 from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
@@ -77,10 +78,7 @@ async def find_node(master: MasterClient, name: str) -> str:
 
 def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for an unknown node."""
-    from difflib import get_close_matches
-
-    near = get_close_matches(name, known, n=1)
-    hint = f"did you mean {near[0]}?" if near else "`rostether node list` shows the running nodes"
+    hint = did_you_mean(name, known) or "`rostether node list` shows the running nodes"
     return UnknownNameError(f"no node is called {name}; {hint}")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
@@ -12,7 +12,7 @@ from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.output import write_json, write_line
 from rostether.errors import UnknownNameError
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros2.endpoint_info import EndpointKind
 
 _SECTIONS = {
@@ -63,7 +63,7 @@ class Ros2Nodes:
         view = asked(self._graph, ask)
         for name in full_names:
             if name not in view.nodes:
-                raise unknown_node(name)
+                raise unknown_node(name, view.nodes)
             _write_info(name, _sections(view, name, with_hidden=with_hidden), as_json=as_json)
 
     def machine(self, name: str | None) -> None:
@@ -102,9 +102,10 @@ def full_node_name(name: str) -> str:
     return f"/{name.lstrip('/')}"
 
 
-def unknown_node(name: str) -> UnknownNameError:
+def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for a node that is not there."""
-    return UnknownNameError(f"Unable to find node '{name}'; `rostether node list` shows all nodes")
+    hint = did_you_mean(name, known) or "`rostether node list` shows all nodes"
+    return UnknownNameError(f"Unable to find node '{name}'; {hint}")
 
 
 def _sections(view: GraphView, node: str, *, with_hidden: bool) -> dict[str, list[tuple[str, list[str]]]]:

@@ -76,7 +76,9 @@ def machine(name: str | None, graph: GraphOptions) -> None:
 )
 @click.argument("name", metavar="[NODE]", required=False, shell_complete=complete_nodes)
 @click.option("-a", "--all", "ping_all", is_flag=True, help="Ping each node once.")
-@click.option("-c", "count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT pings.")
+@click.option(
+    "-n", "-c", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT pings."
+)
 @json_option
 @graph_options()
 def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:

@@ -1,4 +1,4 @@
-"""What `rostether param` asks of a graph, and the choice between ROS 1 and ROS 2."""
+"""The Protocol behind `rostether param`, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Params(Protocol):
         """Print a parameter."""
 
     def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
-        """Set what `words` say: NAME VALUE, or with ROS 2 NODE NAME VALUE."""
+        """Set a parameter; `words` are NAME VALUE, or with ROS 2 NODE NAME VALUE."""
 
     def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
         """Delete a parameter."""

@@ -11,16 +11,20 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.refusals import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
-from rostether.cli.param.ros1_names import not_set, param_name
 from rostether.cli.shell.input_files import read_bytes, read_text
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
     from rostether.graph.ports import ParamValue
+
+
+from rostether.cli.access.ros1_access import resolve
+from rostether.names.graph_name import SEPARATOR, canonical, is_global
+from rostether.ros1.node.master_client import MasterClient
 
 
 class Ros1Params:
@@ -56,7 +60,7 @@ class Ros1Params:
         elif options.pretty and isinstance(value, str):
             write_line(value)
         else:
-            # As rosparam prints it: whatever has no document end of its own is followed by an empty line.
+            # As in rosparam: a value without its own document end is followed by an empty line.
             write_line(dump(value).removesuffix(f"\n{DOCUMENT_END}"))
 
     def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
@@ -165,7 +169,7 @@ async def _store(environment: RosEnvironment, values: list[tuple[str, Any]], *, 
         full_name = param_name(name, environment)
         if full_name == "/" and not isinstance(value, dict):
             raise ConfigError("/ can only be set to a mapping of names to values")
-        # All of them, before the first is set: a mistake in a file sets nothing.
+        # Read them all before the first is set: a file with a mistake sets nothing.
         settings += leaves(full_name, value)
     _warn_of_illegal([name for name, _ in settings])
     async with master_client(environment) as client:
@@ -184,3 +188,30 @@ def _warn_of_illegal(names: list[str]) -> None:
         except InvalidNameError as error:
             warn(f"warning: {error}; it is set, but roscpp nodes refuse such names")
             return
+
+
+def param_name(name: str, environment: RosEnvironment) -> str:
+    """Return the full name of a parameter.
+
+    Keys of YAML files often break the rules of names, as `max-speed` does. Masters accept them, so they can
+    be read and deleted.
+    """
+    try:
+        return resolve(name, environment)
+    except InvalidNameError:
+        return canonical(name if is_global(name) else environment.namespace + SEPARATOR + name)
+
+
+async def not_set(client: MasterClient, name: str) -> UnknownNameError:
+    """Return the error for a parameter that is not set, with the nearest one that is."""
+    known = _with_namespaces(await client.param_names())
+    hint = did_you_mean(name, known) or "`rostether param list` shows the set ones"
+    return UnknownNameError(f"parameter {name} is not set; {hint}")
+
+
+def _with_namespaces(names: list[str]) -> set[str]:
+    found = set(names)
+    for name in names:
+        while name := name.rpartition(SEPARATOR)[0]:
+            found.add(name)
+    return found

@@ -21,7 +21,7 @@ from rostether.cli.node.ros2_nodes import full_node_name
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros2.parameters.parameter_name import name_parts
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
 
@@ -53,7 +53,8 @@ async def _find_node(tool: ToolNode, node: str) -> None:
         return
     if node in view.nodes:
         raise UnknownNameError(f"node {node} does not give access to its parameters")
-    raise UnknownNameError(f"Node not found: {node}; `rostether node list` shows all nodes")
+    hint = did_you_mean(node, view.nodes) or "`rostether node list` shows all nodes"
+    raise UnknownNameError(f"Node not found: {node}; {hint}")
 
 
 def _nodes_with_parameters(view: GraphView) -> list[str]:
@@ -137,12 +138,16 @@ class Ros2Params:
         """Print a parameter with its type. Raises UnknownNameError."""
         refuse_ros1_only(pretty=options.pretty, verbose=options.verbose)
         node, path = _located(self._graph, name, parameter)
-        value = _asked_of(self._graph, node, lambda client: client.get(node, [path])).get(path, NOT_SET)
-        if value == NOT_SET:
-            raise UnknownNameError(
-                f"Parameter not set: node {node} has no parameter {path}; `rostether param list {node}` "
-                f"shows its parameters"
-            )
+
+        async def ask(client: ParameterClient) -> TypedValue:
+            found = (await client.get(node, [path])).get(path, NOT_SET)
+            if found == NOT_SET:
+                hint = did_you_mean(path, await client.names(node))
+                hint = hint or f"`rostether param list {node}` shows its parameters"
+                raise UnknownNameError(f"Parameter not set: node {node} has no parameter {path}; {hint}")
+            return found
+
+        value = _asked_of(self._graph, node, ask)
         if options.as_json:
             write_json({"node": node, "name": path, "value": value.value})
         elif options.hide_type:
@@ -180,7 +185,7 @@ class Ros2Params:
         write_line("Deleted parameter successfully")
 
     def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
-        """Print what a node says of its parameters."""
+        """Print a node's descriptions of its parameters."""
         from rostether.serde.plain_form import to_plain
 
         owner = full_node_name(node)

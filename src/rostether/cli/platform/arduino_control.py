@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.platform.parameters import Parameters, reporter
 from rostether.cli.role.node import NODE_SETTINGS, run_role
 from rostether.cli.shell.verbs import Verb
@@ -21,13 +22,14 @@ from rostether.names.remap import Arguments
     """,
 )
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-def arduino_control(arguments: tuple[str, ...]) -> None:
+@ROS2_CHOICE
+def arduino_control(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Turn a joystick's axes (`joy`) into commands for a robot (`arduino_control`).
 
     Parameters: ~deadzone (0.1), ~formula (reference). With ~formula radial, the speed grows smoothly from the
     edge of the dead zone to at most 1 in every direction; with reference, it reaches 1.414 in the corners.
     """
-    run_role("arduino_control", arguments, _main)
+    run_role("arduino_control", arguments, _main, ros2)
 
 
 async def _main(graph: TypedGraph, _: Arguments) -> None:

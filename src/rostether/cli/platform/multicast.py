@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.graph_options import ROS2_CHOICE
+from rostether.cli.platform.fleet_options import MAX_ROBOT, group_mask
 from rostether.cli.platform.parameters import Parameters, reporter
 from rostether.cli.role.node import NODE_SETTINGS, run_role
 from rostether.cli.shell.verbs import Verb
@@ -17,8 +19,6 @@ if TYPE_CHECKING:
     from rostether.platform.multicast_socket import GroupAddress
 
 _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
-_MAX_ROBOT = 0xFFFF_FFFF
-_GROUPS = 32
 _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 
 
@@ -33,14 +33,16 @@ _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metav
     """,
 )
 @_arguments
-def multicast_topic_bridge(arguments: tuple[str, ...]) -> None:
+@ROS2_CHOICE
+def multicast_topic_bridge(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Send the newest message of a topic to a multicast group, one message a datagram.
 
     Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
     (1000 Hz; 0 sends at once), ~interface (names or addresses), ~ttl (1). With ~framed true, robots check who
-    commands them: ~robot (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s).
+    commands them: ~robot (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s),
+    ~unicast (addresses of robots that multicast does not reach).
     """
-    run_role("multicast_topic_bridge", arguments, _send)
+    run_role("multicast_topic_bridge", arguments, _send, ros2)
 
 
 @click.command(
@@ -53,14 +55,15 @@ def multicast_topic_bridge(arguments: tuple[str, ...]) -> None:
     """,
 )
 @_arguments
-def multicast_topic_receiver(arguments: tuple[str, ...]) -> None:
+@ROS2_CHOICE
+def multicast_topic_receiver(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish the messages that arrive from a multicast group.
 
     Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1), ~receiving_port (12345),
     ~interface, ~sources (networks that may send; default: this machine). With ~framed true, only commands for
     this robot are published, and zeros when they end: ~robot (1), ~groups (0), ~key_file.
     """
-    run_role("multicast_topic_receiver", arguments, _receive)
+    run_role("multicast_topic_receiver", arguments, _receive, ros2)
 
 
 async def _send(graph: TypedGraph, _: Arguments) -> None:
@@ -71,7 +74,7 @@ async def _send(graph: TypedGraph, _: Arguments) -> None:
     parameters = Parameters(graph, "multicast_topic_bridge")
     framed = None
     if await parameters.flag(False, "framed"):
-        robot = await parameters.whole(0, 0, _MAX_ROBOT, "robot")
+        robot = await parameters.whole(0, 0, MAX_ROBOT, "robot")
         groups = await _group_mask(parameters)
         if robot and groups:
             raise ConfigError("give ~robot or ~groups, not both")
@@ -87,6 +90,7 @@ async def _send(graph: TypedGraph, _: Arguments) -> None:
         frequency_hz=await parameters.number(1000.0, "frequency"),
         framed=framed,
         input_timeout_s=await parameters.number(0.5, "input_timeout"),
+        unicast=await parameters.words("unicast"),
     )
     await send_topic(graph.raw, settings, reporter(graph))
 
@@ -102,7 +106,7 @@ async def _receive(graph: TypedGraph, _: Arguments) -> None:
     framed = None
     if await parameters.flag(False, "framed"):
         kind = bytes.fromhex(graph.store.registry.message_type(type_name).md5sum[:8])
-        robot = await parameters.whole(1, 1, _MAX_ROBOT, "robot")
+        robot = await parameters.whole(1, 1, MAX_ROBOT, "robot")
         framed = ReceiverSettings(robot, await _group_mask(parameters) or 1, kind, await _key(parameters))
     settings = ReceiverNodeSettings(
         type_name,
@@ -127,12 +131,7 @@ async def _address(parameters: Parameters, *port_names: str) -> GroupAddress:
 
 
 async def _group_mask(parameters: Parameters) -> int:
-    mask = 0
-    for word in await parameters.words("groups"):
-        if not word.isdecimal() or int(word) >= _GROUPS:
-            raise ConfigError(f"~groups are numbers from 0 to {_GROUPS - 1}, not {word!r:.200}")
-        mask |= 1 << int(word)
-    return mask
+    return group_mask(await parameters.words("groups"), "~groups")
 
 
 async def _key(parameters: Parameters) -> bytes:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.platform.parameters import Parameters, reporter
 from rostether.cli.role.node import NODE_SETTINGS, run_role
 from rostether.cli.shell.verbs import Verb
@@ -26,13 +27,14 @@ _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metav
     """,
 )
 @_arguments
-def sensing_manager(arguments: tuple[str, ...]) -> None:
+@ROS2_CHOICE
+def sensing_manager(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Register sensors (service `sensors_register`), watch them and publish their list (`sensors`).
 
     Parameters: ~sensors_file (topics of boards that are sensors, a line each), ~state_file (where registered
     sensors are kept across restarts; default: ~/.local/state/rostether/sensors.json).
     """
-    run_role("sensing_manager", arguments, _manage)
+    run_role("sensing_manager", arguments, _manage, ros2)
 
 
 @click.command(
@@ -45,12 +47,13 @@ def sensing_manager(arguments: tuple[str, ...]) -> None:
     """,
 )
 @_arguments
-def digital_tester(arguments: tuple[str, ...]) -> None:
-    """Be a sensor that publishes a random number from 0 to 100 each second.
+@ROS2_CHOICE
+def digital_tester(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish a random number from 0 to 100 each second, as a test sensor.
 
     Its platform is ~platform_name, else the variable PLATFORM_NAME, else DigitalTesterStation.
     """
-    run_role("digital_tester", arguments, _test)
+    run_role("digital_tester", arguments, _test, ros2)
 
 
 async def _manage(graph: TypedGraph, _: Arguments) -> None:

@@ -1,4 +1,4 @@
-"""What `rostether plot` draws: which fields are meant, and their values over time."""
+"""The curves of `rostether plot`: the selected fields, and their values over time."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from rostether.serde.values import Message
 # Four rounds of colors: more cannot be distinguished, and a laser scan has hundreds of ranges.
 MAX_CURVES = 28
 
-# Of all curves: 10 minutes of seven curves at 50 Hz; the oldest are forgotten first.
+# Points of all curves: 10 minutes of seven curves at 50 Hz; the oldest are dropped first.
 MAX_POINTS = 200_000
 
-_LEFT_OUT = "header"  # a count and a stamp: in a plot of a whole message they hide all else
+# A count and a stamp: in a plot of a whole message, their values hide all others.
+_LEFT_OUT = "header"
 
 
 def expand(argument: str) -> list[str]:
@@ -63,11 +64,11 @@ class Curves:
 
     @property
     def names(self) -> list[str]:
-        """The curves there are."""
+        """The current curves."""
         return [name for group in self._points.values() for name in group]
 
     def expect(self, *names: str) -> None:
-        """Name fields whose values are to come."""
+        """Announce the names of fields whose values follow."""
         for name in names:
             self._points.setdefault(name, {})
 
@@ -80,7 +81,7 @@ class Curves:
             found = True
             if path not in group:
                 if self._count >= MAX_CURVES:
-                    self._say_full()
+                    self._report_full()
                     return True
                 self._count += 1
                 group[path] = deque()
@@ -102,7 +103,7 @@ class Curves:
             for name, points in group.items():
                 group[name] = deque(points, maxlen=limit)
 
-    def _say_full(self) -> None:
+    def _report_full(self) -> None:
         if not self._is_full:
             self._is_full = True
             warn(f"WARNING: only the first {MAX_CURVES} values are plotted; give fewer fields")

@@ -1,4 +1,4 @@
-"""What `rostether graph` shows of a graph, and how: as text, as records, as vertices and edges."""
+"""The part of a graph that `rostether graph` shows: as text, as records, as vertices and edges."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.access.ros1_access import in_namespace
 from rostether.errors import UnknownNameError
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
 
 if TYPE_CHECKING:
     from rostether.pictures.digraph import Digraph
 
-# What every node is connected to hides what the others are.
+# Almost every node is connected to these, so they hide the other connections.
 _HIDDEN_TOPICS = frozenset({"/rosout", "/rosout_agg", "/statistics", "/parameter_events"})
 _HIDDEN_NODES = frozenset({"/rosout"})
 _NODE_SERVICES = frozenset(
@@ -29,8 +29,8 @@ class Shown:
     """The chosen part of a graph, sorted by name."""
 
     nodes: Sequence[str]
-    topics: Sequence[TopicInfo]
-    services: Sequence[ServiceInfo]
+    topics: Sequence[TopicEntry]
+    services: Sequence[ServiceEntry]
 
 
 def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> Shown:
@@ -57,7 +57,7 @@ def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool =
 
 
 def as_text(shown: Shown) -> Iterator[str]:
-    """Yield lines: each node with what it publishes, subscribes to and offers, and the other ends."""
+    """Yield lines: each node with its publications, subscriptions and services, and the other ends."""
     for node in shown.nodes:
         yield escape_line(node)
         for topic in shown.topics:
@@ -122,7 +122,7 @@ def _is_hidden_topic(name: str) -> bool:
     return name in _HIDDEN_TOPICS or _has_hidden_part(name)
 
 
-def _is_hidden_service(service: ServiceInfo) -> bool:
+def _is_hidden_service(service: ServiceEntry) -> bool:
     return service.name.rpartition("/")[2] in _NODE_SERVICES or _has_hidden_part(service.name)
 
 
@@ -134,17 +134,17 @@ def _is_in(name: str, namespaces: Iterable[str]) -> bool:
     return any(in_namespace(name, each) for each in namespaces)
 
 
-def _ends(topic: TopicInfo) -> set[str]:
+def _ends(topic: TopicEntry) -> set[str]:
     return {*topic.publishers, *topic.subscribers}
 
 
-def _without(topic: TopicInfo, nodes: set[str]) -> TopicInfo:
+def _without(topic: TopicEntry, nodes: set[str]) -> TopicEntry:
     publishers = tuple(each for each in dict.fromkeys(topic.publishers) if each in nodes)
     subscribers = tuple(each for each in dict.fromkeys(topic.subscribers) if each in nodes)
-    return TopicInfo(topic.name, topic.type, publishers, subscribers)
+    return TopicEntry(topic.name, topic.type, publishers, subscribers)
 
 
-def _topic(topic: TopicInfo) -> str:
+def _topic(topic: TopicEntry) -> str:
     kind = "unknown type" if topic.type == ANY_TYPE else topic.type
     return f"{escape_line(topic.name)} [{escape_line(kind)}]"
 

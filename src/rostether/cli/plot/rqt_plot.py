@@ -1,4 +1,4 @@
-"""rqt_plot as a role: without arguments, where its window would be empty, what there is to plot."""
+"""rqt_plot as a role: without arguments, it plots the published numbers instead of an empty window."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from rostether.msgdef.primitives import INTEGER_RANGES
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
-MAX_FIELDS = 8  # more curves cannot be distinguished
+# More curves cannot be distinguished.
+MAX_FIELDS = 8
 _NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
 _NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 

@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from rostether.mechanisms.text import escape_line
-from rostether.pictures.axis import Axis
+from rostether.pictures.axis import Axis, clock_ticks
 from rostether.pictures.braille import braille
 from rostether.pictures.plot import COLORS, Curve
 
@@ -15,14 +15,21 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 _LEAST_COLUMNS, _LEAST_ROWS = 20, 4
-_MOST_COLUMNS = 400  # even if the terminal reports more
 
+# Even if the terminal reports more.
+_MOST_COLUMNS = 400
+
+# Text, and the number of the curve that gives its color.
 Piece = tuple[str, int | None]
-"""Text, and the number of the curve whose color it has."""
 
 
-def plot_lines(curves: Sequence[Curve], columns: int, rows: int, across: Axis) -> list[list[Piece]]:
-    """Return the lines of a plot in a window of that size, pieces of one color each."""
+def plot_lines(
+    curves: Sequence[Curve], columns: int, rows: int, across: Axis, begin_s: float | None = None
+) -> list[list[Piece]]:
+    """Return the lines of a plot in a window of that size, pieces of one color each.
+
+    With `begin_s`, the Unix time of zero, the times are those of the clock.
+    """
     up = Axis.around([value for curve in curves for _, value in curve.points])
     legend = _legend(curves, columns)
     height = max(_LEAST_ROWS, rows - len(legend) - 2)
@@ -36,7 +43,7 @@ def plot_lines(curves: Sequence[Curve], columns: int, rows: int, across: Axis) -
         mark = marks.get(number, "")
         lines.append([(f"{mark:>{margin}}{'┤' if mark else '│'}", None), *_joined(cells)])
     lines.append([(" " * margin + "└" + "─" * width, None)])
-    lines.append([(" " * (margin + 1) + _across_marks(across, width), None)])
+    lines.append([(" " * (margin + 1) + _across_marks(across, width, begin_s), None)])
     return lines + legend
 
 
@@ -60,7 +67,7 @@ def as_colored(lines: Sequence[Sequence[Piece]], footer: str) -> Text:
 
 
 def _joined(cells: Sequence[Piece]) -> Iterator[Piece]:
-    """Yield cells of one curve in one piece: each color is sent once."""
+    """Join adjacent cells of one curve, so that each color is sent once."""
     for number, run in groupby(cells, key=lambda cell: cell[1]):
         yield "".join(text for text, _ in run), number
 
@@ -69,15 +76,20 @@ def _legend(curves: Sequence[Curve], columns: int) -> list[list[Piece]]:
     lines: list[list[Piece]] = []
     for number, curve in enumerate(curves):
         last = f"{curve.points[-1][1]:.6g}" if curve.points else "-"
-        lines.append([(f"── {escape_line(curve.name)} {last}"[:columns], number)])
+        unit = f" {curve.unit}" if curve.unit else ""
+        lines.append([(f"── {escape_line(curve.name)} {last}{unit}"[:columns], number)])
     return lines
 
 
-def _across_marks(across: Axis, width: int) -> str:
+def _across_marks(across: Axis, width: int, begin_s: float | None) -> str:
+    count = max(2, width // 12)
+    if begin_s is None:
+        ticks = [(value, f"{text} s") for value, text in across.ticks(count)]
+    else:
+        ticks = clock_ticks(across, count, begin_s)
     line = [" "] * width
     free_from = 0
-    for value, text in across.ticks(max(2, width // 12)):
-        text = f"{text} s"
+    for value, text in ticks:
         start = round(across.part(value) * (width - 1)) - len(text) // 2
         start = min(max(start, 0), width - len(text))
         if start >= free_from:

@@ -1,4 +1,4 @@
-"""`rostether tf monitor`: how late and how often transforms come, as tf_monitor shows it."""
+"""`rostether tf monitor`: the delay and rate of transforms, like tf_monitor."""
 
 from __future__ import annotations
 

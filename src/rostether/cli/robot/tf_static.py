@@ -35,8 +35,8 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
 def static(words: tuple[str, ...]) -> None:
     """Publish the transform from PARENT to CHILD on /tf_static until Ctrl-C.
 
-    In metres, and radians or a quaternion. A number of milliseconds behind it publishes on /tf, again and
-    again, as tf's own does; PARAMETER is one that holds a geometry_msgs/TransformStamped.
+    The units are metres, and radians or a quaternion. With a number of milliseconds at the end, it publishes
+    repeatedly on /tf, like tf's node. PARAMETER contains a geometry_msgs/TransformStamped.
     """
     _run(words, f"static_transform_publisher_{os.getpid()}")
 

@@ -8,27 +8,29 @@ from dataclasses import asdict
 import click
 
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.shell.colors import paint_frame
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line
 
-# Long enough for what comes at 1 Hz, and for a rate to be known.
+# Long enough for transforms at 1 Hz, and to measure a rate.
 DEFAULT_LISTENING_S = 2.0
 
 
 @click.command(
     "tree",
     cls=Verb,
+    old_options={"--time": "--duration"},
     examples="""
     rostether tf tree
-    rostether tf tree --time 10
+    rostether tf tree --duration 10
     rostether tf tree --dot | dot -Tpdf > frames.pdf
     """,
 )
 @click.option(
-    "--time",
+    "--duration",
     "listening_s",
     type=click.FloatRange(0, min_open=True),
     default=DEFAULT_LISTENING_S,
@@ -77,5 +79,5 @@ async def _tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOption
         write_line(frames_as_dot(buffer))
     else:
         for line in frame_tree(buffer):
-            write_line(escape_line(line))
+            write_line(escape_line(line), paint_frame)
     return EXIT_DONE

@@ -23,7 +23,7 @@ from rostether.cli.shell.verbs import Verb
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
 @click.option(
-    "-o", "output", type=click.Path(path_type=Path), metavar="FILE", help="Write the URDF to this file."
+    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Write the URDF to this file."
 )
 @click.option("--deps", is_flag=True, help="Print the included files instead.")
 @click.option(

@@ -1,6 +1,6 @@
-"""`rostether role`: the standard nodes that launch files name, each a verb.
+"""`rostether role`: the standard nodes of launch files, one verb each.
 
-`served_nodes` has the names that ROS has for them.
+`served_nodes` maps their ROS names to these verbs.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ ROLES = {
         "rostether.cli.platform.sensing:sensing_manager", "Register sensors and publish their list."
     ),
     "digital-tester": VerbEntry(
-        "rostether.cli.platform.sensing:digital_tester", "Be a sensor that needs no hardware."
+        "rostether.cli.platform.sensing:digital_tester", "Publish test values as a sensor."
     ),
     "foxglove-bridge": VerbEntry(
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."

@@ -1,4 +1,4 @@
-"""The nodes joint_state_publisher and joint_state_publisher_gui, served by us; sliders in the terminal."""
+"""The built-in joint_state_publisher and joint_state_publisher_gui, with sliders in the terminal."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="
 GUI_NAME = "joint_state_publisher_gui"
 
 NO_TERMINAL = (
-    "no terminal for the sliders: publishing zeros and the values from source_list; for sliders, run in a "
-    "terminal: "
+    "no terminal for the sliders: they are in the dashboard, at Controls; or run in a terminal: "
     "rostether run joint_state_publisher_gui joint_state_publisher_gui __name:={}"
 )
 
@@ -49,7 +48,7 @@ def joint_state_publisher(words: tuple[str, ...]) -> None:
 @_arguments
 def joint_state_publisher_gui(words: tuple[str, ...]) -> None:
     """Publish joint states set by sliders in the terminal: arrow keys move them, c centers, r randomizes."""
-    # Windows has consoles, but no termios to read single keys with.
+    # Windows has consoles, but no termios to read single keys.
     has_terminal = sys.platform != "win32" and sys.stdin.isatty() and sys.stdout.isatty()
     arguments = node_arguments(words)
     if not has_terminal:
@@ -58,12 +57,13 @@ def joint_state_publisher_gui(words: tuple[str, ...]) -> None:
 
 
 async def _publish(arguments: Arguments, node_name: str, *, has_sliders: bool) -> None:
-    from rostether.robot.joint_state_publisher import publish_joint_states, read_joint_states
+    from rostether.robot.joint_state_publisher import SLIDERS_TOPIC, publish_joint_states, read_joint_states
 
     async with role_node(arguments, node_name) as graph:
         states = await read_joint_states(graph)
         if not has_sliders:
-            await publish_joint_states(graph, states)
+            sliders = [SLIDERS_TOPIC] if node_name == GUI_NAME else []
+            await publish_joint_states(graph, states, more_sources=sliders)
             return
         from rostether.cli.role.slider_screen import SliderScreen
 

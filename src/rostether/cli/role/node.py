@@ -1,4 +1,4 @@
-"""Being a node by role: one of ROS's standard nodes, with the arguments that any ROS node takes."""
+"""Runs a standard ROS node, with the arguments that every ROS node accepts."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
+    from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
-# For commands with a node's arguments: `-0.1` is a number there, no option.
+# For commands with a node's arguments: there, `-0.1` is a number, not an option.
 NODE_SETTINGS = {"ignore_unknown_options": True}
 
 
@@ -33,18 +34,30 @@ def node_environment(arguments: Arguments) -> RosEnvironment:
 
 
 @asynccontextmanager
-async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[TypedGraph]:
-    """Be the node, `default_name` unless `__name:=` says otherwise; its private parameters are set first.
+async def role_node(
+    arguments: Arguments, default_name: str, ros2: str | None = None
+) -> AsyncIterator[TypedGraph]:
+    """Join as a node named `default_name` or by `__name:=`; its private parameters are set first.
 
-    As rospy's nodes do, it waits for the master. Raises InvalidNameError, ConfigError.
+    `ros2` is the value of `--ros2`, None for ROS 1. As rospy's nodes do, it waits for the master. Raises
+    InvalidNameError, ConfigError.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.msgdef.registry import Registry
-    from rostether.ros1.node.node import join_ros1
     from rostether.serde.store import TypeStore
 
-    environment = node_environment(arguments)
     name = arguments.special.get("__name", default_name)
+    async with _on_ros1(arguments, name) if ros2 is None else _on_ros2(arguments, name, ros2) as graph:
+        for parameter, value in arguments.private_params.items():
+            await graph.set_param(f"~{parameter}", value)
+        yield TypedGraph(graph, TypeStore(Registry.from_environment()))
+
+
+@asynccontextmanager
+async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
+    from rostether.ros1.node.node import join_ros1
+
+    environment = node_environment(arguments)
     graph = await wait_for_master(
         lambda: join_ros1(
             name,
@@ -55,26 +68,41 @@ async def role_node(arguments: Arguments, default_name: str) -> AsyncIterator[Ty
         lambda _: warn(f"waiting for a ROS master at {environment.master_uri}"),
     )
     try:
-        for parameter, value in arguments.private_params.items():
-            await graph.set_param(f"~{parameter}", value)
-        yield TypedGraph(graph, TypeStore(Registry.from_environment()))
+        yield graph
     finally:
         await graph.close()
 
 
-def run_role(
-    default_name: str, words: Sequence[str], main: Callable[[TypedGraph, Arguments], Awaitable[None]]
-) -> None:
-    """Be a node until `main` ends, the node is shut down, or the process is.
+@asynccontextmanager
+async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[Graph]:
+    from rostether.cli.access.middleware import Middleware, chosen_middleware
+    from rostether.cli.access.ros2_access import ros2_access
 
-    `main` gets the graph and the node's arguments.
+    async with ros2_access(chosen_middleware(ros2=ros2) or Middleware.ZENOH) as access:
+        namespace = arguments.special.get("__ns", "/")
+        graph = await access.join(name, namespace=namespace, remappings=arguments.remappings)
+        try:
+            yield graph
+        finally:
+            await graph.close()
+
+
+def run_role(
+    default_name: str,
+    words: Sequence[str],
+    main: Callable[[TypedGraph, Arguments], Awaitable[None]],
+    ros2: str | None = None,
+) -> None:
+    """Run a node until `main` returns, or the node or the process is shut down.
+
+    `main` gets the graph and the node's arguments; `ros2` is the value of `--ros2`, None for ROS 1.
     """
     from rostether.cli.shell.running import run
 
     arguments = node_arguments(words)
 
     async def until_ended() -> None:
-        async with role_node(arguments, default_name) as graph:
+        async with role_node(arguments, default_name, ros2) as graph:
             working = asyncio.ensure_future(main(graph, arguments))
             leaving = asyncio.ensure_future(graph.raw.wait_closed())
             try:

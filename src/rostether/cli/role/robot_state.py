@@ -1,4 +1,4 @@
-"""The node robot_state_publisher, served by us."""
+"""The built-in node robot_state_publisher."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ async def _publish(arguments: Arguments) -> None:
 
     async with role_node(arguments, NODE_NAME) as graph:
 
-        def tell(problem: str) -> None:
+        def report(problem: str) -> None:
             graph.log(Level.WARN, problem)
             warn(f"[WARN] {problem}")
 
-        await publish_robot_state(graph, tell)
+        await publish_robot_state(graph, report)

@@ -1,4 +1,4 @@
-"""The node tf2_web_republisher, served by us."""
+"""The built-in node tf2_web_republisher."""
 
 from __future__ import annotations
 

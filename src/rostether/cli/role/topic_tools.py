@@ -1,4 +1,4 @@
-"""The nodes of topic_tools as roles: relay, throttle, mux and what steers a mux."""
+"""The nodes of topic_tools as roles: relay, throttle, mux and the commands of a mux."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.names.remap import Arguments, parse_arguments
 
-_CALL_LIMIT_S = 10.0  # a mux answers at once; a person waits no longer
+# A mux answers at once; a user does not wait longer.
+_CALL_LIMIT_S = 10.0
 _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="ARGUMENT...")
 
 

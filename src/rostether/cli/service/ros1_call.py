@@ -54,7 +54,7 @@ async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...
 
     request_type = graph.store.registry.service_type(type_name).request.name
     codec = graph.store.codec(request_type)
-    # An empty argument is the empty text, which YAML would take for nothing.
+    # An empty argument is the empty text; YAML would read it as null.
     texts = [argument or "''" for argument in arguments]
     if texts or not codec.message_class._fields:
         yield parse_values(codec, texts, now=graph.now)

@@ -1,4 +1,4 @@
-"""Asking a service's server for its type: the master does not know it."""
+"""Queries a service's server for its type, because the master does not know it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 async def look_up(client: MasterClient, service: str) -> str:
-    """Return a service's URI. Raises UnknownNameError with the nearest name there is."""
+    """Return a service's URI. Raises UnknownNameError with the nearest existing name."""
     try:
         return await client.lookup_service(service)
     except UnknownNameError:

@@ -31,7 +31,7 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
     from rostether.serde.yaml_form import load_arguments
 
     type_name = arguments[0] if arguments and _TYPE_NAME.fullmatch(arguments[0]) else None
-    # An empty argument is the empty text, which YAML would take for nothing.
+    # An empty argument is the empty text; YAML would read it as null.
     values = load_arguments([each or "''" for each in arguments[1 if type_name else 0 :]])
     async with tool_node(graph, options.msg_paths) as tool:
         name = tool.graph.resolve(service)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
@@ -12,7 +13,7 @@ from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import UnknownNameError
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.types.native_registry import short_name
 
@@ -44,7 +45,7 @@ class Ros2Services:
                 write_line(escape_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
 
     def uri_of(self, service: str) -> None:
-        """Refuse: there is no such command on ROS 2."""
+        """Refuse: ROS 2 has no such command."""
         raise not_on_ros2("service uri", "ROS 2 services have no URI; use `rostether service info`")
 
     def type_of(self, service: str) -> None:
@@ -118,12 +119,11 @@ def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
 
     name, view = asked(graph, ask)
     if not view.of(EndpointKind.SERVER, name):
-        raise unknown_service(name)
+        raise unknown_service(name, view.services())
     return name, view
 
 
-def unknown_service(name: str) -> UnknownNameError:
+def unknown_service(name: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for a service that no node offers."""
-    return UnknownNameError(
-        f"Unknown service '{name}': no node offers it; `rostether service list` shows all services"
-    )
+    hint = did_you_mean(name, known) or "`rostether service list` shows all services"
+    return UnknownNameError(f"Unknown service '{name}': no node offers it; {hint}")

@@ -1,4 +1,4 @@
-"""What `rostether service` asks of a graph, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether service` to a graph, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ServiceListing:
 
 @dataclass(frozen=True, slots=True)
 class CallOptions:
-    """The options of `service call`; without a time limit it waits as long as the server lives."""
+    """The options of `service call`; without a time limit it waits as long as the server runs."""
 
     verbose: bool = False
     wait: bool = False
@@ -62,7 +62,7 @@ class Services(Protocol):
 
 
 def services_of(graph: GraphOptions) -> Services:
-    """Return the services of the graph that a command means."""
+    """Return the services of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.service.ros1_services import Ros1Services
 

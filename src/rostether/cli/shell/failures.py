@@ -41,8 +41,17 @@ def exit_code_of(command: Callable[[], object]) -> int:
     except click.ClickException as error:
         return _report_usage(error)
     except Exception as error:  # noqa: BLE001 - a user never sees a traceback
-        return _report(error)
+        return EXIT_INTERRUPTED if _is_interruption(error) else _report(error)
     return code if isinstance(code, int) else EXIT_DONE
+
+
+def _is_interruption(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C caused an error: Python 3.11 wraps one in a class body in a RuntimeError."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def error_text(error: BaseException) -> str:

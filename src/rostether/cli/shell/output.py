@@ -11,6 +11,7 @@ from typing import Any, TextIO
 
 import click
 
+from rostether.cli.shell.colors import Paint, has_colors
 from rostether.cli.shell.failures import EXIT_DONE
 from rostether.mechanisms.text import escape_text
 
@@ -19,14 +20,17 @@ json_option: Callable[[Any], Any] = click.option(
 )
 
 
-def write_line(text: str = "") -> None:
-    """Write a line to stdout and flush it, so that the reader of a pipe gets it now.
+def write_line(text: str = "", paint: Paint | None = None) -> None:
+    """Write a line to stdout, colored by `paint` on a terminal; the reader of a pipe gets it now.
 
     Unprintable characters are escaped: names, values and errors from peers must not control the terminal.
     When the reader closes the pipe (`| head`), the command ends here with exit code 0.
     """
+    shown = escape_text(text)
+    if paint is not None and has_colors():
+        shown = paint(shown)
     try:
-        sys.stdout.write(escape_text(text) + "\n")
+        sys.stdout.write(shown + "\n")
         sys.stdout.flush()
     except BrokenPipeError:
         forget(sys.stdout)

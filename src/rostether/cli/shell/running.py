@@ -19,6 +19,7 @@ import click
 
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_INTERRUPTED
 from rostether.cli.shell.library_logs import show_library_logs
+from rostether.cli.shell.service_manager import reporting
 from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.transports.descriptors import allow_many_descriptors
@@ -49,7 +50,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     ending.watch_start()
     try:
         with asyncio.Runner(loop_factory=loop_factory) as runner:
-            return runner.run(ending.run(main))
+            return runner.run(ending.run(reporting(main) if is_service else main))
     except (KeyboardInterrupt, asyncio.CancelledError):
         # Without an exit code, Ctrl-C came before our handlers were there, and asyncio's own cancelled all.
         raise click.exceptions.Exit(

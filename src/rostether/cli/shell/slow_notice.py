@@ -11,10 +11,12 @@ LONG_S = 1.5
 
 
 @contextmanager
-def reported_when_long(tell: Callable[[str], None], text: str, *, after_s: float = LONG_S) -> Iterator[None]:
+def reported_when_long(
+    report: Callable[[str], None], text: str, *, after_s: float = LONG_S
+) -> Iterator[None]:
     """Show the text once if the block takes longer than that. Needs a running event loop."""
-    telling = asyncio.get_running_loop().call_later(after_s, tell, text)
+    reporting = asyncio.get_running_loop().call_later(after_s, report, text)
     try:
         yield
     finally:
-        telling.cancel()
+        reporting.cancel()

@@ -42,6 +42,7 @@ _pub_options = option_group(
         click.option(
             "-t",
             "--times",
+            "--count",
             type=click.IntRange(min=0),
             default=0,
             metavar="COUNT",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option, window_option
 from rostether.cli.access.ros2_habits import daemon_habits
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -33,10 +34,26 @@ from rostether.cli.topic.windows import (
 
 NOTHING_NEW = "no new messages"
 
+
+@dataclass(frozen=True, slots=True)
+class MeterOptions:
+    """The options that the three commands share."""
+
+    window: int | None = None
+    count: int | None = None
+    as_json: bool = False
+    msg_paths: tuple[Path, ...] = ()
+
+
 _count_option = click.option(
     "-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports."
 )
-_nodelay_option = click.option("--tcpnodelay", is_flag=True, help="Accepted; always on.")
+_nodelay_option = click.option("--tcpnodelay", is_flag=True, expose_value=False, help="Accepted; always on.")
+_meter_options = option_group(
+    "options",
+    MeterOptions,
+    (window_option(None), _nodelay_option, _count_option, json_option, msg_path_option),
+)
 
 
 @click.command(
@@ -49,7 +66,6 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="Accepted; alw
     """,
 )
 @click.argument("topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete_topics)
-@window_option(None)
 @click.option(
     "--filter",
     "expression",
@@ -57,21 +73,14 @@ _nodelay_option = click.option("--tcpnodelay", is_flag=True, help="Accepted; alw
     help="Count only messages m for which the Python expression is true.",
 )
 @click.option("--wall-time", is_flag=True, help="Use this machine's clock, even in a simulation.")
-@_nodelay_option
-@_count_option
-@json_option
-@msg_path_option
+@_meter_options
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
-def hz(  # noqa: PLR0913 - one for each option of the command
+def hz(
     topics: tuple[str, ...],
-    window: int | None,
     expression: str | None,
     wall_time: bool,
-    tcpnodelay: bool,
-    count: int | None,
-    as_json: bool,
-    msg_paths: tuple[Path, ...],
+    options: MeterOptions,
     graph: GraphOptions,
 ) -> None:
     """Measure the message rate and print it every second."""
@@ -82,9 +91,11 @@ def hz(  # noqa: PLR0913 - one for each option of the command
         test = compile_filter(expression)
 
     async def measure() -> None:
-        meter = topics_of(graph).meter(topics, msg_paths, quiet=as_json, needs_definitions=test is not None)
+        meter = topics_of(graph).meter(
+            topics, options.msg_paths, quiet=options.as_json, needs_definitions=test is not None
+        )
         async with meter as measuring:
-            windows = {name: IntervalWindow(-1 if window is None else window) for name in measuring.names}
+            windows = {name: IntervalWindow(options.window or -1) for name in measuring.names}
 
             def now_s() -> float:
                 return time.time() if wall_time else measuring.graph.now().to_s()
@@ -94,8 +105,8 @@ def hz(  # noqa: PLR0913 - one for each option of the command
                     await measuring.add_raw_listener(name, _interval_counter(windows[name], now_s))
                 else:
                     measuring.add_listener(name, _filtered_counter(windows[name], now_s, test, name))
-            async for _ in measuring.reports(count):
-                _report_rates(windows, as_json)
+            async for _ in measuring.reports(options.count):
+                _report_rates(windows, options.as_json)
 
     run(measure())
 
@@ -170,27 +181,17 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 
 @click.command("delay", cls=Verb, examples="rostether topic delay /imu_data")
 @click.argument("topic", shell_complete=complete_topics)
-@window_option(None)
-@_nodelay_option
-@_count_option
-@json_option
-@msg_path_option
+@_meter_options
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
-def delay(
-    topic: str,
-    window: int | None,
-    tcpnodelay: bool,
-    count: int | None,
-    as_json: bool,
-    msg_paths: tuple[Path, ...],
-    graph: GraphOptions,
-) -> None:
+def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""
-    delays = DelayWindow(-1 if window is None else window)
+    delays = DelayWindow(options.window or -1)
 
     async def measure() -> None:
-        meter = topics_of(graph).meter((topic,), msg_paths, quiet=as_json, needs_definitions=True)
+        meter = topics_of(graph).meter(
+            (topic,), options.msg_paths, quiet=options.as_json, needs_definitions=True
+        )
         async with meter as measuring:
             name = measuring.names[0]
 
@@ -201,12 +202,12 @@ def delay(
                     delays.add(now_s, stamp_s)
 
             measuring.add_listener(name, add)
-            async for _ in measuring.reports(count):
+            async for _ in measuring.reports(options.count):
                 spread = delays.report()
-                if spread is not None and as_json:
+                if spread is not None and options.as_json:
                     record = asdict(spread)
                     write_json({"topic": name, "mean_s": record.pop("mean_s"), **record})
-                elif not as_json:
+                elif not options.as_json:
                     write_line(NOTHING_NEW if spread is None else format_delay(spread))
 
     run(measure())

@@ -1,4 +1,4 @@
-"""What the verbs of `rostether topic` are asked for, as typed."""
+"""The options of the verbs of `rostether topic`."""
 
 from __future__ import annotations
 

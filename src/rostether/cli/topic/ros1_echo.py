@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment
+from rostether.cli.shell.colors import paint_keys
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.misfit_notice import shown_messages
@@ -124,7 +125,7 @@ class _Printer:
         )
         if self._options.clear:
             sys.stdout.write(CLEAR_SCREEN)
-        write_line(f"{text}\n---")
+        write_line(f"{text}\n---", paint_keys)
 
     def _now_if_offset(self) -> Time | None:
         return self._graph.now() if self._options.offset else None

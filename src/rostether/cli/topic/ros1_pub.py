@@ -21,7 +21,8 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
-    from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.graph.typed_handles import TypedPublisher
     from rostether.serde.codec import Codec
     from rostether.serde.values import Message
 
@@ -102,7 +103,7 @@ class _Output:
     """Publishes in the ways that the options ask for, until the node is asked to leave."""
 
     def __init__(
-        self, publisher: TypedPublisher, wait_closed: Callable[[], Any], options: PubOptions
+        self, publisher: TypedPublisher[...], wait_closed: Callable[[], Any], options: PubOptions
     ) -> None:
         self._publisher = publisher
         self._leaving = asyncio.ensure_future(wait_closed())

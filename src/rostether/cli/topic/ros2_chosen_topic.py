@@ -75,6 +75,7 @@ async def choose_topic(
         )
     if not needs_definition and found == wanted:
         return ChosenTopic(found, short_name(types[0]))
+    await tool.learn_type(view, found)
     return _with_field(tool, found, short_name(types[0]), field or wanted[len(found) + 1 :])
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import tool_node
+from rostether.cli.shell.colors import paint_keys
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.misfit_notice import shown_messages
@@ -99,11 +100,11 @@ class _Printer:
             write_json(plain if isinstance(plain, dict) else {"value": plain})
         elif not isinstance(value, Message):
             assert self._chosen.field is not None
-            write_line(f"{self._text.python_value(value, self._chosen.field.type)}\n---")
+            write_line(f"{self._text.python_value(value, self._chosen.field.type)}\n---", paint_keys)
         else:
             field = self._chosen.field
             definition = self._definition if field is None else self._lookup(field.type.base)
             if self._options.csv:
                 write_line(self._text.csv(value, definition))
             else:
-                write_line(f"{self._text.yaml(value, definition)}---")
+                write_line(f"{self._text.yaml(value, definition)}---", paint_keys)

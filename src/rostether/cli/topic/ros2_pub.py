@@ -21,12 +21,12 @@ from rostether.ros2.types.native_registry import short_name
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
-    from rostether.graph.typed_graph import TypedPublisher
+    from rostether.graph.typed_handles import TypedPublisher
 
 DEFAULT_RATE_HZ = 1.0
 WAIT_LINE_S = 1.0
 MATCH_POLL_S = 0.02
-# As ros2: what a message needs to reach the wire before the publisher goes.
+# As in ros2: how long a message needs to be sent before the publisher ends.
 KEEP_ALIVE_S = 0.1
 # A subscriber on a busy machine may take seconds to discover the publisher; one that hangs ends the wait.
 ACKNOWLEDGE_S = 10.0
@@ -87,7 +87,7 @@ async def _publish(
         await asyncio.sleep(KEEP_ALIVE_S)
 
 
-async def _wait_for_subscribers(publisher: TypedPublisher, times: int, options: PubOptions) -> None:
+async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, options: PubOptions) -> None:
     wanted = options.wait_for
     if wanted is None:
         wanted = 1 if times else 0

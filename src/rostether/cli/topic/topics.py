@@ -1,4 +1,4 @@
-"""What `rostether topic` asks of a graph, and the choice between ROS 1 and ROS 2."""
+"""The Protocol behind `rostether topic`, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Topics(Protocol):
         """Print the topics of a type."""
 
     def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
-        """Print messages as they come."""
+        """Print messages as they arrive."""
 
     def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages."""

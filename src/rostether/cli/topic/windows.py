@@ -16,7 +16,7 @@ DEFAULT_BANDWIDTH_WINDOW = 100
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """What a window holds: mean, extremes and standard deviation in seconds; `window` counts messages."""
+    """Statistics of a window: mean, extremes and standard deviation in seconds; `window` counts messages."""
 
     mean_s: float
     min_s: float
@@ -62,7 +62,7 @@ class IntervalWindow:
 
 
 class DelayWindow:
-    """How long a topic's messages were on their way, by the stamps in their headers."""
+    """The age of a topic's messages, by the stamps in their headers."""
 
     def __init__(self, window: int = -1) -> None:
         self._delays: deque[float] = deque(maxlen=_bounded(window))

@@ -1,7 +1,7 @@
-"""Which Python runs a user's Python node: the one its first line names, which finds the modules it knows.
+"""Chooses the Python for a user's node: the one in its first line, which has the user's modules.
 
-It is ours where that one is missing (`#!/usr/bin/env python` on today's systems) or too old for our rospy and
-without a real one. ROSTETHER_PYTHON names another for all.
+rostether's own Python runs it if that one is missing (`#!/usr/bin/env python`), or too old for our rospy and
+without a real one. ROSTETHER_PYTHON overrides the choice for all nodes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from pathlib import Path
 from rostether.packages.executables import shebang
 
 PYTHON_VARIABLE = "ROSTETHER_PYTHON"
-_PROBE_LIMIT_S = 10.0  # a Python starts within a second, also on a small board that is busy
+
+# A Python starts within a second, even on a busy small board.
+_PROBE_LIMIT_S = 10.0
 _PROBE = (
     "import sys, importlib.util as u; print(sys.version_info >= (3, 11) or u.find_spec('rospy') is not None)"
 )
@@ -26,7 +28,7 @@ _PROBE = (
 def python_for(script: Path, environ: Mapping[str, str]) -> list[str]:
     """Return the words before the script's path on its command line: a Python, and flags of its first line.
 
-    Said outright, so that a script which is not executable, or was saved with Windows' line ends, runs.
+    Naming it lets scripts run that are not executable, or have Windows line ends.
     """
     if chosen := environ.get(PYTHON_VARIABLE):
         return [chosen]

@@ -1,0 +1,106 @@
+"""The boards that running bridges report on /diagnostics."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import aclosing
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from rostether.cli.board.status import BoardStatus, read_statuses
+
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+
+TOPIC = "/diagnostics"
+TYPE = "diagnostic_msgs/DiagnosticArray"
+
+# After two missing reports the board or its bridge counts as gone.
+STALE_S = 3.0
+
+# How long a board that is gone stays in the table.
+FORGET_S = 15.0
+
+# The longest time that `reported_boards` listens: rates are known after a board's second report.
+LISTEN_S = 6.0
+
+# How long it waits for a publisher: a newly connected board advertises within a second.
+NOBODY_S = 2.5
+
+# Any node may publish on /diagnostics; no user needs more boards than this.
+MAX_BOARDS = 512
+
+_POLL_S = 0.1
+
+
+class BoardsSeen:
+    """The last status of each board, with its time of arrival by `clock`."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._seen: dict[str, tuple[float, BoardStatus, int]] = {}
+
+    def add_status(self, status: BoardStatus) -> None:
+        """Handle a status."""
+        if status.name in self._seen or len(self._seen) < MAX_BOARDS:
+            count = self._seen[status.name][2] if status.name in self._seen else 0
+            self._seen[status.name] = self._clock(), status, count + 1
+
+    def boards(self) -> list[BoardStatus]:
+        """Return the boards with their current state; a silent one is gone, and is removed later."""
+        now_s = self._clock()
+        for name in [name for name, (at_s, _, _) in self._seen.items() if now_s - at_s > FORGET_S]:
+            del self._seen[name]
+        return [
+            status if now_s - at_s <= STALE_S else _gone(status, now_s - at_s)
+            for at_s, status, _ in self._seen.values()
+        ]
+
+    def known_count(self) -> int:
+        """Return how many boards have reported often enough to know their rates."""
+        return sum(count > 1 for _, _, count in self._seen.values())
+
+
+async def listen(graph: TypedGraph, on_status: Callable[[BoardStatus], object]) -> None:
+    """Call `on_status` with each report of a board."""
+    async with aclosing(aiter(graph.messages(TOPIC, TYPE, queue_size=2 * MAX_BOARDS))) as arrays:
+        async for array in arrays:
+            for status in read_statuses(array):
+                on_status(status)
+
+
+async def reported_boards(graph: TypedGraph) -> list[BoardStatus]:
+    """Return the boards on a graph with their rates, by name."""
+    loop = asyncio.get_running_loop()
+    seen = BoardsSeen(loop.time)
+    listening = loop.create_task(listen(graph, seen.add_status))
+    began_s = loop.time()
+    try:
+        while (waited_s := loop.time() - began_s) < LISTEN_S:
+            await asyncio.sleep(_POLL_S)
+            topic = (await graph.snapshot()).topics.get(TOPIC)
+            expected = len(topic.publishers) if topic is not None else 0
+            if expected and seen.known_count() >= expected:
+                break
+            if not expected and waited_s >= NOBODY_S:
+                break
+    finally:
+        listening.cancel()
+        await asyncio.gather(listening, return_exceptions=True)
+    return sorted(seen.boards(), key=lambda board: board.name)
+
+
+def _gone(status: BoardStatus, silence_s: float) -> BoardStatus:
+    return replace(
+        status,
+        state="gone",
+        level=2,
+        connected_s=None,
+        received_bytes_s=0.0,
+        sent_bytes_s=0.0,
+        endpoints=tuple(replace(each, rate_hz=0.0) for each in status.endpoints),
+        findings=(
+            f"nothing on {TOPIC} for {silence_s:.0f} s: the board was unplugged, or its bridge has stopped",
+        ),
+    )

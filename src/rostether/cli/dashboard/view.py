@@ -1,0 +1,68 @@
+"""A part of the dashboard's page that opens first, such as a plot of one value."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import quote
+
+from rostether.errors import ConfigError
+
+# The panels of the page, as in its addresses.
+PANELS = (
+    *("boards", "controls", "drive", "plots", "images", "scene", "map", "graph", "topics"),
+    *("services", "parameters", "console", "diagnostics", "frames", "recording", "simulation"),
+)
+
+# RViz writes about 10 kB.
+_MAX_RVIZ_BYTES = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A panel with its settings; `files` are served beside the page."""
+
+    panel: str
+    settings: Mapping[str, object] = field(default_factory=dict)
+    files: Mapping[str, bytes] = field(default_factory=dict)
+
+    def fragment(self, token: str) -> str:
+        """Return the part of the address behind `#`."""
+        words = []
+        if self.settings:
+            packed = json.dumps(self.settings, separators=(",", ":")).encode()
+            words.append(f"s={base64.urlsafe_b64encode(packed).decode().rstrip('=')}")
+        if token:
+            words.append(f"token={quote(token, safe='')}")
+        return f"/{self.panel}{'?' if words else ''}{'&'.join(words)}"
+
+
+def read_view(panel: str, shown: Sequence[str]) -> View:
+    """Return the view of a panel that shows these values, topics or this .rviz file. Raises ConfigError."""
+    if not shown:
+        return View(panel)
+    match panel:
+        case "plots":
+            return View(panel, {"names": list(shown)})
+        case "images":
+            return View(panel, {"topic": shown[0]})
+        case "topics":
+            return View(panel, {"search": shown[0]})
+        case "scene":
+            return _read_rviz(Path(shown[0]))
+        case _:
+            return View(panel)
+
+
+def _read_rviz(path: Path) -> View:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MAX_RVIZ_BYTES + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}") from None
+    if len(content) > _MAX_RVIZ_BYTES:
+        raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MB: it is not a file of RViz")
+    return View("scene", {"rviz": "view.rviz"}, {"view.rviz": content})

@@ -1,0 +1,135 @@
+"""The demo's board: AVR firmware on a simulated Arduino Uno, or a Python program."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.bridge.reporter import Reporter
+from rostether.bridge.supervisor import Supervisor
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.slow_notice import reported_when_long
+from rostether.errors import BoardError, RostetherError
+from rostether.graph.ports import Level
+from rostether.transports.address import Address, SerialAddress, parse_address
+
+if TYPE_CHECKING:
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
+    from rostether.simulation.ultrasound import Obstacle
+
+UNO = "uno"
+PYTHON = "python"
+SKETCH = Path(__file__).parents[2] / "simulation" / "sketches" / "virtual_board"
+TOPICS = {
+    "/ultrasound": "sensor_msgs/Range",
+    "/led": "std_msgs/Bool",
+    "/count": "std_msgs/UInt32",
+    "/tf": "tf/tfMessage",
+}
+# The baud rate of the sketch.
+_BAUD = 115200
+# In this time, a walking obstacle moves at most 10 cm.
+_OBSTACLE_PERIOD_S = 0.1
+# The first build takes seconds; later ones come from the cache.
+_LONG_BUILD_S = 0.5
+
+PlugIn = Callable[[Supervisor], AbstractAsyncContextManager[None]]
+
+
+@dataclass(frozen=True, slots=True)
+class DemoBoard:
+    """A running board: its description, link and topics, and the task to run beside the bridge."""
+
+    title: str
+    link: Address
+    topics: Mapping[str, str]
+    plug_in: PlugIn
+
+
+@asynccontextmanager
+async def demo_board(
+    kind: str | None, name: str, obstacle: Obstacle, reporter: Reporter
+) -> AsyncIterator[DemoBoard]:
+    """Run the board of this kind until the end of the block; None is a simulated Uno if one can run here.
+
+    Raises BoardError and FirmwareError if an Uno is asked for and cannot run.
+    """
+    if kind == PYTHON:
+        yield _python_board(name, obstacle)
+        return
+    async with AsyncExitStack() as stack:
+        try:
+            board = await stack.enter_async_context(_simulated_uno(name, obstacle, reporter))
+        except RostetherError as error:
+            if kind == UNO:
+                raise
+            reporter.line(Level.INFO, f"The board is a Python program: {error}")
+            board = _python_board(name, obstacle)
+        yield board
+
+
+@asynccontextmanager
+async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> AsyncIterator[DemoBoard]:
+    from rostether.cli.board.program import find_program
+    from rostether.firmware.toolchain import find_avr_toolchain
+    from rostether.simulation.simavr.compile import missing_parts
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
+
+    if missing := missing_parts():
+        raise BoardError(missing)
+    find_avr_toolchain()
+    loop = asyncio.get_running_loop()
+    building = "Building the sketch for a simulated Arduino Uno; only the first time takes some seconds."
+    with reported_when_long(write_line, building, after_s=_LONG_BUILD_S):
+        program = await find_program(SKETCH, UNO)
+        started = await SimulatedBoard.start(program, board=UNO, words=[_range_word(obstacle, loop.time())])
+    async with started as board:
+
+        @asynccontextmanager
+        async def plug_in(_supervisor: Supervisor) -> AsyncIterator[None]:
+            moving = loop.create_task(_move_obstacle(board, obstacle, reporter))
+            try:
+                yield
+            finally:
+                moving.cancel()
+                await asyncio.gather(moving, return_exceptions=True)
+
+        link = SerialAddress(board.address, baud=_BAUD, name=name)
+        yield DemoBoard("Arduino Uno, simulated: a compiled AVR sketch", link, TOPICS, plug_in)
+
+
+async def _move_obstacle(board: SimulatedBoard, obstacle: Obstacle, reporter: Reporter) -> None:
+    """Set the simulated sensor to the obstacle's distance."""
+    clock = asyncio.get_running_loop().time
+    try:
+        while True:
+            await board.send_command(_range_word(obstacle, clock()))
+            await asyncio.sleep(_OBSTACLE_PERIOD_S)
+    except BoardError as error:
+        reporter.line(Level.ERROR, str(error))
+
+
+def _range_word(obstacle: Obstacle, time_s: float) -> str:
+    return f"range {obstacle.distance(time_s):.4f}"
+
+
+def _python_board(name: str, obstacle: Obstacle) -> DemoBoard:
+    @asynccontextmanager
+    async def plug_in(supervisor: Supervisor) -> AsyncIterator[None]:
+        from rostether.device import Device
+        from rostether.simulation.virtual_board import VirtualBoard
+
+        async with Device(supervisor.listening_on[0]) as device:
+            playing = asyncio.get_running_loop().create_task(VirtualBoard(device, obstacle=obstacle).run())
+            try:
+                yield
+            finally:
+                playing.cancel()
+                await asyncio.gather(playing, return_exceptions=True)
+
+    link = parse_address(f"tcp://127.0.0.1:0?name={name}")
+    return DemoBoard("board in Python, over TCP", link, TOPICS | {"/imu_data": "sensor_msgs/Imu"}, plug_in)

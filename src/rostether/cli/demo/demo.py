@@ -1,0 +1,249 @@
+"""`rostether demo`: a master, the bridge and a simulated board, shown live."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import sys
+from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rostether.cli.access.console_reporter import ConsoleReporter
+from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.access.ros1_access import joining_ros1, read_environment
+from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.bridge.device_options import config_option, read_devices
+from rostether.cli.bridge.serving import bridge
+from rostether.cli.dashboard.served import DashboardSettings, dashboard_beside
+from rostether.cli.demo.boards import PYTHON, UNO, demo_board
+from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
+from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
+from rostether.cli.shell.keys import split_keys, typed_keys
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import GraphError
+from rostether.graph.joint_join import JointJoin
+from rostether.graph.ports import JoinGraph, Level, Publisher
+from rostether.msgdef.registry import Registry
+from rostether.ports.device_book import DeviceBook
+from rostether.ros1.environment import RosEnvironment
+from rostether.serde.store import TypeStore
+from rostether.simulation.ultrasound import Obstacle
+
+REFRESH_S = 0.25
+PLAIN_LINE_S = 1.0
+STEP_M = 0.1
+FARTHER = (b"\033[A", b"\033OA", b"\033[C", b"\033OC")
+NEARER = (b"\033[B", b"\033OB", b"\033[D", b"\033OD")
+
+
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """The options of the command line."""
+
+    seconds: float | None
+    board: str | None
+    only_ros1: bool
+    joins: bool
+    port: int | None
+    has_page: bool
+
+
+@click.command(
+    cls=Verb,
+    old_options={"--seconds": "--duration"},
+    examples="""
+    rostether demo                 run until Ctrl-C
+    rostether demo --duration 5    stop after 5 s; fails if no message arrived
+    rostether demo --board python  no compiler, a board in Python
+    rostether demo --join          show the board to the robot that runs here
+    """,
+)
+@click.option(
+    "--duration",
+    "seconds",
+    type=click.FloatRange(min=0.1),
+    metavar="SECONDS",
+    help="Stop after this many seconds (default: run until Ctrl-C).",
+)
+@click.option(
+    "--board",
+    type=click.Choice((UNO, PYTHON)),
+    help="A simulated Arduino Uno with compiled firmware, or a board in Python "
+    "(default: uno where avr-gcc and libsimavr are installed).",
+)
+@config_option
+@click.option("--ros1", is_flag=True, help="Use only the ROS 1 graph.")
+@click.option("--join", is_flag=True, help="Join the ROS graph that runs here, instead of one of its own.")
+@click.option(
+    "--port",
+    type=click.IntRange(1, 65535),
+    help="Start the ROS master at this port (default: 11311, or the next free port).",
+)
+@click.option("--no-page", is_flag=True, help="Do not serve the dashboard.")
+@graph_options(master="", ros=False)
+def demo(
+    seconds: float | None,
+    board: str | None,
+    config: Path | None,
+    ros1: bool,
+    join: bool,
+    port: int | None,
+    no_page: bool,
+    graph: GraphOptions,
+) -> None:
+    """Run a simulated board and show its topics. Needs no hardware, no ROS and no setup.
+
+    The board is an Arduino Uno that runs a compiled sketch, where avr-gcc and libsimavr are installed, else a
+    Python program. It is a node on a ROS 1 graph, and also on a ROS 2 graph if zenoh is installed (unless
+    --ros1). Robots that run on this machine do not see it, unless you add --join.
+
+    Press l to switch the LED, and the arrow keys to move the obstacle. A browser shows the board at the
+    address of the dashboard. Settings are read only from a file given with --config; the board's name is
+    virtual_board.
+    """
+    if join and port is not None:
+        raise click.UsageError("--join uses the master that runs; leave out --port")
+    # The user's settings for real boards must not make the demo fail.
+    devices = read_devices(config, ()) if config is not None else None
+    wanted = _Wanted(seconds, board, ros1, join, port, not no_page)
+    run(_demo(read_environment(graph), wanted, devices), is_service=True)
+
+
+async def _demo(environment: RosEnvironment, wanted: _Wanted, devices: DeviceBook | None) -> None:
+    is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    recent = RecentLines()
+    reporter = recent if is_live else ConsoleReporter()
+    clock = asyncio.get_running_loop().time
+    obstacle = Obstacle()
+    controls = Controls(obstacle, clock)
+    async with AsyncExitStack() as stack:
+        # From the start, so that the terminal does not show keys that are pressed early.
+        has_keys = is_live and stack.enter_context(typed_keys(controls.press))
+        used = await stack.enter_async_context(demo_master(environment, joins=wanted.joins, port=wanted.port))
+        reporter.line(Level.INFO, used.line)
+        name = await prepare_board(used.environment)
+        board = await stack.enter_async_context(demo_board(wanted.board, name, obstacle, reporter))
+        reporter.line(Level.INFO, f"Board: {board.title}")
+        join: JoinGraph = joining_ros1(used.environment)
+        ros2 = None if wanted.only_ros1 else await demo_ros2(stack, reporter, joins=wanted.joins)
+        if ros2 is not None:
+            join = JointJoin([join, ros2])
+        supervisor = await stack.enter_async_context(
+            bridge(join, [board.link], reporter, devices=devices, diagnostics=True)
+        )
+        dashboard = await stack.enter_async_context(
+            dashboard_beside(
+                DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`")
+                if wanted.has_page
+                else None,
+                ServedGraphs(join, used.environment, ()),
+                (),
+                reporter.line,
+            )
+        )
+        view = DemoView(supervisor.boards, clock)
+        controls.advertise = await stack.enter_async_context(_watched(used.environment, board.topics, view))
+        await stack.enter_async_context(board.plug_in(supervisor))
+        # The board outlives the bridge: otherwise it would be reported as lost.
+        stack.push_async_callback(supervisor.close)
+        facts = DemoFacts(
+            board.title,
+            used.environment.master_uri,
+            is_in_ros2=ros2 is not None,
+            dashboard_url=dashboard.url if dashboard is not None else "",
+            has_keys=has_keys,
+        )
+        show = _show_live(facts, view, recent, controls) if is_live else _show_lines(view)
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(show, wanted.seconds)
+    if not view.has_flowed and not controls.quit.is_set():
+        raise GraphError("no message of the simulated board arrived through the ROS graph; please report it")
+
+
+class Controls:
+    """The state that the keys change; q sets `quit`."""
+
+    def __init__(self, obstacle: Obstacle, clock: Callable[[], float]) -> None:
+        self.quit = asyncio.Event()
+        # Advertises the LED's switch; None until the graph is joined.
+        # Advertised at the first press: the dashboard has a button for a topic that no node publishes.
+        self.advertise: Callable[[], Coroutine[Any, Any, Publisher]] | None = None
+        self._advertising: asyncio.Task[Publisher] | None = None
+        self._obstacle = obstacle
+        self._clock = clock
+        self._waiting_toggles = 0
+
+    def press(self, typed: bytes) -> None:
+        """Handle the keys."""
+        for key in split_keys(typed, FARTHER + NEARER):
+            if key in FARTHER + NEARER:
+                self._obstacle.move(STEP_M if key in FARTHER else -STEP_M, self._clock())
+            elif key == b"l":
+                self._waiting_toggles += 1
+            elif key == b"q":
+                self.quit.set()
+        self.send_toggles()
+
+    def send_toggles(self) -> None:
+        """Publish the presses of the LED's key, if the board subscribes already."""
+        if not self._waiting_toggles or self.advertise is None:
+            return
+        if self._advertising is None:
+            self._advertising = asyncio.get_running_loop().create_task(self.advertise())
+        if self._advertising.done() and (toggle := self._advertising.result()).subscriber_count:
+            toggle.publish_raw([b""] * self._waiting_toggles)
+            self._waiting_toggles = 0
+
+
+async def _show_live(facts: DemoFacts, view: DemoView, recent: RecentLines, controls: Controls) -> None:
+    from rich.live import Live
+
+    from rostether.cli.demo.screen import DemoScreen
+
+    screen = DemoScreen(facts, view, recent.lines)
+    with Live(screen, auto_refresh=False) as live:
+        while not controls.quit.is_set():
+            controls.send_toggles()
+            view.update()
+            live.refresh()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(controls.quit.wait(), REFRESH_S)
+
+
+async def _show_lines(view: DemoView) -> None:
+    while True:
+        for _ in range(round(PLAIN_LINE_S / REFRESH_S)):
+            await asyncio.sleep(REFRESH_S)
+            view.update()
+        write_line(view.line())
+
+
+@asynccontextmanager
+async def _watched(
+    environment: RosEnvironment, topics: Mapping[str, str], view: DemoView
+) -> AsyncIterator[Callable[[], Coroutine[Any, Any, Publisher]]]:
+    """Subscribe like any other node, so that the view has data from the graph.
+
+    Yields what advertises the LED's switch.
+    """
+    from rostether.mechanisms.anonymous import anonymous_name
+    from rostether.ros1.node.node import join_ros1
+
+    store = TypeStore(Registry())
+    graph = await join_ros1(anonymous_name("demo_view"), environment=environment)
+    try:
+        for topic, type_name in topics.items():
+            message_type = store.registry.message_type(type_name)
+            await graph.subscribe(topic, message_type, partial(view.saw, topic, store.codec(type_name)))
+        yield partial(graph.advertise, "/toggle_led", store.registry.message_type("std_msgs/Empty"))
+    finally:
+        await graph.close()

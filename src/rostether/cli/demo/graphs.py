@@ -1,0 +1,103 @@
+"""The graphs of the demo: by default its own, so that its board stays out of a running robot's graph."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
+from importlib.util import find_spec
+
+from rostether.bridge.reporter import Reporter
+from rostether.cli.access.middleware import Middleware
+from rostether.cli.access.used_master import UsedMaster, master_answers, used_master
+from rostether.cli.demo.view import our_command
+from rostether.errors import GraphError, RostetherError, UnknownNameError
+from rostether.extras import install_command
+from rostether.graph.ports import JoinGraph, Level, ParamValue
+from rostether.ros1.environment import RosEnvironment, format_uri, is_loopback
+from rostether.ros1.node.master_client import MasterClient
+
+BOARD_NAME = "virtual_board"
+# More demos than this on one machine are a mistake.
+MAX_DEMOS = 100
+BOARD_PARAMETERS: dict[str, ParamValue] = {"blink_hz": 0, "frame_id": "base_link"}
+
+
+@asynccontextmanager
+async def demo_master(
+    environment: RosEnvironment, *, joins: bool, port: int | None
+) -> AsyncIterator[UsedMaster]:
+    """Find the master to join, or run one until the end of the block.
+
+    `port` is the port of the new one; None is the usual port, or the next free one. Raises GraphError if the
+    port is taken.
+    """
+    if joins:
+        async with used_master(environment) as used:
+            yield used
+        return
+    from rostether.ros1.roscore import Roscore
+
+    usual = environment.master if is_loopback(environment.master.host) else RosEnvironment().master
+    first = usual.port if port is None else port
+    failure = GraphError(f"a ROS master uses port {first} already; choose another --port")
+    for tried in range(first, first + (MAX_DEMOS if port is None else 1)):
+        own = replace(environment, master_uri=format_uri(usual.host, tried), master_uri_is_set=True)
+        if await master_answers(own):
+            continue
+        try:
+            core = await Roscore.start(own, port=tried)
+        except GraphError as error:
+            failure = error
+            continue
+        try:
+            line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
+            yield UsedMaster(own, line, is_ours=True)
+        finally:
+            await core.close()
+        return
+    raise failure
+
+
+async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -> JoinGraph | None:
+    """Return the factory of ROS 2 nodes over zenoh; None, with a line about the reason, if not possible."""
+    if find_spec("zenoh") is None:
+        reporter.line(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
+        return None
+    from rostether.cli.access.ros2_access import ros2_access
+
+    async with AsyncExitStack() as joined:
+        try:
+            access = await joined.enter_async_context(ros2_access(Middleware.ZENOH))
+        except RostetherError as error:
+            reporter.line(Level.WARN, f"Not on ROS 2: {error}")
+            return None
+        # Without a router of its own it would be in a graph that runs already.
+        if not joins and not access.is_router:
+            reporter.line(Level.INFO, "Not on ROS 2: another graph runs here; --join joins it")
+            return None
+        stack.push_async_callback(joined.pop_all().aclose)
+    reporter.line(
+        Level.INFO, f"{access.line}; to watch it, run: {our_command()} topic echo --ros2 zenoh /ultrasound"
+    )
+    return access.join
+
+
+async def prepare_board(environment: RosEnvironment) -> str:
+    """Return a name that no other demo uses, with the board's parameters set.
+
+    A second node with the same name would replace the first. Raises GraphError if there are too many.
+    """
+    client = MasterClient(environment.master_uri, "/rostether")
+    try:
+        for number in range(1, MAX_DEMOS):
+            name = BOARD_NAME if number == 1 else f"{BOARD_NAME}_{number}"
+            try:
+                await client.lookup_node(f"/{name}")
+            except UnknownNameError:
+                for parameter, value in BOARD_PARAMETERS.items():
+                    await client.set_param(f"/{name}/{parameter}", value)
+                return name
+    finally:
+        await client.close()
+    raise GraphError(f"{MAX_DEMOS - 1} demos already run; stop one first")

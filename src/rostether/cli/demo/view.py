@@ -1,0 +1,176 @@
+"""The contents of the demo's screen: the board's state, the topics' values, and commands to try."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rostether.graph.ports import Level
+from rostether.ros1.environment import DEFAULT_MASTER_PORT, parse_rpc_uri
+
+if TYPE_CHECKING:
+    from rostether.bridge.health.diagnostics import BoardView, EndpointView
+    from rostether.serde.codec import Codec
+
+# The window for rates: long enough to be steady, short enough to follow a change.
+RATE_WINDOW_S = 2.0
+# The widest curve in a terminal; at four values a second, 20 seconds.
+MAX_CURVE_VALUES = 80
+_CACHES = {".cache", "Caches", "Cache"}
+# The tallest terminal does not show more.
+MAX_LINES = 100
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    """How values of a type are shown: as text and, with a figure, as a curve on a scale."""
+
+    text: Callable[[Any], str]
+    figure: Callable[[Any], float] | None = None
+    scale: tuple[float, float] | None = None
+
+
+_SHOWN: Mapping[str, _Shown] = {
+    "sensor_msgs/Range": _Shown(lambda message: f"{message.range:.2f} m", lambda message: message.range),
+    "std_msgs/Bool": _Shown(
+        lambda message: "on" if message.data else "off", lambda message: message.data, (0, 1)
+    ),
+    "std_msgs/UInt32": _Shown(lambda message: str(message.data)),
+    "sensor_msgs/Imu": _Shown(
+        lambda message: f"{degrees(message.angular_velocity.x):+.0f} deg/s",
+        lambda message: message.angular_velocity.x,
+    ),
+    "tf/tfMessage": _Shown(
+        lambda message: _position(message.transforms[0].transform.translation),
+        lambda message: message.transforms[0].transform.translation.x,
+    ),
+}
+
+
+def _position(translation: Any) -> str:
+    return f"{translation.x:+.1f} {translation.y:+.1f} m"
+
+
+@dataclass(frozen=True, slots=True)
+class DemoFacts:
+    """The texts that do not change while the demo runs."""
+
+    title: str
+    master_uri: str
+    is_in_ros2: bool = False
+    dashboard_url: str = ""
+    has_keys: bool = False
+
+    def next_steps(self) -> list[str]:
+        """Return the commands for a second terminal."""
+        us = our_command()
+        is_usual = parse_rpc_uri(self.master_uri).port == DEFAULT_MASTER_PORT
+        steps = [] if is_usual else [f"export ROS_MASTER_URI={self.master_uri.rstrip('/')}"]
+        steps += [f"{us} topic echo /ultrasound", f"{us} topic pub -1 /toggle_led std_msgs/Empty"]
+        return [*steps, f"{us} topic echo --ros2 zenoh /ultrasound"] if self.is_in_ros2 else steps
+
+
+class RecentLines:
+    """A bridge's `Reporter` that keeps the last lines for the screen's foot."""
+
+    def __init__(self) -> None:
+        self.lines: deque[str] = deque(maxlen=MAX_LINES)
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Keep one line."""
+        if level >= Level.INFO:
+            self.lines.append(f"{node}: {text}" if node else text)
+
+
+class DemoView:
+    """Collects what the demo shows; a payload is decoded only when it is drawn."""
+
+    def __init__(self, boards: Callable[[], list[BoardView]], clock: Callable[[], float]) -> None:
+        self.has_flowed = False
+        self.board: BoardView | None = None
+        self._boards = boards
+        self._clock = clock
+        self._last: dict[str, tuple[Codec, bytes]] = {}
+        self._curves: dict[str, deque[float]] = {}
+        self._history: dict[str, deque[tuple[float, int]]] = {}
+
+    def saw(self, topic: str, codec: Codec, payloads: Sequence[bytes]) -> None:
+        """Add messages that arrived through the graph."""
+        self.has_flowed = True
+        self._last[topic] = (codec, payloads[-1])
+
+    def update(self) -> None:
+        """Store the current state of the board."""
+        self.board = next(iter(self._boards()), None)
+        now_s = self._clock()
+        for endpoint in self.board.endpoints if self.board is not None else ():
+            history = self._history.setdefault(_key(endpoint), deque())
+            history.append((now_s, endpoint.message_count))
+            while now_s - history[0][0] > RATE_WINDOW_S and len(history) > 2:
+                history.popleft()
+            figure = _SHOWN[endpoint.type].figure if endpoint.type in _SHOWN else None
+            message = self._message(endpoint)
+            if figure is not None and message is not None:
+                curve = self._curves.setdefault(endpoint.name, deque(maxlen=MAX_CURVE_VALUES))
+                curve.append(figure(message))
+
+    def line(self) -> str:
+        """Return everything in one line, for logs and pipes."""
+        if self.board is None:
+            return "link: waiting for the board"
+        topics = [
+            f"{endpoint.name} {self.rate_hz(endpoint):.1f} Hz{f' ({value})' if value else ''}"
+            for endpoint in self.board.endpoints
+            if endpoint.role == "publisher"
+            for value in [self.value(endpoint)]
+        ]
+        return "; ".join(
+            [*topics, f"{self.board.received_frames} frames, {self.board.discarded_frames} discarded"]
+        )
+
+    def rate_hz(self, endpoint: EndpointView) -> float:
+        """Return how many messages a second pass an endpoint."""
+        history = self._history.get(_key(endpoint), deque())
+        if len(history) < 2 or history[-1][0] == history[0][0]:
+            return 0.0
+        return (history[-1][1] - history[0][1]) / (history[-1][0] - history[0][0])
+
+    def value(self, endpoint: EndpointView) -> str:
+        """Return the last value of a topic, empty before the first."""
+        message = self._message(endpoint)
+        return "" if message is None else _SHOWN[endpoint.type].text(message)
+
+    def curve(self, endpoint: EndpointView, width: int) -> str:
+        """Return the last values of a topic as a curve of at most `width` characters."""
+        from rostether.pictures.sparkline import sparkline
+
+        values = self._curves.get(endpoint.name) if endpoint.role == "publisher" else None
+        if not values or width < 1:
+            return ""
+        return sparkline(list(values)[-width:], _SHOWN[endpoint.type].scale)
+
+    def _message(self, endpoint: EndpointView) -> Any:
+        last = self._last.get(f"/{endpoint.name.lstrip('/')}")
+        if last is None or endpoint.role != "publisher" or endpoint.type not in _SHOWN:
+            return None
+        codec, payload = last
+        return codec.decode(payload)
+
+
+def our_command() -> str:
+    """Return the command for another terminal: `rostether` if it is on PATH there, else its path."""
+    found = shutil.which("rostether")
+    if found is None:
+        return sys.argv[0]
+    # uvx and pipx run add an environment from their cache only to this process's PATH.
+    return found if _CACHES.intersection(Path(sys.prefix).parts) else "rostether"
+
+
+def _key(endpoint: EndpointView) -> str:
+    return f"{endpoint.role} {endpoint.name}"

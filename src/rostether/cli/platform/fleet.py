@@ -1,0 +1,216 @@
+"""`rostether fleet`: robots that obey framed commands, without a ROS graph."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+
+if TYPE_CHECKING:
+    from rostether.graph.ports import Level
+    from rostether.platform.fleet import FleetSettings
+    from rostether.platform.robot_table import Robot
+
+_CONTROL = "arduino_control/ArduinoControl"
+_MODULE = "rostether.cli.platform.fleet:"
+_VERBS = {
+    "list": VerbEntry(f"{_MODULE}list_robots", "List the robots that answer."),
+    "status": VerbEntry(f"{_MODULE}status", "Show loss, signal and sender of robots."),
+    "doctor": VerbEntry("rostether.cli.platform.fleet_doctor:doctor", "Find out why robots do not obey."),
+    "drive": VerbEntry(f"{_MODULE}drive", "Drive robots in a direction."),
+    "stop": VerbEntry(f"{_MODULE}stop", "Stop robots that any sender commands."),
+}
+_robot = click.argument("robot", type=click.IntRange(1, MAX_ROBOT), required=False, metavar="[ROBOT]")
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs=_VERBS,
+    examples="""
+    rostether fleet list --key-file fleet.key
+    rostether fleet drive 3 --speed 0.5 --for 2 --key-file fleet.key
+    rostether fleet stop --key-file fleet.key
+    """,
+)
+def fleet() -> None:
+    """Command robots by id and group, over UDP multicast.
+
+    The robots run `rostether role multicast-topic-receiver` with `_framed:=true`. All have the same key.
+    """
+
+
+@click.command("list", cls=Verb, examples="rostether fleet list --interface wlan0 --key-file fleet.key")
+@json_option
+@fleet_options()
+def list_robots(as_json: bool, fleet: FleetSettings) -> int:
+    """List the robots that answer: id, address, whether they move, and who commands them."""
+    return run(_query(fleet, as_json, detailed=False))
+
+
+@click.command("status", cls=Verb, examples="rostether fleet status 3 --key-file fleet.key")
+@_robot
+@json_option
+@fleet_options()
+def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
+    """Show the loss of multicast, the Wi-Fi signal and the sender of one robot, or of all."""
+    return run(_query(for_robot(fleet, robot), as_json, detailed=True))
+
+
+@click.command(
+    "drive",
+    cls=Verb,
+    examples="""
+    rostether fleet drive 3 --speed 0.5 --for 2 --key-file fleet.key
+    rostether fleet drive --groups 0 --direction 90 --key-file fleet.key
+    """,
+)
+@_robot
+@click.option("--all", "to_all", is_flag=True, help="Drive the robots of all groups.")
+@click.option(
+    "--speed",
+    type=click.FloatRange(0, 1),
+    default=0.3,
+    show_default=True,
+    help="From 0 to 1, which is full speed.",
+)
+@click.option(
+    "--direction",
+    type=click.FloatRange(-180, 180),
+    default=0.0,
+    show_default=True,
+    help="In degrees: 0 is forward, 90 right, 180 back.",
+)
+@click.option(
+    "--for",
+    "duration_s",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Stop after this time (default: at Ctrl-C).",
+)
+@fleet_options()
+def drive(
+    robot: int | None,
+    to_all: bool,
+    speed: float,
+    direction: float,
+    duration_s: float | None,
+    fleet: FleetSettings,
+) -> None:
+    """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over or Ctrl-C.
+
+    One sender commands a robot at a time. A robot stops by itself 0.3 s after the last command.
+    """
+    from rostether.platform.command_frame import ALL_GROUPS
+
+    settings = for_robot(fleet, robot)
+    if settings.sender.to_groups and to_all == (settings.sender.target != ALL_GROUPS):
+        raise click.UsageError("give one of ROBOT, --groups or --all")
+    run(_drive(settings, struct.pack("<dd", direction, speed), duration_s or float("inf")))
+
+
+@click.command("stop", cls=Verb, examples="rostether fleet stop 3 --key-file fleet.key")
+@_robot
+@fleet_options()
+def stop(robot: int | None, fleet: FleetSettings) -> int:
+    """Stop one robot or all, also those that another sender commands; list those that confirm it.
+
+    The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop.
+    """
+    return run(_stop(for_robot(fleet, robot)))
+
+
+async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> int:
+    from rostether.platform.fleet import FleetSender
+
+    sender = FleetSender(settings, _report)
+    try:
+        await sender.query()
+    finally:
+        sender.close()
+    for robot in sender.robots:
+        if as_json:
+            write_json(_record(robot))
+    if not as_json:
+        _write_table([_cells(each, detailed) for each in sender.robots], detailed)
+    if not sender.robots:
+        warn(sender.silence_text())
+    return EXIT_DONE if sender.robots else EXIT_FAILED
+
+
+async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> None:
+    from dataclasses import replace
+
+    from rostether.msgdef.registry import Registry
+    from rostether.platform.fleet import FleetSender
+
+    kind = bytes.fromhex(Registry().message_type(_CONTROL).md5sum[:8])
+    sender = FleetSender(replace(settings, sender=replace(settings.sender, kind=kind)), _report)
+    try:
+        await sender.drive(payload, duration_s)
+    finally:
+        sender.close()
+
+
+async def _stop(settings: FleetSettings) -> int:
+    from rostether.platform.fleet import FleetSender
+
+    sender = FleetSender(settings, _report)
+    try:
+        robots = await sender.stop()
+    finally:
+        sender.close()
+    for robot in robots:
+        write_line(f"robot {robot.status.robot_id} at {robot.address[0]} has stopped")
+    if not robots:
+        warn(sender.silence_text())
+    return EXIT_DONE if robots else EXIT_FAILED
+
+
+def _report(_: Level, text: str) -> None:
+    warn(text)
+
+
+def _record(robot: Robot) -> dict[str, object]:
+    status = robot.status
+    return {
+        "robot": status.robot_id,
+        "address": robot.address[0],
+        "moving": status.is_moving,
+        "commanded_by": status.holder,
+        "received": status.received_count,
+        "lost": status.lost_count,
+        "loss": robot.loss,
+        "signal_dbm": status.signal_dbm,
+    }
+
+
+def _cells(robot: Robot, detailed: bool) -> list[str]:
+    status = robot.status
+    cells = [
+        str(status.robot_id),
+        robot.address[0],
+        "moving" if status.is_moving else "stopped",
+        status.holder or "-",
+    ]
+    if detailed:
+        cells.append("-" if robot.loss is None else f"{robot.loss:.0%}")
+        cells.append("-" if status.signal_dbm is None else f"{status.signal_dbm} dBm")
+    return cells
+
+
+def _write_table(rows: Sequence[list[str]], detailed: bool) -> None:
+    if not rows:
+        return
+    head = ["robot", "address", "state", "commanded by", *(["loss", "signal"] if detailed else [])]
+    table = [head, *rows]
+    widths = [max(len(row[column]) for row in table) for column in range(len(head))]
+    for row in table:
+        write_line("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())

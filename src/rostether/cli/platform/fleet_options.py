@@ -1,0 +1,111 @@
+"""The options that select a fleet's network and its robots, as one value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.shell.option_group import Function, option_group
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.platform.fleet import FleetSettings
+
+MAX_ROBOT = 0xFFFF_FFFF
+_GROUPS = 32
+DEFAULT_GROUP = "239.255.82.83"
+DEFAULT_PORT = 11412
+
+_OPTIONS = (
+    click.option("--groups", metavar="N,N", help="Only robots of these groups, numbers from 0 to 31."),
+    click.option("--key-file", metavar="FILE", help="The fleet's key, 32 hexadecimal digits."),
+    click.option(
+        "--group-address",
+        default=DEFAULT_GROUP,
+        show_default=True,
+        metavar="ADDRESS",
+        help="The multicast group, IPv4 or IPv6.",
+    ),
+    click.option(
+        "--port",
+        type=click.IntRange(1, 65535),
+        default=DEFAULT_PORT,
+        show_default=True,
+        help="The group's port.",
+    ),
+    click.option(
+        "--interface",
+        "interfaces",
+        multiple=True,
+        metavar="NAME",
+        help="Send by this network interface, e.g. wlan0; may be repeated.",
+    ),
+    click.option(
+        "--ttl",
+        type=click.IntRange(0, 255),
+        default=1,
+        show_default=True,
+        help="How many networks a datagram crosses.",
+    ),
+    click.option(
+        "--unicast",
+        multiple=True,
+        metavar="ADDRESS",
+        help="Send to this robot's address too, where multicast does not arrive; may be repeated.",
+    ),
+)
+
+
+def group_mask(words: Iterable[str], label: str) -> int:
+    """Return the mask of numbers of groups. Raises ConfigError, which begins with `label`."""
+    mask = 0
+    for word in words:
+        if not word.isdecimal() or int(word) >= _GROUPS:
+            raise ConfigError(f"{label} are numbers from 0 to {_GROUPS - 1}, not {word!r:.200}")
+        mask |= 1 << int(word)
+    return mask
+
+
+def fleet_options() -> Callable[[Function], Function]:
+    """Return a decorator that adds the options; the verb gets them as `fleet`, without a robot's id."""
+    return option_group("fleet", fleet_settings, _OPTIONS)
+
+
+def for_robot(fleet: FleetSettings, robot: int | None) -> FleetSettings:
+    """Return the settings for one robot, or the same. Raises click.UsageError for a robot and groups."""
+    from dataclasses import replace
+
+    from rostether.platform.command_frame import ALL_GROUPS
+
+    if robot is None:
+        return fleet
+    if fleet.sender.target != ALL_GROUPS:
+        raise click.UsageError("give ROBOT or --groups, not both")
+    return replace(fleet, sender=replace(fleet.sender, target=robot, to_groups=False))
+
+
+def fleet_settings(
+    *,
+    groups: str | None = None,
+    key_file: str | None = None,
+    group_address: str = DEFAULT_GROUP,
+    port: int = DEFAULT_PORT,
+    interfaces: tuple[str, ...] = (),
+    ttl: int = 1,
+    unicast: tuple[str, ...] = (),
+) -> FleetSettings:
+    """Return what the options mean. Raises ConfigError."""
+    from rostether.platform.command_frame import ALL_GROUPS, NO_KEY
+    from rostether.platform.command_link import SenderSettings
+    from rostether.platform.fleet import FleetSettings
+    from rostether.platform.fleet_key import read_fleet_key
+    from rostether.platform.multicast_socket import GroupAddress
+
+    mask = ALL_GROUPS if groups is None else group_mask(groups.split(","), "--groups")
+    return FleetSettings(
+        SenderSettings(mask, key=read_fleet_key(key_file) if key_file else NO_KEY),
+        GroupAddress(group_address, port, interfaces, ttl),
+        unicast,
+    )

@@ -1,0 +1,247 @@
+"""`rostether install`, `uninstall` and `status`: a robot's parts at boot."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.platform.boot.service_files import Installation
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+_KINDS = ("base", "robot", "both")
+_DASHBOARD = "http://127.0.0.1:8765"
+_LIMIT_S = 60.0
+
+
+def _place_options(function: _F) -> _F:
+    for option in reversed(
+        (
+            click.option(
+                "--user/--system",
+                "for_user",
+                default=None,
+                help="For this user, or as root for all.",
+            ),
+            click.option(
+                "--root",
+                type=click.Path(file_okay=False, path_type=Path),
+                help="Write below this folder, such as a mounted image, and start nothing.",
+            ),
+        )
+    ):
+        function = option(function)
+    return function
+
+
+@click.command(
+    "install",
+    cls=Verb,
+    examples="""
+    rostether install                                        asks what this machine is
+    rostether install --machine both --name robot1           a robot with its own core
+    rostether install --machine robot --name robot1 --core 192.168.1.10
+    rostether install --from robot.toml --dry-run            show what would be written
+    """,
+)
+@click.option("--machine", type=click.Choice(_KINDS), help="A base station, a robot, or both.")
+@click.option("--name", help="Name of this machine: PLATFORM_NAME.")
+@click.option("--core", metavar="HOST", help="The base station, for a robot.")
+@click.option("--address", help="This machine's own address: ROS_IP.")
+@click.option("--board", "boards", multiple=True, metavar="LINK", help="A board's link; may be repeated.")
+@click.option("--part", "parts", multiple=True, metavar="NAME=COMMAND", help="Another part; may be repeated.")
+@click.option(
+    "--from",
+    "given",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="A robot.toml, instead of questions.",
+)
+@click.option("--gui", is_flag=True, help="Open the dashboard when a user logs in.")
+@click.option("--dry-run", is_flag=True, help="Show what would be written.")
+@_place_options
+def install(dry_run: bool, gui: bool, for_user: bool | None, root: Path | None, **answers: Any) -> None:
+    """Start a robot's parts at boot: write a robot.toml and a systemd unit.
+
+    Installing again keeps the robot.toml, unless you give its content again.
+    """
+    from rostether.platform.boot.service_files import files_of
+
+    installation = _installation(for_user)
+    text = _robot_text(installation.robot_file, root, answers)
+    files = {installation.robot_file: text, **files_of(installation, dashboard=_DASHBOARD if gui else "")}
+    if dry_run:
+        for path, content in files.items():
+            write_line(f"{_below(root, path)}:")
+            write_line("\n".join(f"    {line}" for line in content.splitlines()))
+        return
+    _write(files, root)
+    if root is None:
+        _systemctl(installation, "daemon-reload")
+        _systemctl(installation, "enable", "--now", "rostether.service")
+        if not installation.is_system:
+            # Without lingering, a user's services end with the last session.
+            _run(["loginctl", "enable-linger", getpass.getuser()])
+    write_line("rostether starts at boot; to see its state: rostether status")
+
+
+@click.command("uninstall", cls=Verb, examples="rostether uninstall")
+@_place_options
+def uninstall(for_user: bool | None, root: Path | None) -> None:
+    """Stop the robot's parts, and remove the files of `rostether install`, including the robot.toml."""
+    installation = _installation(for_user)
+    paths = [each for each in _written(installation) if _below(root, each).exists()]
+    if not paths:
+        write_line("nothing is installed")
+        return
+    if root is None:
+        _systemctl(installation, "disable", "--now", "rostether.service")
+    for path in paths:
+        _below(root, path).unlink()
+        write_line(f"removed {_below(root, path)}")
+    folder = _below(root, installation.robot_file).parent
+    if folder.name == "rostether" and not any(folder.iterdir()):
+        folder.rmdir()
+    if root is None:
+        _systemctl(installation, "daemon-reload")
+
+
+@click.command("status", cls=Verb, examples="rostether status")
+@_place_options
+def status(for_user: bool | None, root: Path | None) -> None:
+    """Show what starts at boot, and whether it runs."""
+    from rostether.cli.verb_table import VERBS
+    from rostether.platform.boot.robot_file import read_robot_file
+
+    installation = _installation(for_user)
+    file = _below(root, installation.robot_file)
+    if not _below(root, installation.unit).exists():
+        write_line("nothing starts at boot; to change that: rostether install")
+        raise click.exceptions.Exit(1)
+    robot = read_robot_file(file, VERBS)
+    write_line(f"{robot.name or 'this machine'}: {', '.join(part.name for part in robot.parts)}  ({file})")
+    if root is None:
+        scope = [] if installation.is_system else ["--user"]
+        shown = _run(["systemctl", *scope, "show", "rostether.service", "-p", "ActiveState,SubState"])
+        states = dict(line.split("=", 1) for line in shown.splitlines() if "=" in line)
+        write_line(f"{states.get('ActiveState', 'unknown')} ({states.get('SubState', 'unknown')})")
+        write_line(f"log: journalctl {'--user ' if scope else ''}-u rostether")
+
+
+def _installation(for_user: bool | None) -> Installation:
+    from rostether.platform.boot.service_files import GROUPS, Installation, default_robot_file
+
+    if not hasattr(os, "geteuid"):
+        raise ConfigError("this system has no systemd; only Linux can start rostether at boot")
+    is_system = os.geteuid() == 0 if for_user is None else not for_user
+    program = shutil.which("rostether")
+    return Installation(
+        program=(program,) if program is not None else (sys.executable, "-m", "rostether"),
+        robot_file=default_robot_file(is_system),
+        is_system=is_system,
+        user=os.environ.get("SUDO_USER", "") if is_system else "",
+        groups=tuple(each for each in GROUPS if _has_group(each)) if is_system else (),
+    )
+
+
+def _has_group(name: str) -> bool:
+    # Windows has no such module.
+    import grp
+
+    try:
+        grp.getgrnam(name)
+    except KeyError:
+        return False
+    return True
+
+
+def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> str:
+    from rostether.platform.boot.machine import Kind, Machine
+
+    if answers["given"] is not None:
+        text: str = answers["given"].read_text(encoding="utf-8")
+        _check(answers["given"])
+        return text
+    kept = _below(root, file)
+    if not any(answers.values()) and kept.exists():
+        _check(kept)
+        return kept.read_text(encoding="utf-8")
+    kind = Kind(answers["machine"] or _ask("What is this machine", "both", _KINDS))
+    name = answers["name"] or _ask("Name of this machine", os.uname().nodename)
+    core = answers["core"] or ""
+    if kind is Kind.ROBOT and not core:
+        core = _ask("Address of the base station")
+    parts = {}
+    for each in answers["parts"]:
+        key, separator, words = each.partition("=")
+        if not separator or not key:
+            raise ConfigError(f"--part {each!r} must be NAME=COMMAND, such as joystick='role joy-node'")
+        parts[key] = words
+    return Machine(kind, name, core, answers["address"] or "", answers["boards"], parts).text
+
+
+def _check(file: Path) -> None:
+    from rostether.cli.verb_table import VERBS
+    from rostether.platform.boot.robot_file import read_robot_file
+
+    read_robot_file(file, VERBS)
+
+
+def _ask(question: str, default: str | None = None, choices: Sequence[str] | None = None) -> str:
+    if not sys.stdin.isatty():
+        raise ConfigError(
+            f"{question}? There is no terminal to ask; give --machine, --name and, for a robot, --core"
+        )
+    kind = click.Choice(choices) if choices is not None else None
+    answer: str = click.prompt(question, default=default, type=kind)
+    return answer
+
+
+def _written(installation: Installation) -> list[Path]:
+    paths = [installation.robot_file, installation.unit, installation.autostart]
+    return [*paths, installation.rules] if installation.is_system else paths
+
+
+def _below(root: Path | None, path: Path) -> Path:
+    return path if root is None else root / path.relative_to("/")
+
+
+def _write(files: Mapping[Path, str], root: Path | None) -> None:
+    for path, content in files.items():
+        place = _below(root, path)
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(content, encoding="utf-8")
+        except OSError as error:
+            hint = "; type sudo first, or add --user" if isinstance(error, PermissionError) else ""
+            raise ConfigError(f"cannot write {place}: {error.strerror}{hint}") from None
+        write_line(f"wrote {place}")
+
+
+def _systemctl(installation: Installation, *words: str) -> None:
+    _run(["systemctl", *([] if installation.is_system else ["--user"]), *words])
+
+
+def _run(command: Sequence[str]) -> str:
+    try:
+        done = subprocess.run(  # noqa: S603 - systemd's programs
+            command, capture_output=True, text=True, timeout=_LIMIT_S, check=False
+        )
+    except FileNotFoundError:
+        raise ConfigError(f"this machine has no {command[0]}; it needs systemd") from None
+    except subprocess.TimeoutExpired:
+        raise ConfigError(f"{' '.join(command)} did not end within {_LIMIT_S:.0f} s") from None
+    if done.returncode:
+        raise ConfigError(f"{' '.join(command)} failed: {done.stderr.strip() or done.stdout.strip()}")
+    return done.stdout

@@ -1,0 +1,62 @@
+"""`rostether up`: everything that one machine of a robot runs."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from pathlib import Path
+
+import click
+
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+# Commands that would start this one again, or change what starts at boot.
+NOT_PARTS = ("up", "install", "uninstall")
+
+
+@click.command(
+    "up",
+    cls=Verb,
+    examples="""
+    rostether up robot.toml
+    rostether up robot.toml --check
+    """,
+)
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--check", is_flag=True, help="Only check the file.")
+def up(file: Path, check: bool) -> None:
+    """Run the parts of a robot that FILE lists, and restart each part that ends.
+
+    Each part is a rostether command. A part that hangs for 20 s is ended and started again. `rostether
+    install` starts this command at boot.
+    """
+    from rostether.cli.verb_table import VERBS
+    from rostether.platform.boot.part_process import PartProcess
+    from rostether.platform.boot.robot_file import read_robot_file
+
+    robot = read_robot_file(file, VERBS.keys() - set(NOT_PARTS))
+    if check:
+        write_line(f"{file}: {', '.join(part.name for part in robot.parts)}")
+        return
+    if not hasattr(os, "killpg"):
+        raise ConfigError("rostether up needs Linux or macOS; start each part in a terminal of its own")
+    width = max(len(part.name) for part in robot.parts)
+    environ = {**os.environ, **robot.environment}
+    command = [sys.executable, "-m", "rostether"]
+
+    def report(name: str, line: str) -> None:
+        write_line(f"{name.ljust(width)} | {line}")
+
+    async def main() -> None:
+        try:
+            async with asyncio.TaskGroup() as group:
+                for part in robot.parts:
+                    group.create_task(PartProcess(part, command, environ, report).run())
+        except ExceptionGroup as failures:
+            raise failures.exceptions[0] from None
+
+    run(main(), is_service=True)

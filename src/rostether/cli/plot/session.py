@@ -1,0 +1,182 @@
+"""Collects the values of a plot, shows them live, and writes a picture at the end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import shutil
+import time
+from collections.abc import Callable, Coroutine, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from rostether.cli.plot.curves import Curves
+from rostether.cli.plot.units import unit_of
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.picture_files import encode, picture_format, save
+from rostether.errors import ConfigError, GraphError, SerializationError, first_error
+
+if TYPE_CHECKING:
+    from rostether.msgdef.registry import Registry
+    from rostether.pictures.plot import Curve
+    from rostether.serde.codec import Codec
+
+REFRESH_S = 0.1
+DEFAULT_WINDOW_S = 10.0
+
+# The fields of one argument, usually of one topic.
+Group: TypeAlias = Sequence[str]
+
+Follow: TypeAlias = Callable[[Group], Coroutine[Any, Any, None]]
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSettings:
+    """How a plot is shown; `right` are the fields whose scale is at the right."""
+
+    window_s: float | None
+    duration_s: float | None
+    file: Path | None
+    is_live: bool
+    title: str
+    right: frozenset[str]
+    is_clock: bool
+
+
+class PlotSession:
+    """Collects values, shows them, and ends with a picture."""
+
+    def __init__(self, settings: SessionSettings) -> None:
+        self._settings = settings
+        self._curves = Curves()
+        self._begin_s: float | None = None
+        self._begin_unix_s = 0.0
+        self._types: dict[str, tuple[Registry, Codec]] = {}
+        self._problems: set[str] = set()
+
+    def add_type(self, topic: str, registry: Registry, codec: Codec) -> None:
+        """Set the type of a topic, which has the units of its fields."""
+        self._types[topic] = registry, codec
+
+    def add_message(self, name: str, message: Any, path: Any) -> None:
+        """Add the values that a path selects in a message. Raises ConfigError if they are not numbers."""
+        now_s = asyncio.get_running_loop().time()
+        if self._begin_s is None:
+            self._begin_s = now_s
+            self._begin_unix_s = time.time()
+        try:
+            value = message if path is None else path.read(message)
+        except SerializationError as error:
+            if str(error) not in self._problems:
+                self._problems.add(str(error))
+                warn(str(error))
+            return
+        is_empty = isinstance(value, list | bytes) and not value
+        if not self._curves.add(now_s - self._begin_s, name, value) and not is_empty:
+            raise ConfigError(f"{name} contains no numbers; give a field that does")
+
+    async def run(self, follow: Follow, groups: Sequence[Group]) -> None:
+        """Follow all values until the time is over. Raises what following one of them raises."""
+        loop = asyncio.get_running_loop()
+        names = [name for group in groups for name in group]
+        self._curves.expect(*names)
+        tasks = [loop.create_task(_first_problem(follow(group))) for group in groups]
+        try:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(self._settings.duration_s):
+                    if self._settings.is_live:
+                        await self._show_live(tasks)
+                    else:
+                        await asyncio.gather(*tasks)
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            if self._curves.names:
+                self._finish()
+        if not self._curves.names:
+            raise GraphError(f"no value was received of {', '.join(names)}; see `rostether topic echo`")
+
+    def _finish(self) -> None:
+        file = self._settings.file
+        if file is not None:
+            from rostether.pictures.plot import Labels, draw_plot
+
+            since_s = self._last_s - self._settings.window_s if self._settings.window_s else 0.0
+            curves = self._placed(self._curves.curves(since_s))
+            labels = Labels(self._settings.title, self._begin_unix_s, self._settings.is_clock)
+            save(file, encode(draw_plot(curves, labels), picture_format(file)))
+            write_line(f"{file}: {len(curves)} curves, {sum(len(each.points) for each in curves)} values")
+        elif not self._settings.is_live:
+            from rostether.cli.plot.view import as_plain
+
+            for line in as_plain(self._lines(*shutil.get_terminal_size((80, 24)))):
+                write_line(line)
+
+    def _placed(self, curves: Sequence[Curve]) -> list[Curve]:
+        """Return the curves with their units, each on the requested scale, or on that of its unit."""
+        with_units = [replace(each, unit=self._unit(each.name)) for each in curves]
+        first = next((each.unit for each in with_units if each.unit), "")
+        right = self._settings.right
+        return [
+            replace(
+                each,
+                is_right=_is_of(each.name, right) if right else each.unit not in ("", first),
+            )
+            for each in with_units
+        ]
+
+    def _unit(self, name: str) -> str:
+        topic = max((each for each in self._types if _is_of(name, [each])), key=len, default=None)
+        if topic is None:
+            return ""
+        registry, codec = self._types[topic]
+        return unit_of(registry, codec.tree, name[len(topic) + 1 :])
+
+    @property
+    def _last_s(self) -> float:
+        return max((curve.points[-1][0] for curve in self._curves.curves() if curve.points), default=0.0)
+
+    def _lines(self, columns: int, rows: int) -> Any:
+        from rostether.cli.plot.view import plot_lines
+        from rostether.pictures.axis import Axis
+
+        whole_s = None if self._settings.is_live else self._settings.duration_s
+        window_s = self._settings.window_s or whole_s or DEFAULT_WINDOW_S
+        end_s = max(self._last_s, window_s)
+        across = Axis(end_s - window_s, end_s)
+        begin_s = self._begin_unix_s if self._settings.is_clock else None
+        curves = self._placed(self._curves.curves(across.low))
+        return plot_lines(curves, columns, rows - 1, across, begin_s)
+
+    async def _show_live(self, tasks: Sequence[asyncio.Task[None]]) -> None:
+        from rich.console import Console
+        from rich.live import Live
+
+        from rostether.cli.plot.view import as_colored
+
+        console = Console()
+        with Live(console=console, auto_refresh=False, screen=False) as live:
+            while True:
+                if self._curves.names:
+                    lines = self._lines(console.width, console.height - 1)
+                    live.update(as_colored(lines, "Ctrl-C ends it"), refresh=True)
+                done, _ = await asyncio.wait(tasks, timeout=REFRESH_S, return_when=asyncio.FIRST_EXCEPTION)
+                for task in done:
+                    task.result()
+                if len(done) == len(tasks):
+                    return
+
+
+def _is_of(name: str, fields: Iterable[str]) -> bool:
+    """Return whether a curve belongs to one of the topics or fields."""
+    return any(name == each or name.startswith((f"{each}/", f"{each}[")) for each in fields)
+
+
+async def _first_problem(work: Coroutine[Any, Any, None]) -> None:
+    """Run a task group, and raise its first error instead of an exception group."""
+    try:
+        await work
+    except BaseExceptionGroup as problems:
+        raise first_error(problems) from None

@@ -1,0 +1,69 @@
+"""What a machine is for, as a robot.toml."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class Kind(Enum):
+    """What a machine is for."""
+
+    BASE = "base"
+    ROBOT = "robot"
+    BOTH = "both"
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The answers that make a robot.toml; `core` is the address of the base station's master."""
+
+    kind: Kind
+    name: str
+    core: str = ""
+    address: str = ""
+    boards: Sequence[str] = ()
+    parts: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def text(self) -> str:
+        """The robot.toml."""
+        lines = [
+            "# What this machine runs: each part is a rostether command.",
+            f"name = {_quoted(self.name)}",
+        ]
+        if self.kind is Kind.ROBOT:
+            lines.append(f"master = {_quoted(_uri(self.core))}")
+        if self.address:
+            lines.append(f"address = {_quoted(self.address)}")
+        lines += ["", "[parts]"]
+        lines += [f"{_key(name)} = {_quoted(words)}" for name, words in self._all_parts().items()]
+        return "\n".join(lines) + "\n"
+
+    def _all_parts(self) -> dict[str, str]:
+        parts = {}
+        if self.kind is not Kind.ROBOT:
+            parts["core"] = "core --listen 0.0.0.0"
+            parts["sensors"] = "role sensing-manager"
+            parts["dashboard"] = "dashboard --no-open --listen 0.0.0.0 --port 8765"
+        if self.kind is not Kind.BASE:
+            parts["boards"] = " ".join(["serve", *self.boards])
+        return parts | dict(self.parts)
+
+
+def _uri(core: str) -> str:
+    if core.startswith("http://"):
+        return core
+    return f"http://{core}" if ":" in core else f"http://{core}:11311"
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
+
+
+def _quoted(text: str) -> str:
+    # A JSON string is a basic string of TOML.
+    return json.dumps(text)

@@ -1,0 +1,151 @@
+"""Keeps one part of a robot running: starts it again when it ends, and ends it when it hangs."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import os
+import shutil
+import signal
+import socket
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from rostether.errors import ConfigError
+from rostether.mechanisms.backoff import Backoff
+from rostether.platform.boot.robot_file import Part
+
+# As systemd's units: a part whose event loop does not run for so long is killed and started again.
+WATCHDOG_S = 20.0
+# How long a part may take to end. systemd waits 10 s for all of them.
+END_LIMIT_S = 8.0
+# A part that ran for so long has started well; the next restart is quick again.
+SETTLED_S = 30.0
+# The exit code of a command whose words are wrong: starting it again would not help.
+EXIT_USAGE = 2
+MAX_LINE_BYTES = 1 << 16
+
+_NUMBERS = itertools.count()
+
+
+class PartProcess:
+    """Runs `command` with the part's words; its lines go to `report`, with what happened to it."""
+
+    def __init__(
+        self,
+        part: Part,
+        command: Sequence[str],
+        environ: Mapping[str, str],
+        report: Callable[[str, str], None],
+        *,
+        backoff: Backoff | None = None,
+        watchdog_s: float = WATCHDOG_S,
+    ) -> None:
+        self.part = part
+        self._command = [*command, *part.words]
+        self._environ = environ
+        self._report = report
+        self._backoff = backoff if backoff is not None else Backoff(first_s=1.0, limit_s=30.0)
+        self._watchdog_s = watchdog_s
+        self._last_sign_s: float | None = None
+
+    async def run(self) -> None:
+        """Keep the part running until cancelled; then end it. Raises ConfigError if its words are wrong."""
+        loop = asyncio.get_running_loop()
+        while True:
+            started_s = loop.time()
+            code = await self._run_once()
+            if code == EXIT_USAGE:
+                raise ConfigError(f"part {self.part.name}: its command is wrong; see its message above")
+            if loop.time() - started_s > SETTLED_S:
+                self._backoff.reset()
+            delay_s = self._backoff.next_delay_s()
+            self._report(self.part.name, f"ended ({_words_of(code)}); starts again in {delay_s:.0f} s")
+            await asyncio.sleep(delay_s)
+
+    async def _run_once(self) -> int:
+        # setpriv: the kernel ends the part when we are killed.
+        guard = [program, "--pdeathsig", "INT"] if (program := shutil.which("setpriv")) else []
+        folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="rostether-up-")
+        address = str(Path(folder) / f"{next(_NUMBERS)}")
+        self._last_sign_s = None
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as signs:
+            signs.setblocking(False)
+            signs.bind(address)
+            process = await asyncio.create_subprocess_exec(
+                *guard,
+                *self._command,
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.STDOUT,
+                limit=MAX_LINE_BYTES,
+                env={
+                    **self._environ,
+                    "NOTIFY_SOCKET": address,
+                    "WATCHDOG_USEC": str(round(self._watchdog_s * 1e6)),
+                    "PYTHONUNBUFFERED": "1",
+                },
+                # Ctrl-C reaches us alone, and we end the parts.
+                start_new_session=True,
+            )
+            loop = asyncio.get_running_loop()
+            loop.add_reader(signs, self._note_sign, signs)
+            watching = asyncio.create_task(self._watch(process))
+            try:
+                await self._pass_lines(process)
+                return await process.wait()
+            finally:
+                watching.cancel()
+                loop.remove_reader(signs)
+                await asyncio.shield(_end(process))
+                shutil.rmtree(folder, ignore_errors=True)
+
+    async def _pass_lines(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stdout is not None
+        while True:
+            try:
+                line = await process.stdout.readuntil(b"\n")
+            except asyncio.IncompleteReadError as error:
+                line = error.partial
+                if not line:
+                    return
+            except asyncio.LimitOverrunError as error:
+                line = await process.stdout.read(error.consumed)
+            self._report(self.part.name, line.decode("utf-8", "replace").rstrip("\n"))
+
+    def _note_sign(self, signs: socket.socket) -> None:
+        with suppress(BlockingIOError):
+            while True:
+                signs.recv(256)
+                self._last_sign_s = asyncio.get_running_loop().time()
+
+    async def _watch(self, process: asyncio.subprocess.Process) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(self._watchdog_s / 4)
+            # A part that never reported, such as a command that only prints, is not watched.
+            if self._last_sign_s is not None and loop.time() - self._last_sign_s > self._watchdog_s:
+                self._report(self.part.name, f"hangs since {self._watchdog_s:.0f} s and is ended")
+                _signal(process, signal.SIGKILL)
+                return
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    _signal(process, signal.SIGINT)
+    with suppress(TimeoutError):
+        async with asyncio.timeout(END_LIMIT_S):
+            await process.wait()
+    # Its own children too, which may outlive it.
+    _signal(process, signal.SIGKILL)
+    await process.wait()
+
+
+def _signal(process: asyncio.subprocess.Process, number: signal.Signals) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, number)
+
+
+def _words_of(code: int) -> str:
+    return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"

@@ -1,0 +1,93 @@
+"""robot.toml: what one machine of a robot runs, in one file."""
+
+from __future__ import annotations
+
+import shlex
+import tomllib
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError
+
+# More programs than a robot's computer runs; each is a process.
+MAX_PARTS = 64
+_TOP = {"name", "master", "address", "environment", "parts"}
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One program of a robot: a name, and the words of a `rostether` command."""
+
+    name: str
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFile:
+    """The content of a robot.toml."""
+
+    name: str = ""
+    environment: Mapping[str, str] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
+
+
+def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
+    """Read and check a robot.toml; a part begins with one of `commands`. Raises ConfigError."""
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"cannot read {path}: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path} is not TOML: {error}") from None
+    try:
+        return _robot(content, commands)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None
+
+
+def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
+    unknown = sorted(content.keys() - _TOP)
+    if unknown:
+        raise ConfigError(f"unknown key {unknown[0]!r}; known are {', '.join(sorted(_TOP))}")
+    environment = {
+        name: _text(f"environment.{name}", value)
+        for name, value in _table("environment", content.get("environment", {})).items()
+    }
+    name = _text("name", content.get("name", ""))
+    for variable, key in (("PLATFORM_NAME", "name"), ("ROS_MASTER_URI", "master"), ("ROS_IP", "address")):
+        if key in content:
+            environment[variable] = _text(key, content[key])
+    parts = tuple(
+        _part(each, words, commands) for each, words in _table("parts", content.get("parts", {})).items()
+    )
+    if not parts:
+        raise ConfigError('no parts; add a table [parts] with a line such as boards = "serve"')
+    if len(parts) > MAX_PARTS:
+        raise ConfigError(f"{len(parts)} parts; at most {MAX_PARTS} are allowed")
+    return RobotFile(name, environment, parts)
+
+
+def _part(name: str, words: Any, commands: Collection[str]) -> Part:
+    try:
+        split = shlex.split(_text(f"parts.{name}", words))
+    except ValueError as error:
+        raise ConfigError(f"parts.{name}: {error}") from None
+    if split[:1] == ["rostether"]:
+        split = split[1:]
+    if not split or split[0] not in commands:
+        raise ConfigError(f'parts.{name} must be a rostether command, such as "serve /dev/ttyACM0"')
+    return Part(name, tuple(split))
+
+
+def _text(key: str, value: Any) -> str:
+    if not isinstance(value, str) or "\n" in value or "\0" in value:
+        raise ConfigError(f"{key} must be one line of text in quotes")
+    return value
+
+
+def _table(key: str, value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, dict):
+        raise ConfigError(f"{key} must be a table: [{key}]")
+    return value

@@ -1,0 +1,124 @@
+"""The files that start a robot's parts at boot: a systemd unit, a udev rule and an entry for log-in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+SERVICE = "rostether"
+# The groups that own serial ports, cameras and pins on Debian, Ubuntu and Raspberry Pi OS.
+GROUPS = ("dialout", "video", "gpio", "i2c", "spi")
+
+
+@dataclass(frozen=True, slots=True)
+class Installation:
+    """Where a robot's files lie, and who runs it.
+
+    `program` are the words that start rostether; `user` is empty for a user's own service manager; `groups`
+    are those of GROUPS that this machine has.
+    """
+
+    program: tuple[str, ...]
+    robot_file: Path
+    is_system: bool
+    user: str = ""
+    groups: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> Path:
+        """Where the unit lies."""
+        if self.is_system:
+            return Path("/etc/systemd/system") / f"{SERVICE}.service"
+        return Path.home() / ".config/systemd/user" / f"{SERVICE}.service"
+
+    @property
+    def autostart(self) -> Path:
+        """Where the entry lies that opens the dashboard at log-in."""
+        folder = Path("/etc/xdg/autostart") if self.is_system else Path.home() / ".config/autostart"
+        return folder / f"{SERVICE}-dashboard.desktop"
+
+    @property
+    def rules(self) -> Path:
+        """Where the udev rules lie."""
+        return Path("/etc/udev/rules.d") / f"60-{SERVICE}.rules"
+
+
+def default_robot_file(is_system: bool) -> Path:
+    """Return where a robot.toml lies that `install` wrote."""
+    return Path("/etc/rostether/robot.toml") if is_system else Path.home() / ".config/rostether/robot.toml"
+
+
+def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path, str]:
+    """Return the files to write; with `dashboard`, an address, also the one that opens it at log-in."""
+    files = {installation.unit: unit_text(installation)}
+    if installation.is_system:
+        files[installation.rules] = RULES
+    if dashboard:
+        files[installation.autostart] = _AUTOSTART.format(address=dashboard)
+    return files
+
+
+def unit_text(installation: Installation) -> str:
+    """Return the systemd unit.
+
+    Source: systemd.service(5). It does not wait for the network: every part waits for what it needs.
+    """
+    words = [*installation.program, "up", str(installation.robot_file)]
+    lines = [
+        "[Unit]",
+        "Description=rostether: the parts of this robot",
+        "After=network.target",
+        "StartLimitIntervalSec=0",
+        "",
+        "[Service]",
+        "Type=notify",
+        f"ExecStart={' '.join(map(_quoted, words))}",
+        "WatchdogSec=20",
+        "Restart=always",
+        "RestartSec=2",
+        "KillSignal=SIGINT",
+        "TimeoutStopSec=10",
+        "Environment=PYTHONUNBUFFERED=1",
+    ]
+    if installation.is_system:
+        lines += [f"User={installation.user}"] if installation.user else ["DynamicUser=yes"]
+        if installation.groups:
+            lines.append(f"SupplementaryGroups={' '.join(installation.groups)}")
+        lines += [
+            f"StateDirectory={SERVICE}",
+            f"CacheDirectory={SERVICE}",
+            f"Environment=XDG_STATE_HOME=/var/lib/{SERVICE} XDG_DATA_HOME=/var/lib/{SERVICE}",
+            f"Environment=XDG_CACHE_HOME=/var/cache/{SERVICE}",
+            "NoNewPrivileges=yes",
+            "PrivateTmp=yes",
+            "ProtectSystem=strict",
+            "ProtectHome=read-only",
+            "ProtectKernelModules=yes",
+            "ProtectKernelTunables=yes",
+            "ProtectControlGroups=yes",
+            "RestrictRealtime=yes",
+        ]
+    wanted = "multi-user.target" if installation.is_system else "default.target"
+    lines += ["", "[Install]", f"WantedBy={wanted}", ""]
+    return "\n".join(lines)
+
+
+def _quoted(word: str) -> str:
+    # % starts a specifier of systemd, $ a variable.
+    word = word.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
+    return f'"{word}"' if any(each in word for each in " \t;'\"") else word
+
+
+# ModemManager sends commands to every new serial port, and so resets or disturbs boards.
+RULES = """\
+SUBSYSTEM=="tty", SUBSYSTEMS=="usb", ENV{ID_MM_DEVICE_IGNORE}="1", TAG+="uaccess"
+"""
+
+_AUTOSTART = """\
+[Desktop Entry]
+Type=Application
+Name=rostether dashboard
+Exec=xdg-open {address}
+X-GNOME-Autostart-enabled=true
+"""

@@ -1,0 +1,96 @@
+"""The sockets of a sender: sends frames to the group and by unicast, and receives robots' statuses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rostether.errors import ConfigError
+from rostether.graph.ports import Level
+from rostether.platform.command_frame import NO_KEY
+from rostether.platform.datagram_sender import DatagramSender
+from rostether.platform.multicast_socket import GroupAddress
+from rostether.platform.robot_table import RobotTable, SocketAddress
+from rostether.platform.status_frame import Refusal, RobotStatus
+
+# Unicast to a large fleet overloads the Wi-Fi channel: 20 robots need about 400 datagrams a second.
+MAX_UNICAST = 100
+
+
+class CommandChannel:
+    """Sends one sender's frames; `report` gets a line when a robot has the id of another one.
+
+    With `reports_refusals`, it also gets a line when a robot refuses the sender.
+    Raises ConfigError for an address that is not numeric.
+    """
+
+    def __init__(
+        self,
+        address: GroupAddress,
+        report: Callable[[Level, str], None],
+        *,
+        key: bytes = NO_KEY,
+        unicast: tuple[str, ...] = (),
+        reports_refusals: bool = True,
+    ) -> None:
+        if len(unicast) > MAX_UNICAST:
+            raise ConfigError(f"at most {MAX_UNICAST} unicast addresses are allowed, not {len(unicast)}")
+        self._sender = DatagramSender(address.checked(), report, on_datagram=self._receive)
+        self._unicast = [(GroupAddress(host, address.port).checked().group, address.port) for host in unicast]
+        self._report = report
+        self._reports_refusals = reports_refusals
+        self._refused: dict[int, Refusal] = {}
+        self._duplicates: set[int] = set()
+        self.table = RobotTable(key)
+        # The epoch that statuses must answer.
+        self.epoch_us = 0
+
+    def send(self, datagram: bytes) -> bool:
+        """Send to the group, and to the robots that need unicast. False if no interface could."""
+        # Unicast first: it arrives even while multicast is delayed by a sleeping station.
+        for address in (*self._unicast, *self.table.unicast_addresses(time.monotonic())[:MAX_UNICAST]):
+            self._sender.send_to(datagram, address)
+        return self._sender.send(datagram)
+
+    def refusing(self) -> dict[int, Refusal]:
+        """Return the robots that refuse this sender."""
+        return dict(self._refused)
+
+    def forget_refusals(self) -> None:
+        """Start again: a new epoch is not refused yet."""
+        self._refused.clear()
+
+    def close(self) -> None:
+        """Close the sockets. Idempotent."""
+        self._sender.close()
+
+    def _receive(self, datagram: bytes, address: SocketAddress) -> None:
+        status = self.table.receive(datagram, address, self.epoch_us, time.monotonic())
+        if status is None:
+            return
+        if status.refusal is Refusal.NONE:
+            self._refused.pop(status.robot_id, None)
+        elif self._refused.get(status.robot_id) is not status.refusal:
+            self._refused[status.robot_id] = status.refusal
+            if self._reports_refusals:
+                self._report(Level.WARN, refusal_text(status))
+        for robot_id, hosts in self.table.duplicate_ids().items():
+            if robot_id not in self._duplicates:
+                self._duplicates.add(robot_id)
+                self._report(Level.WARN, duplicate_text(robot_id, hosts))
+
+
+def refusal_text(status: RobotStatus) -> str:
+    """Return why a robot does not obey, and what to do."""
+    robot = f"robot {status.robot_id}"
+    by = f"{status.holder} commands it" if status.holder else "another sender commanded it"
+    if status.refusal is Refusal.HELD:
+        return f"{robot} does not obey: {by}; stop that sender, or: rostether fleet stop {status.robot_id}"
+    if status.refusal is Refusal.OLDER:
+        return f"{robot} does not obey: {by} later than this sender; start this sender again"
+    return f"{robot} does not obey: it expects commands of another type"
+
+
+def duplicate_text(robot_id: int, hosts: list[str]) -> str:
+    """Return what is wrong with two robots of one id, and what to do."""
+    return f"{len(hosts)} robots have the id {robot_id}: {', '.join(hosts)}; give one of them another ~robot"

@@ -1,0 +1,140 @@
+"""Commands to a fleet without a ROS graph: query, stop and drive robots by id or group."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from rostether.errors import TransportError
+from rostether.graph.ports import Level
+from rostether.platform.command_channel import CommandChannel, refusal_text
+from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
+from rostether.platform.multicast_socket import GroupAddress
+from rostether.platform.robot_table import Robot
+from rostether.platform.status_frame import Refusal
+
+FLEET_GROUP = "239.255.82.83"
+FLEET_PORT = 11412
+
+# Every robot answers ten times in this time, so that lost answers matter little.
+QUERY_S = 2.5
+# A robot that is near answers a stop within this time.
+_CONFIRM_S = 0.3
+_STOP_ROUNDS = 3
+_RELEASES = 3
+# Without an answer after this time, the user is informed.
+_ANSWER_S = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class FleetSettings:
+    """Who is commanded (`sender`), where (`address`), and who also gets unicast (`unicast`)."""
+
+    sender: SenderSettings = field(default_factory=SenderSettings)
+    address: GroupAddress = field(default_factory=lambda: GroupAddress(FLEET_GROUP, FLEET_PORT))
+    unicast: tuple[str, ...] = ()
+
+
+class FleetSender:
+    """One sender, from its first frame to its release. Raises ConfigError for addresses that are wrong."""
+
+    def __init__(self, settings: FleetSettings, report: Callable[[Level, str], None]) -> None:
+        self._settings = settings
+        self._report = report
+        self._channel = CommandChannel(
+            settings.address,
+            report,
+            key=settings.sender.key,
+            unicast=settings.unicast,
+            reports_refusals=settings.sender.to_groups,
+        )
+        self._commands = CommandSender(settings.sender, time.time_ns() // 1000)
+        self._channel.epoch_us = self._commands.epoch_us
+        self._has_commanded = False
+
+    @property
+    def robots(self) -> list[Robot]:
+        """Return the robots that have answered, by id and host."""
+        return [robot for _, robot in sorted(self._channel.table.robots.items())]
+
+    def duplicate_ids(self) -> dict[int, list[str]]:
+        """Return the ids that several hosts share, with the hosts."""
+        return self._channel.table.duplicate_ids()
+
+    async def query(self, duration_s: float = QUERY_S) -> None:
+        """Ask for statuses at the rate of commands."""
+        end_s = time.monotonic() + duration_s
+        while time.monotonic() < end_s:
+            self._send([self._commands.query()])
+            await asyncio.sleep(REPEAT_S)
+
+    async def drive(self, payload: bytes, duration_s: float = float("inf")) -> None:
+        """Send a command for some time, then stop. Raises TransportError when the only robot refuses it."""
+        self._has_commanded = True
+        began_s = time.monotonic()
+        end_s, reported = began_s + duration_s, False
+        try:
+            self._send(self._commands.command(payload, began_s))
+            while (now_s := time.monotonic()) < end_s:
+                await asyncio.sleep(max(0.0, min(self._commands.due_s or now_s, end_s) - now_s))
+                self._send(self._commands.repeat(time.monotonic()))
+                self._check_refusals()
+                if not reported and not self.robots and now_s - began_s > _ANSWER_S:
+                    reported = True
+                    self._report(Level.WARN, self.silence_text())
+        finally:
+            # Not `stop`: that would stop robots that another sender commands, and that refused this one.
+            await self._repeat(self._commands.halt(time.monotonic()))
+
+    async def stop(self) -> list[Robot]:
+        """Stop, and return the robots that confirm it. One robot gets more stops until it does."""
+        self._has_commanded = True
+        for _ in range(_STOP_ROUNDS):
+            await self._repeat(self._commands.stop(time.monotonic()))
+            await self._wait_for_answers()
+            if self._settings.sender.to_groups or self.robots:
+                break
+        return self.robots
+
+    def close(self) -> None:
+        """Let other senders command the robots, and close the sockets."""
+        # After queries alone, a release would be obeyed as a later sender's, and refuse those before it.
+        if self._has_commanded:
+            self._send([self._commands.release() for _ in range(_RELEASES)])
+        self._channel.close()
+
+    def silence_text(self) -> str:
+        """Return what to do when no robot answers."""
+        sender = self._settings.sender
+        who = "no robot" if sender.to_groups else f"robot {sender.target} does not"
+        return (
+            f"{who} answer{'s' if sender.to_groups else ''} at {self._settings.address}; check the key, the "
+            "interface (--interface), and whether the access point passes multicast (--unicast ADDRESS)"
+        )
+
+    async def _repeat(self, datagrams: list[bytes]) -> None:
+        self._send(datagrams)
+        while self._commands.due_s is not None:
+            await asyncio.sleep(max(0.0, self._commands.due_s - time.monotonic()))
+            self._send(self._commands.repeat(time.monotonic()))
+
+    async def _wait_for_answers(self) -> None:
+        end_s = time.monotonic() + _CONFIRM_S
+        while time.monotonic() < end_s:
+            await asyncio.sleep(REPEAT_S)
+            if self.robots and not self._settings.sender.to_groups:
+                return
+
+    def _check_refusals(self) -> None:
+        """One robot that refuses is a failure; some of a group are reported by the channel."""
+        if self._settings.sender.to_groups:
+            return
+        for robot in self.robots:
+            if robot.status.refusal is not Refusal.NONE:
+                raise TransportError(refusal_text(robot.status))
+
+    def _send(self, datagrams: list[bytes]) -> None:
+        for datagram in datagrams:
+            self._channel.send(datagram)

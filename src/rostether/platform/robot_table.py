@@ -1,0 +1,98 @@
+"""The robots that answer a sender: last status, loss, and who needs unicast. Without sockets or clocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from rostether.errors import RemoteProtocolError
+from rostether.platform.command_frame import NO_KEY
+from rostether.platform.status_frame import RobotStatus, decode_status
+
+# A robot with a higher loss also gets its commands by unicast.
+MAX_LOSS = 0.1
+
+# The loss is not computed from fewer frames.
+_LEAST_FRAMES = 10
+
+# A robot that does not answer for this time gets no more unicast.
+_FORGET_S = 10.0
+
+# A base station commands about ten robots; forged ids must not fill the memory.
+_MAX_ROBOTS = 1000
+
+_U32 = 1 << 32
+
+SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
+
+
+@dataclass(slots=True)
+class Robot:
+    """One robot: its last status with its time, and its address. `loss` is from 0 to 1."""
+
+    status: RobotStatus
+    address: SocketAddress
+    answered_s: float
+    loss: float | None = None
+    needs_unicast: bool = False
+    # The counts of the status where `loss` was measured last.
+    received_count: int = 0
+    lost_count: int = 0
+
+    def measure(self, status: RobotStatus) -> None:
+        """Compare a status with the last measurement."""
+        received = (status.received_count - self.received_count) % _U32
+        lost = (status.lost_count - self.lost_count) % _U32
+        if received + lost < _LEAST_FRAMES:
+            return
+        self.loss = lost / (received + lost)
+        self.received_count, self.lost_count = status.received_count, status.lost_count
+        # Unicast stays on: with it, the measured loss is no longer that of multicast.
+        self.needs_unicast = self.needs_unicast or self.loss > MAX_LOSS
+
+
+class RobotTable:
+    """Robots by id and host. Two hosts with one id are two entries."""
+
+    def __init__(self, key: bytes = NO_KEY) -> None:
+        self._key = key
+        self.robots: dict[tuple[int, str], Robot] = {}
+
+    def receive(
+        self, datagram: bytes, address: SocketAddress, epoch_us: int, now_s: float
+    ) -> RobotStatus | None:
+        """Return the status in a datagram; None if it is damaged, forged, old, or answers another sender."""
+        try:
+            status = decode_status(datagram, self._key)
+        except RemoteProtocolError:
+            return None
+        if status.epoch_us != epoch_us:
+            return None
+        place = (status.robot_id, address[0])
+        robot = self.robots.get(place)
+        if robot is None:
+            if len(self.robots) >= _MAX_ROBOTS:
+                return None
+            robot = self.robots[place] = Robot(status, address, now_s)
+        elif robot.status.epoch_us == epoch_us and status.sequence <= robot.status.sequence:
+            return None
+        elif robot.status.epoch_us != epoch_us:
+            robot.received_count = robot.lost_count = 0
+        robot.status, robot.address, robot.answered_s = status, address, now_s
+        robot.measure(status)
+        return status
+
+    def unicast_addresses(self, now_s: float) -> list[SocketAddress]:
+        """Return the unicast addresses that get frames besides the group."""
+        return [
+            robot.address
+            for robot in self.robots.values()
+            if robot.needs_unicast and now_s - robot.answered_s < _FORGET_S
+        ]
+
+    def duplicate_ids(self) -> dict[int, list[str]]:
+        """Return the ids that several hosts share, with the hosts."""
+        hosts: dict[int, list[str]] = {}
+        for robot_id, host in sorted(self.robots):
+            hosts.setdefault(robot_id, []).append(host)
+        return {robot_id: found for robot_id, found in hosts.items() if len(found) > 1}

@@ -1,0 +1,112 @@
+"""The status that a robot sends to its sender by unicast.
+
+Numbers are little-endian:
+
+    bytes   field
+    0-1     magic "rS"
+    2       version, 1
+    3       state: 1 the robot moves
+    4-7     the robot's id
+    8-15    epoch of the sender that this answers
+    16-19   the last sequence received from that sender
+    20-23   frames received from that sender, each counted once
+    24-27   frames of that sender that are lost or came too late
+    28      refusal: 0 none, 1 another sender commands, 2 the sender is older, 3 another type
+    29      signal strength in dBm, signed; 0 is unknown
+    30-31   length of the holder's address in bytes
+    32-     address of the sender that commands the robot, as text; empty if there is none
+    last 8  SipHash-2-4 of all bytes before it, under the fleet's key
+"""
+
+from __future__ import annotations
+
+import hmac
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+from rostether.errors import RemoteProtocolError
+from rostether.platform.command_frame import NO_KEY
+from rostether.platform.siphash import TAG_BYTES, siphash_2_4
+
+# An IPv6 address with the name of its interface, and a port.
+MAX_HOLDER_BYTES = 80
+
+_HEADER = struct.Struct("<2sBBIQIIIBbH")
+_MAGIC = b"rS"
+_VERSION = 1
+_MOVES = 1
+_LAST_U32 = 0xFFFF_FFFF
+
+
+class Refusal(IntEnum):
+    """Why a robot does not obey a sender."""
+
+    NONE = 0
+    HELD = 1
+    OLDER = 2
+    OTHER_TYPE = 3
+
+
+@dataclass(frozen=True, slots=True)
+class RobotStatus:
+    """One status; the fields are those of the module's table. `signal_dbm` is None if it is unknown."""
+
+    robot_id: int
+    epoch_us: int
+    sequence: int
+    received_count: int = 0
+    lost_count: int = 0
+    is_moving: bool = False
+    refusal: Refusal = Refusal.NONE
+    signal_dbm: int | None = None
+    holder: str = ""
+
+    def encode(self, key: bytes = NO_KEY) -> bytes:
+        """Return the datagram; counts restart from 0 after 2^32."""
+        holder = self.holder.encode("ascii", "replace")[:MAX_HOLDER_BYTES]
+        body = (
+            _HEADER.pack(
+                _MAGIC,
+                _VERSION,
+                _MOVES if self.is_moving else 0,
+                self.robot_id,
+                self.epoch_us,
+                self.sequence,
+                self.received_count & _LAST_U32,
+                self.lost_count & _LAST_U32,
+                self.refusal,
+                max(-128, min(self.signal_dbm or 0, 127)),
+                len(holder),
+            )
+            + holder
+        )
+        return body + siphash_2_4(key, body)
+
+
+def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
+    """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
+    if not _HEADER.size + TAG_BYTES <= len(datagram) <= _HEADER.size + MAX_HOLDER_BYTES + TAG_BYTES:
+        raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")
+    header = _HEADER.unpack_from(datagram)
+    magic, version, state, robot_id, epoch_us, sequence, received, lost, refusal, signal, length = header
+    if magic != _MAGIC or version != _VERSION:
+        raise RemoteProtocolError("the datagram is not a status of version 1")
+    body, tag = datagram[:-TAG_BYTES], datagram[-TAG_BYTES:]
+    if length != len(body) - _HEADER.size:
+        raise RemoteProtocolError(f"the status announces {length} bytes and has another length")
+    if not hmac.compare_digest(siphash_2_4(key, body), tag):
+        raise RemoteProtocolError("the status's tag is wrong: it is damaged, or made with another key")
+    if refusal not in list(Refusal):
+        raise RemoteProtocolError(f"the status has the unknown refusal {refusal}")
+    return RobotStatus(
+        robot_id,
+        epoch_us,
+        sequence,
+        received,
+        lost,
+        bool(state & _MOVES),
+        Refusal(refusal),
+        signal or None,
+        body[_HEADER.size :].decode("ascii", "replace"),
+    )
