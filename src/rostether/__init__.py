@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-TYPE_CHECKING = False  # without typing, which would be most of what the command's first moments take
+# Without typing, which would be most of what the command's first moments take.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from rostether import sync
     from rostether.device import Device
     from rostether.joining import join
 
-__all__ = ["Device", "join"]
+__all__ = ["Device", "join", "sync"]
 
 # Imported when first asked for: the command line starts without them.
-_HOMES = {"Device": "rostether.device", "join": "rostether.joining"}
+_HOMES = {"Device": "rostether.device", "join": "rostether.joining", "sync": "rostether.sync"}
 
 
 def __getattr__(name: str) -> object:
@@ -20,5 +22,6 @@ def __getattr__(name: str) -> object:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    value = globals()[name] = getattr(import_module(home), name)
+    module = import_module(home)
+    value = globals()[name] = module if home == f"rostether.{name}" else getattr(module, name)
     return value

@@ -14,12 +14,13 @@ from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
+from rostether.serde.values import MessageClasses
 
 Ros2Middleware: TypeAlias = Literal["zenoh", "rclpy"]
 
 
 @asynccontextmanager
-async def join(
+async def join(  # noqa: PLR0913 - each is an independent setting
     node_name: str | None = None,
     *,
     master: str | None = None,
@@ -29,6 +30,7 @@ async def join(
     environ: Mapping[str, str] | None = None,
     allow: Iterable[str] = (),
     ros2: Ros2Middleware | None = None,
+    numpy: bool = False,
 ) -> AsyncIterator[TypedGraph]:
     """Join a ROS graph as a node as long as the block lasts.
 
@@ -39,18 +41,20 @@ async def join(
     With `ros2` it is a node of a ROS 2 graph, over zenoh or an installed rclpy: ROS_DOMAIN_ID and the
     variables of that middleware say which. Messages have ROS 2's fields then (a stamp's `sec` and `nanosec`,
     no `seq`), types may be spelled `std_msgs/msg/String`, and parameters are those of nodes.
+
+    With `numpy`, arrays of numbers in received messages are numpy arrays: read-only views without a copy.
     Raises MasterUnreachableError, InvalidNameError, ConfigError.
     """
     if ros2 is not None:
         if master is not None or allow:
             raise ConfigError("master= and allow= work only with ROS 1; leave them out with ros2=")
-        async with _joined_ros2(ros2, node_name, namespace, remappings, msg_paths, environ) as typed:
+        async with _joined_ros2(ros2, node_name, namespace, remappings, msg_paths, environ, numpy) as typed:
             yield typed
         return
     environment = RosEnvironment.read(environ).allowing(allow)
     if master is not None:
         environment = environment.with_master(master)
-    store = TypeStore(Registry.from_environment(msg_paths, environ))
+    store = TypeStore(Registry.from_environment(msg_paths, environ), _classes(numpy))
     graph = await join_ros1(
         node_name if node_name is not None else anonymous_name("rostether"),
         environment=environment,
@@ -71,6 +75,7 @@ async def _joined_ros2(
     remappings: Mapping[str, str] | None,
     msg_paths: Iterable[Path | str],
     environ: Mapping[str, str] | None,
+    numpy: bool,
 ) -> AsyncIterator[TypedGraph]:
     # Not at import: programs on ROS 1 alone need none of it.
     from rostether.ros2.session import open_ros2
@@ -78,6 +83,7 @@ async def _joined_ros2(
     from rostether.ros2.types.native_types import NativeTypes
 
     registry = NativeRegistry.from_environment(msg_paths, environ)
+    store = TypeStore(registry, _classes(numpy))
     async with open_ros2(middleware, NativeTypes(registry), environ) as join_graph:
         graph = await join_graph(
             node_name if node_name is not None else anonymous_name("rostether"),
@@ -85,6 +91,14 @@ async def _joined_ros2(
             remappings=remappings,
         )
         try:
-            yield TypedGraph(graph, TypeStore(registry))
+            yield TypedGraph(graph, store)
         finally:
             await graph.close()
+
+
+def _classes(numpy: bool) -> MessageClasses:
+    if not numpy:
+        return MessageClasses()
+    from rostether.serde.numpy_classes import NumpyClasses
+
+    return NumpyClasses()

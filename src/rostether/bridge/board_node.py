@@ -45,8 +45,9 @@ class BoardNode:
             self.endpoints, store, self.notices, RequiredTopics(device.required_topics, graph.resolve)
         )
         self.store = store
+
+        # What stays the same when the board comes back, for diagnostics: a serial number, an address.
         self.hardware_id = ""
-        """What stays the same when the board comes back, for diagnostics: a serial number, an address."""
 
     def link_config(self) -> HostLinkConfig:
         """Return the limits of a connection to the board."""

@@ -1,4 +1,4 @@
-"""Which boards there are: each node name once, and a lost board's node kept a while in case it comes back."""
+"""The boards of a bridge: each node name once; a lost board's node is kept for a while."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rostether.graph.ports import Level
 
 # Leaving the graph must not hang on a master that does not answer.
 NODE_CLOSE_LIMIT_S = 0.8
-# A healthy board speaks every 2.5 s. A connection that was silent for longer, while the same host opens a new
-# connection, belongs to a board that was switched off.
+# A healthy board sends something every 2.5 s. A connection that was silent for longer, while the same host
+# opens a new connection, belongs to a board that was switched off.
 HALF_OPEN_S = 3.0
 # A board that disconnects and reconnects at once is the same one: both events may arrive together.
-FAREWELL_S = 0.02
+RECONNECT_S = 0.02
 
 
 @dataclass(slots=True, eq=False)
@@ -76,7 +76,7 @@ class BoardRegistry:
                 board = self._boards[name] = Board(name)
                 return board
             if board.leaving is not None:
-                # A graph has no place for two nodes of one name.
+                # A graph cannot have two nodes of one name.
                 await asyncio.wait([board.leaving])
                 continue
             if board.is_lost:
@@ -89,7 +89,7 @@ class BoardRegistry:
                 return board
             if not has_waited:
                 has_waited = True
-                await asyncio.sleep(FAREWELL_S)
+                await asyncio.sleep(RECONNECT_S)
                 continue
             number += 1
 
@@ -115,7 +115,7 @@ class BoardRegistry:
         self._leave(board)
 
     def dismiss(self, board: Board) -> None:
-        """Another node took the board's name: two that take it from each other would never end."""
+        """Remove a board whose name another node uses now: else they would replace each other forever."""
         board.is_dismissed = True
         self._dismissed.add(board.name)
         self._leave(board)
@@ -132,7 +132,7 @@ class BoardRegistry:
 
     def _part(self, board: Board) -> None:
         if board.is_kept and board.node is not None:
-            # Nothing is attached: all that the board announced leaves the graph.
+            # Nothing is attached: all endpoints of the board leave the graph.
             board.node.endpoints.settle()
         else:
             self._leave(board)

@@ -28,7 +28,7 @@ def holds_answer(data: bytes) -> bool:
 
 
 def _frames_in(data: bytes) -> list[Frames]:
-    detector = ProtocolDetector(max_payload_bytes=MAX_PAYLOAD_BYTES, limits={})
+    detector = ProtocolDetector(max_payload_bytes=MAX_PAYLOAD_BYTES)
     decoded = detector.feed(data, 0.0)
     if detector.decoder is None:
         return []

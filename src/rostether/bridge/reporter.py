@@ -41,21 +41,21 @@ class LimitedReporter:
         self._count = count
         self._period_s = period_s
         self._began_s = clock()
-        self._said = 0
-        self._unsaid = 0
+        self._reported_count = 0
+        self._omitted_count = 0
 
     def line(self, level: Level, text: str, *, node: str = "") -> None:
         """Show one line, or count it."""
         now_s = self._clock()
         if now_s - self._began_s >= self._period_s:
-            if self._unsaid:
-                self._reporter.line(Level.WARN, f"{self._unsaid} lines like the next one were omitted")
-            self._began_s, self._said, self._unsaid = now_s, 0, 0
-        if self._said < self._count:
-            self._said += 1
+            if self._omitted_count:
+                self._reporter.line(Level.WARN, f"{self._omitted_count} lines like the next one were omitted")
+            self._began_s, self._reported_count, self._omitted_count = now_s, 0, 0
+        if self._reported_count < self._count:
+            self._reported_count += 1
             self._reporter.line(level, shown_line(text), node=node)
         else:
-            self._unsaid += 1
+            self._omitted_count += 1
 
 
 def shown_line(text: str) -> str:

@@ -69,8 +69,9 @@ class Session:
     ) -> None:
         self.node = node
         self.transport = transport
+
+        # The speed of its line, None if it has none: what pauses us is a network or a pseudo-terminal.
         self.baud = None if transport.can_pause else baud
-        """The speed of its line, None if it has none: what pauses us is a network or a pseudo-terminal."""
         self.link = HostLink(link_config or node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
         self.unbridged_count = 0
@@ -114,8 +115,8 @@ class Session:
             UnknownTopicId: self._unknown_id,
             ControlFlood: self._control_flood,
             DeviceReset: self._device_reset,
-            DeviceSilent: self._tell,
-            ProtocolDetected: self._tell,
+            DeviceSilent: self._report,
+            ProtocolDetected: self._report,
         }
 
     def __repr__(self) -> str:
@@ -163,13 +164,12 @@ class Session:
             return
         now_s = self.heard_at_s = self._loop.time()
         try:
-            message = self.link.receive_message(data, now_s)
-            if message is not None:
-                self._carry(message[0], [message[1]])
-                return
-            for event in self.link.receive_data(data, now_s):
+            events = self.link.receive_data(data, now_s)
+            is_quiet = self.link.is_quiet
+            for event in events:
                 self._handle(event)
-            self._after_link()
+            if not is_quiet:
+                self._after_link()
         except Exception as error:  # noqa: BLE001 - whatever one board brings about ends with its session
             self._fail(error)
 
@@ -250,7 +250,7 @@ class Session:
 
     def _check_answer(self) -> None:
         if self.link.version is None:
-            self._tell(None)
+            self._report(None)
 
     def _topic_announced(self, event: TopicAnnounced) -> None:
         self._setup.note_size(event)
@@ -307,16 +307,16 @@ class Session:
         self.node.endpoints.fail_calls("reset")
         self._notices.episode("reset", Level.INFO, "the board was reset; requesting its topics")
 
-    def _tell(self, _event: object) -> None:
+    def _report(self, _event: object) -> None:
         """Say at once what is wrong, without waiting for the next look."""
         now_s = self._loop.time()
         self.node.health.report(self.node.health.find(now_s), now_s)
 
-    def _report_dropped(self, lane: TopicQueue, count: int) -> None:
+    def _report_dropped(self, queue: TopicQueue, count: int) -> None:
         self._notices.episode(
-            f"overflow {lane.topic}",
+            f"overflow {queue.topic}",
             Level.WARN,
-            f"{lane.topic} is faster than the board can receive; dropping its oldest messages",
+            f"{queue.topic} is faster than the board can receive; dropping its oldest messages",
             count=count,
         )
 

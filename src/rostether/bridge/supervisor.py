@@ -211,7 +211,8 @@ class Supervisor:
         """Serve one connection until it ends; returns why. Raises SessionError, InvalidNameError."""
         device = self._devices.settings_for(address.name, identity)
         name = node_name(address, transport.peer, identity, device)
-        is_remote = transport.remote is not None and not _is_loopback(transport.remote)
+        is_program = transport.remote is not None and _is_loopback(transport.remote)
+        is_remote = transport.remote is not None and not is_program
         try:
             board = await self._boards.claim(name, replaces_silent=is_remote and address.listens)
         except SessionError:
@@ -232,7 +233,7 @@ class Supervisor:
                 timer = asyncio.get_running_loop().call_later(SPEECHLESS_S, _end_if_speechless, session)
             error = await session.wait_ended()
             self._objects.disconnected()
-            node.health.disconnected(error)
+            node.health.disconnected(error, is_program=is_program)
             if board.leaving is not None:
                 ended = SessionError if board.is_dismissed else NodeEndedError
                 raise ended(f"node {board.name} was shut down by another node")

@@ -15,8 +15,8 @@ from rostether.msgdef.spec import MessageSpec
 
 _LINE_WIDTH = 110
 
+# Maps the full name of a message to that of the type whose header has it: itself, or its service.
 HeaderOf = Callable[[str], str]
-"""Maps the full name of a message to that of the type whose header has it: itself, or its service."""
 
 
 def message_header(spec: MessageSpec, md5sum: str, header_of: HeaderOf = str) -> str:

@@ -5,14 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from rostether.codegen.cpp_message import message_header
-from rostether.codegen.cpp_names import class_name, include_path
-from rostether.codegen.cpp_service import service_header
+from rostether.codegen.cpp_header import header
+from rostether.codegen.cpp_message import (
+    HeaderOf,
+    included_paths,
+    message_class,
+    message_header,
+    sheltered_names,
+)
+from rostether.codegen.cpp_names import class_name, include_path, name_members
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
 from rostether.codegen.type_index import TypeIndex
 from rostether.errors import CodegenError, RostetherError
 from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.resolve_types import dependencies
+from rostether.msgdef.spec import ServiceSpec
 
 
 @dataclass(slots=True)
@@ -89,3 +96,24 @@ def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:
                 f"{' and '.join(same)} differ only in case; on Windows and macOS only one of them can exist;"
                 f" rename one"
             )
+
+
+def service_header(
+    spec: ServiceSpec, request_md5sum: str, response_md5sum: str, header_of: HeaderOf = str
+) -> str:
+    """Return the text of a service's header; each half announces the service's name and its own md5sum."""
+    halves = (spec.request, request_md5sum), (spec.response, response_md5sum)
+    includes = {path for half, _ in halves for path in included_paths(half, header_of)}
+    sheltered = {name for half, _ in halves for name in sheltered_names(name_members(half))}
+    return header(spec.full_name, includes, sheltered, _classes(spec, request_md5sum, response_md5sum))
+
+
+def _classes(spec: ServiceSpec, request_md5sum: str, response_md5sum: str) -> Iterator[str]:
+    for half, md5sum in ((spec.request, request_md5sum), (spec.response, response_md5sum)):
+        yield from message_class(half, name_members(half), type_name=spec.full_name, md5sum=md5sum)
+        yield ""
+    yield f"class {class_name(spec.name)} {{"
+    yield " public:"
+    yield f"  typedef {class_name(spec.request.name)} Request;"
+    yield f"  typedef {class_name(spec.response.name)} Response;"
+    yield "};"

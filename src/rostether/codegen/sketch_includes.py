@@ -12,8 +12,11 @@ from pathlib import Path
 from rostether.codegen.library_folder import is_ros_library
 from rostether.errors import ConfigError
 
-MAX_FILES = 5_000  # a large firmware project has some hundred; a home directory must not be read whole
-MAX_FILE_BYTES = 1 << 21  # pictures and sounds as C arrays can be long, and hold no includes
+# A large firmware project has some hundred; a home directory must not be read whole.
+MAX_FILES = 5_000
+
+# Pictures and sounds as C arrays can be long, and hold no includes.
+MAX_FILE_BYTES = 1 << 21
 
 _SOURCES = frozenset(
     {".ino", ".pde", ".c", ".cc", ".cpp", ".cxx", ".h", ".hh", ".hpp", ".hxx", ".ipp", ".tpp"}

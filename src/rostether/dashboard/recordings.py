@@ -12,10 +12,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from rostether.dashboard.playback import PREFIX, Playback
 from rostether.errors import ConfigError, RecordingError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.recording.files import create_recording
+from rostether.recording.player import PlaySettings
 from rostether.recording.recorder import Recorder
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
@@ -35,11 +37,12 @@ _NAME = re.compile(r"[\w.-]+\.(?:bag|mcap)")
 
 
 class Recordings:
-    """One folder of recordings; `join` makes the node that records."""
+    """One folder of recordings; `join` makes the node that records, and the one that plays."""
 
     def __init__(
         self, folder: Path, join: Callable[[], Awaitable[Graph]], report: Callable[[str], None]
     ) -> None:
+        self.playback = Playback(self.find, join)
         self._folder = folder
         self._join = join
         self._report = report
@@ -74,7 +77,7 @@ class Recordings:
                 RecordLimits(size_bytes=MAX_FILE_BYTES),
                 create=create_recording,
                 name=lambda _: self._folder / self._name,
-                tell=lambda _: None,
+                report=lambda _: None,
                 repeat_latched=True,
             )
             started = asyncio.Event()
@@ -95,15 +98,34 @@ class Recordings:
             await asyncio.wait([self._task])
             self._report(f"recorded {self._folder / self._name}")
 
+    @property
+    def is_playing(self) -> bool:
+        """Whether a recording is played or paused."""
+        return self.playback.is_active
+
+    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
+        """Play a recording. Raises ConfigError, RecordingError, GraphError."""
+        prefix = PREFIX if is_prefixed else ""
+        await self.playback.start(name, PlaySettings(rate=rate, start_s=start_s, prefix=prefix))
+
+    async def pause(self, *, is_paused: bool) -> None:
+        """Pause the playback, or continue it. Raises ConfigError."""
+        self.playback.pause(is_paused=is_paused)
+
+    async def stop_playing(self) -> None:
+        """End the playback."""
+        await self.playback.stop()
+
     async def state(self) -> Mapping[str, Any]:
         """Return the running recording and the finished files, as JSON has them."""
         state: dict[str, Any] = {
             "active": None,
+            "playing": self.playback.state(),
             "files": await asyncio.to_thread(self._files),
             "folder": str(self._folder),
         }
-        if self._failure:
-            state["error"] = self._failure
+        if failure := self._failure or self.playback.take_failure():
+            state["error"] = failure
         if self.is_active and self._recorder is not None:
             state["active"] = {
                 "name": self._name,

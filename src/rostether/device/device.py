@@ -146,7 +146,7 @@ class Device:
         await self._line.wait_writable()
         await asyncio.sleep(0)
 
-    def message(self, message_type: str, **fields: Any) -> Message:
+    def message(self, message_type: str, /, **fields: Any) -> Message:
         """Make a message of any known type. Raises UnknownTypeError, SerializationError."""
         return self._store.codec(message_type).message_class(**fields)
 

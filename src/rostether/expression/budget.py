@@ -11,7 +11,9 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from functools import reduce
+from types import MappingProxyType
 from typing import Any, Final
 
 # Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` takes 2.8 million for a VGA image.
@@ -30,6 +32,8 @@ _ATOMS: Final = frozenset((float, int, bool, type(None)))
 _TEXTS: Final = frozenset((str, bytes, bytearray, range))
 _LISTS: Final = frozenset((list, tuple))
 _HASHED: Final = frozenset((set, frozenset, dict))
+_OWNERS: Final = frozenset((str, bytes, bytearray, list, tuple, int)) | _HASHED
+_NONE_NAMED: Final[Mapping[str, Any]] = MappingProxyType({})
 _FORMAT: Final = re.compile(r"%(?:\([^)]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?")
 
 Function = Callable[..., Any]
@@ -46,9 +50,16 @@ class Budget:
         self._bounded: dict[Function, Function] = {
             sum: self._sum,
             round: self._round,
+            pow: lambda *numbers: self.power(*numbers) if len(numbers) == 2 else pow(*numbers),
             map: self._map,
             set: lambda *items: self._hashed(set, *items),
-            dict: lambda *items: self._hashed(dict, *items),
+            frozenset: lambda *items: self._hashed(frozenset, *items),
+            dict: lambda *items, **named: self._hashed(dict, *items, **named),
+            bytes: lambda *items: self._bytes(bytes, *items),
+            bytearray: lambda *items: self._bytes(bytearray, *items),
+            math.lcm: lambda *numbers: reduce(
+                lambda left, right: self.result(math.lcm(left, right)), numbers, 1
+            ),
             math.factorial: self._factorial,
             math.comb: self._comb,
             math.perm: self._perm,
@@ -58,6 +69,11 @@ class Budget:
     def restart(self) -> None:
         """Begin another evaluation."""
         self._left = MAX_STEPS
+
+    @property
+    def spent(self) -> int:
+        """The steps since the last restart."""
+        return MAX_STEPS - self._left
 
     def spend(self, steps: int) -> None:
         """Count steps."""
@@ -82,7 +98,9 @@ class Budget:
             self.spend(self._size(value))
         return value
 
-    def call(self, function: Function, arguments: Sequence[Any]) -> Any:
+    def call(
+        self, function: Function, arguments: Sequence[Any], named: Mapping[str, Any] = _NONE_NAMED
+    ) -> Any:
         """Return what a function returns."""
         if function is len:
             return len(*arguments)
@@ -92,15 +110,17 @@ class Budget:
                 self.spend(len(argument))
             else:
                 self.read(argument)
+        for argument in named.values():
+            self.read(argument)
         owner = getattr(function, "__self__", None)
-        if type(owner) is str:
+        if type(owner) in _OWNERS:
             if function.__name__ == "join":
                 # Only this gives the number of items of an iterator.
                 arguments = [list(argument) for argument in arguments]
-            self._spend_for_method(owner, function.__name__, arguments)
+            self._spend_for_method(owner, function.__name__, [*arguments, *named.values()])
         elif isinstance(function, Hashable):
             function = self._bounded.get(function, function)
-        return self.result(function(*arguments))
+        return self.result(function(*arguments, **named))
 
     def power(self, base: Any, exponent: Any) -> Any:
         """Return `base ** exponent`."""
@@ -138,7 +158,9 @@ class Budget:
         if kind in _TEXTS:
             return len(value)
         if kind not in _LISTS and kind not in _HASHED:
-            return 1
+            if not isinstance(value, list | tuple | set | frozenset | dict):
+                return 1
+            kind = dict if isinstance(value, dict) else list
         values: Collection[Any] = [*value, *value.values()] if kind is dict else value
         size = len(values)
         if kind in _HASHED:
@@ -150,17 +172,26 @@ class Budget:
                     break
         return size
 
-    def _spend_for_method(self, text: str, name: str, arguments: Sequence[Any]) -> None:
-        self.spend(len(text))
+    def _spend_for_method(self, owner: Any, name: str, arguments: Sequence[Any]) -> None:
+        if type(owner) in _HASHED:
+            # Adding to a set; reading from it is one step.
+            self.spend(_collisions(sum(map(self._size, arguments))))
+            return
+        if type(owner) is not int:
+            self.spend(len(owner))
         match name, arguments:
-            case "zfill", [int(width)]:
-                self.spend(max(width, 0))
+            case "zfill" | "ljust" | "rjust" | "center" | "to_bytes", _:
+                self.spend(max(0, *(each for each in arguments if isinstance(each, int)), 0))
+            case "expandtabs", [int(width)]:
+                self.spend(len(owner) * max(width, 0))
             case "join", [items]:
-                self.spend(len(text) * len(items))
-            case "replace", [str(old), str(new), *_]:
-                self.spend(text.count(old) * len(new))
+                self.spend(len(owner) * len(items))
+            case "replace", [old, new, *_] if type(old) is type(new) is type(owner):
+                self.spend(owner.count(old) * len(new))
+            case "translate", [table]:
+                self.spend(len(owner) * self._size(table))
             case "strip" | "lstrip" | "rstrip", [str(characters)]:
-                self.spend(len(text) * len(characters) >> 4)
+                self.spend(len(owner) * len(characters) >> 4)
 
     def _sum(self, items: Iterable[Any], start: Any = 0) -> Any:
         if type(start) in _ATOMS:
@@ -179,18 +210,23 @@ class Budget:
     def _map(self, function: Function, *items: Iterable[Any]) -> list[Any]:
         return [self.call(function, arguments) for arguments in zip(*items, strict=False)]
 
-    def _hashed(self, kind: Function, *items: Any) -> Any:
-        if items and type(items[0]) not in _HASHED:
+    def _hashed(self, kind: Function, *items: Any, **named: Any) -> Any:
+        if items and not isinstance(items[0], dict | set | frozenset):
             values: list[Any] = list(*items)
             self.spend(_collisions(len(values)))
-            return kind(values)
+            return kind(values, **named)
+        return kind(*items, **named)
+
+    def _bytes(self, kind: Function, *items: Any) -> Any:
+        if items and isinstance(items[0], int):
+            self.spend(items[0])
         return kind(*items)
 
     @staticmethod
-    def _round(number: Any, digits: Any = None) -> Any:
-        if isinstance(digits, int) and abs(digits) > _MAX_DIGITS:
+    def _round(number: Any, ndigits: Any = None) -> Any:
+        if isinstance(ndigits, int) and abs(ndigits) > _MAX_DIGITS:
             raise OverflowError(f"round() takes at most {_MAX_DIGITS} digits")
-        return round(number, digits)
+        return round(number, ndigits)
 
     @staticmethod
     def _factorial(number: Any) -> Any:

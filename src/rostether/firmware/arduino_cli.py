@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import time
 from pathlib import Path
@@ -16,6 +15,7 @@ from rostether.firmware.libraries import Library, choose, read_given
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch
 from rostether.firmware.toolchain import find_arduino_cli
+from rostether.mechanisms.program import run_program
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
 _IMAGES = (".hex", ".uf2", ".bin")
@@ -43,15 +43,9 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
     command.append(str(_sketch_folder(sketch, cache)))
     if options.show is not None:
         options.show(command)
-    process = await asyncio.create_subprocess_exec(
-        *command,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.STDOUT,
-    )
-    raw, _ = await process.communicate()
-    output = explain(raw.decode("utf-8", "replace"), sketch)
-    if process.returncode:
+    ended = await run_program(command)
+    output = explain(ended.output.decode("utf-8", "replace"), sketch)
+    if ended.code:
         raise SketchError(_reason(sketch, board, output), diagnostics=output)
     return BuiltFirmware(
         sketch=sketch,

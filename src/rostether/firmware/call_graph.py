@@ -15,7 +15,9 @@ from rostether.firmware.stack_walk import Code, Walk, walk
 _FUNCTION = 2
 _OBJECT = 1
 _MACHINE_FLAGS = 0x7F
-_LARGE_FLASH = 6  # avr6: 22 bits of program counter
+
+# avr6: 22 bits of program counter.
+_LARGE_FLASH = 6
 _VECTOR = re.compile(r"__vector_\d+")
 _CONSTRUCTORS = "_GLOBAL__sub_I_"
 _VIRTUAL_TABLE = "_ZTV"

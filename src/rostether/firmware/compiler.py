@@ -14,6 +14,7 @@ from rostether.errors import SketchError
 from rostether.firmware.boards import Board
 from rostether.firmware.cache import BuildCache, digest
 from rostether.firmware.toolchain import AvrToolchain
+from rostether.mechanisms.program import run_program
 
 _DEPENDENCY = re.compile(r"(?:\\.|[^\s\\])+")
 _RECIPES = {".c": "c.o", ".S": "S.o"}
@@ -174,22 +175,9 @@ class Compiler:
         async with self._running:
             if self._show is not None:
                 self._show(arguments)
-            process = await asyncio.create_subprocess_exec(
-                *arguments,
-                stdin=asyncio.subprocess.DEVNULL,
-                stdout=asyncio.subprocess.PIPE,
-                stderr=asyncio.subprocess.STDOUT if merge else asyncio.subprocess.PIPE,
-                env={**os.environ, "LC_ALL": "C.UTF-8"},
-            )
-            try:
-                output, complaints = await process.communicate()
-            except asyncio.CancelledError:
-                process.kill()
-                await process.wait()
-                raise
-        code = process.returncode or 0
-        text = complaints if code and not merge else output
-        return code, text.decode("utf-8", "replace")
+            ended = await run_program(arguments, environ={**os.environ, "LC_ALL": "C.UTF-8"}, merge=merge)
+        text = ended.errors if ended.code and not merge else ended.output
+        return ended.code, text.decode("utf-8", "replace")
 
 
 def _substitute(recipe: Iterable[str], replacements: dict[str, list[str]]) -> list[str]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import shutil
 from collections.abc import Iterable
+
+from rostether.mechanisms.program import run_program
 
 _PROGRAMS = ("avr-c++filt", "c++filt")
 _CLONE = re.compile(r"( \[clone [^\]]*\]|\.(?:constprop|isra|part|lto_priv|cold)(?:\.\d+)*)+")
@@ -18,11 +19,8 @@ async def demangle(names: Iterable[str]) -> dict[str, str]:
     program = next((found for each in _PROGRAMS if (found := shutil.which(each))), None)
     readable = wanted
     if program is not None and wanted:
-        process = await asyncio.create_subprocess_exec(
-            program, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE
-        )
-        output, _ = await process.communicate("\n".join(wanted).encode())
-        lines = output.decode("utf-8", "replace").splitlines()
+        ended = await run_program([program], given="\n".join(wanted).encode(), merge=False)
+        lines = ended.output.decode("utf-8", "replace").splitlines()
         readable = lines if len(lines) == len(wanted) else wanted
     return {name: _CLONE.sub("", text) for name, text in zip(wanted, readable, strict=True)}
 

@@ -19,6 +19,7 @@ from rostether.errors import FirmwareError, RostetherError
 from rostether.firmware.boards import Board
 from rostether.firmware.build import BuiltFirmware
 from rostether.firmware.toolchain import find_arduino_cli
+from rostether.mechanisms.program import run_program
 from rostether.transports.address import SerialAddress
 from rostether.transports.serial_errors import explain_open_error, explain_permission, find_holder
 
@@ -190,19 +191,8 @@ def _arduino_cli_command(built: BuiltFirmware, port: str) -> list[str]:
 
 
 async def _run(command: Sequence[str]) -> tuple[int, str]:
-    process = await asyncio.create_subprocess_exec(
-        *command,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.STDOUT,
-    )
-    try:
-        output, _ = await process.communicate()
-    except asyncio.CancelledError:
-        process.terminate()
-        await process.wait()
-        raise
-    return process.returncode or 0, output.decode("utf-8", "replace")
+    ended = await run_program(command)
+    return ended.code, ended.output.decode("utf-8", "replace")
 
 
 def _explain(output: str, board: Board, port: str, program: str) -> RostetherError:

@@ -7,10 +7,10 @@ import asyncio
 from rostether.errors import RostetherError
 from rostether.graph.ports import Graph, Publisher
 
-# For subscribers to connect to a topic that is new; on a network a few round trips.
+# The time for subscribers to connect to a new topic; a few round trips on a network.
 CONNECTING_S = 1.0
 
-# As long as a slow subscriber may hold up the client, as with boards; then it loses the oldest messages.
+# How long a slow subscriber may delay the client, as with boards; then it loses the oldest messages.
 DRAIN_S = 0.1
 
 _POLL_S = 0.005

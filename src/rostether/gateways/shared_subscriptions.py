@@ -19,12 +19,12 @@ from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, Messag
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
+# Publishers of one topic that are kept with their latched messages; peers may invent names of nodes.
 MAX_CONNECTIONS = 256
-"""Publishers of one topic that are remembered with what they latched; names of nodes are made up by peers."""
 
 
 class PublisherConnection:
-    """One publisher of a topic as it introduced itself."""
+    """One publisher of a topic, according to its connection header."""
 
     def __init__(self, topic: str, fields: Mapping[str, str], types: LearnedTypes) -> None:
         self.topic = topic
@@ -40,7 +40,7 @@ class PublisherConnection:
 
     @cached_property
     def codec(self) -> Codec:
-        """What its messages are decoded with. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
+        """The codec of its messages. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
         return self._types.codec(self._fields)
 
 
@@ -60,7 +60,7 @@ OnConnection: TypeAlias = Callable[[PublisherConnection], None]
 
 
 class SharedSubscription:
-    """One taker's share; made by `SharedSubscriptions.subscribe`."""
+    """One subscriber's share; made by `SharedSubscriptions.subscribe`."""
 
     def __init__(self, source: _Source, on_batch: OnBatch, on_connection: OnConnection | None) -> None:
         self.topic = source.topic
@@ -76,17 +76,17 @@ class SharedSubscription:
 
     @property
     def connections(self) -> Sequence[PublisherConnection]:
-        """The publishers that have introduced themselves, the last one last."""
+        """The known publishers, in the order of their headers."""
         return tuple(self._source.connections.values())
 
     async def close(self) -> None:
-        """Take no more; the last one ends the subscription on the graph. Idempotent."""
+        """Unsubscribe; the last one ends the subscription on the graph. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             await self._source.remove(self)
 
     def deliver(self, batch: Batch) -> None:
-        """Hand a batch on; an error of the taker's stays here."""
+        """Pass a batch on; an error of the callback stays here."""
         if not self._is_closed:
             call_contained(f"taker of {self.topic}", self._on_batch, batch)
 
@@ -97,7 +97,7 @@ class SharedSubscription:
 
 
 class SharedSubscriptions:
-    """All topics that the clients of a gateway listen to, each subscribed once."""
+    """All topics that the clients of a gateway subscribe, each subscribed once on the graph."""
 
     def __init__(self, graph: Graph, store: TypeStore) -> None:
         self.types = LearnedTypes(store)
@@ -106,13 +106,13 @@ class SharedSubscriptions:
 
     @property
     def topics(self) -> Sequence[str]:
-        """The topics that somebody listens to."""
+        """The subscribed topics."""
         return tuple(self._sources)
 
     async def subscribe(
         self, topic: str, on_batch: OnBatch, on_connection: OnConnection | None = None
     ) -> SharedSubscription:
-        """Listen to a topic of any type. `on_connection` is called for each publisher before its first batch.
+        """Subscribe a topic of any type. `on_connection` is called for each publisher before its first batch.
 
         Raises InvalidNameError, GraphError.
         """

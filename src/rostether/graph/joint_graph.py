@@ -7,8 +7,8 @@ and parameters. A graph that fails does not disturb the others; one that comes l
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
-from typing import TypeAlias, TypeVar
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Container, Sequence
+from typing import TypeAlias, TypeVar, Unpack
 
 from rostether.errors import (
     DefinitionError,
@@ -27,7 +27,15 @@ from rostether.graph.joint_handles import (
     JointWatch,
 )
 from rostether.graph.joint_snapshot import follow_changes, follow_each, merge_snapshots
-from rostether.graph.ports import Graph, Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.graph.ports import (
+    Graph,
+    Level,
+    OnMessages,
+    ParamValue,
+    ServiceHandler,
+    Snapshot,
+    SubscribeOptions,
+)
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
 
@@ -95,11 +103,7 @@ class JointGraph:
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: Callable[[Mapping[str, str]], None] | None = None,
-        tcp_nodelay: bool = True,
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        **options: Unpack[SubscribeOptions],
     ) -> JointSubscriber:
         """Subscribe in all graphs."""
         subscriber = JointSubscriber(
@@ -107,10 +111,7 @@ class JointGraph:
             message_type,
             on_messages,
             first=self._first,
-            on_connection=on_connection,
-            tcp_nodelay=tcp_nodelay,
-            skip_own=skip_own,
-            skip_nodes=skip_nodes,
+            options=options,
             joint_nodes=self._joint_nodes,
             relays=self._relays,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Sequence
 
 from rostether.graph.callbacks import call_contained
 from rostether.graph.joint_parts import JointParts
@@ -16,6 +16,7 @@ from rostether.graph.ports import (
     ServiceClient,
     ServiceHandler,
     ServiceServer,
+    SubscribeOptions,
     Subscriber,
     Watch,
 )
@@ -78,17 +79,14 @@ class JointSubscriber:
     the graphs publish through none: it comes from its own publishers.
     """
 
-    def __init__(  # noqa: PLR0913 - the settings of Graph.subscribe
+    def __init__(
         self,
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
         *,
         first: Graph,
-        on_connection: Callable[[Mapping[str, str]], None] | None,
-        tcp_nodelay: bool,
-        skip_own: bool,
-        skip_nodes: Container[str],
+        options: SubscribeOptions,
         joint_nodes: Container[str],
         relays: Container[str],
     ) -> None:
@@ -97,10 +95,7 @@ class JointSubscriber:
         self._type = message_type
         self._on_messages = on_messages
         self._first = first
-        self._on_connection = on_connection
-        self._tcp_nodelay = tcp_nodelay
-        self._skip_own = skip_own
-        self._skip_nodes = skip_nodes
+        self._options = options
         self._joint_nodes = joint_nodes
         self._relays = relays
         self._is_paused = False
@@ -128,15 +123,11 @@ class JointSubscriber:
 
     async def _open(self, graph: Graph) -> Subscriber:
         is_first = graph is self._first
-        subscriber = await graph.subscribe(
-            self.topic,
-            self._type,
-            self._on_messages,
-            on_connection=self._on_connection,
-            tcp_nodelay=self._tcp_nodelay,
-            skip_own=self._skip_own or not is_first,
-            skip_nodes=_AnyOf(self._relays, self._skip_nodes if is_first else self._joint_nodes),
-        )
+        options = self._options.copy()
+        options["skip_own"] = options.get("skip_own", False) or not is_first
+        skipped = options.get("skip_nodes", ()) if is_first else self._joint_nodes
+        options["skip_nodes"] = _AnyOf(self._relays, skipped)
+        subscriber = await graph.subscribe(self.topic, self._type, self._on_messages, **options)
         if self._is_paused:
             subscriber.pause()
         return subscriber
@@ -219,11 +210,11 @@ class JointWatch:
     async def _open(self, graph: Graph) -> Watch:
         def take(value: ParamValue) -> None:
             self._values[graph] = value
-            self._tell()
+            self._report_value()
 
         return await graph.watch_param(self._name, take)
 
-    def _tell(self) -> None:
+    def _report_value(self) -> None:
         value = self._value()
         if self._reported and not self.parts.is_closed:
             latest = self._reported[0]

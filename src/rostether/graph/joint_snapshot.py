@@ -7,15 +7,15 @@ from collections.abc import AsyncGenerator, Callable, Iterable, Sequence
 from contextlib import aclosing
 
 from rostether.errors import GraphError
-from rostether.graph.ports import Graph, ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import Graph, ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 
 
 def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
     """Return what is in any of the snapshots; a topic has the first type that is known."""
     nodes: set[str] = set()
-    topics: dict[str, TopicInfo] = {}
-    services: dict[str, ServiceInfo] = {}
+    topics: dict[str, TopicEntry] = {}
+    services: dict[str, ServiceEntry] = {}
     for snapshot in snapshots:
         nodes.update(snapshot.nodes)
         for name, topic in snapshot.topics.items():
@@ -89,8 +89,8 @@ async def follow_each(  # noqa: C901 - its two inner functions share its variabl
         await asyncio.gather(*watching, *tasks.values(), return_exceptions=True)
 
 
-def _merge_topics(one: TopicInfo, other: TopicInfo) -> TopicInfo:
-    return TopicInfo(
+def _merge_topics(one: TopicEntry, other: TopicEntry) -> TopicEntry:
+    return TopicEntry(
         one.name,
         other.type if one.type == ANY_TYPE else one.type,
         _merge_names(one.publishers, other.publishers),
@@ -98,8 +98,8 @@ def _merge_topics(one: TopicInfo, other: TopicInfo) -> TopicInfo:
     )
 
 
-def _merge_services(one: ServiceInfo, other: ServiceInfo) -> ServiceInfo:
-    return ServiceInfo(
+def _merge_services(one: ServiceEntry, other: ServiceEntry) -> ServiceEntry:
+    return ServiceEntry(
         one.name,
         _merge_names(one.providers, other.providers),
         other.type if one.type == ANY_TYPE else one.type,

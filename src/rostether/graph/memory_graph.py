@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Protocol, Unpack
 
-from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError, UnknownNameError
+from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
 from rostether.graph.memory_parameters import MemoryWatch
 from rostether.graph.memory_services import MemoryServiceServer
 from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
-from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.graph.node_membership import NodeMembership
+from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
+from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType, ServiceType
-from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
@@ -24,29 +25,18 @@ class _Closable(Protocol):
     def close(self) -> Awaitable[None]: ...
 
 
-class MemoryGraph:
+class MemoryGraph(NodeMembership):
     """A `Graph`; made by `MemoryNetwork.join`."""
 
     def __init__(
         self, network: MemoryNetwork, node_name: str, namespace: str, remappings: Mapping[str, str]
     ) -> None:
-        self.node_name = node_name
+        super().__init__(node_name, namespace, remappings)
         self._network = network
-        self._namespace = namespace
-        self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=node_name)
         # Everything that ends with the node.
         self._handles: dict[_Closable, None] = {}
-        self._is_closed = False
-        self._closed = asyncio.Event()
-        self._reason = ""
         self._log_sequence = 0
         self._rosout = self._add_publisher(ROSOUT, LOG_TYPE, latch=True)
-
-    def resolve(self, name: str) -> str:
-        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
-        return resolve_name(
-            name, namespace=self._namespace, node_name=self.node_name, remappings=self._remappings
-        )
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
@@ -55,15 +45,8 @@ class MemoryGraph:
         self._check_open()
         name = self.resolve(topic)
         for handle in self._handles:
-            if (
-                isinstance(handle, MemoryPublisher)
-                and handle.topic == name
-                and handle.type.md5sum != message_type.md5sum
-            ):
-                raise TypeMismatchError(
-                    f"this node publishes {name} as {handle.type.name}, not as {message_type.name}; choose "
-                    f"another topic"
-                )
+            if isinstance(handle, MemoryPublisher) and handle.topic == name:
+                check_same_type(name, handle.type, message_type)
         return self._add_publisher(name, message_type, latch=latch, queue_bytes=queue_bytes)
 
     async def subscribe(
@@ -71,11 +54,7 @@ class MemoryGraph:
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: Callable[[Mapping[str, str]], None] | None = None,
-        tcp_nodelay: bool = True,
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        **options: Unpack[SubscribeOptions],
     ) -> MemorySubscriber:
         """Subscribe to a topic."""
         self._check_open()
@@ -89,10 +68,8 @@ class MemoryGraph:
             message_type,
             self.node_name,
             on_messages,
-            on_connection=on_connection,
             on_close=ended,
-            skip_own=skip_own,
-            skip_nodes=skip_nodes,
+            options=options,
         )
         self._handles[subscriber] = None
         self._network.add_subscriber(subscriber)
@@ -197,7 +174,7 @@ class MemoryGraph:
         event = self._network.watch_changes()
         try:
             latest = None
-            while not self._is_closed:
+            while self._closing is None:
                 event.clear()
                 snapshot = self._network.snapshot()
                 if snapshot != latest:
@@ -208,19 +185,9 @@ class MemoryGraph:
         finally:
             self._network.unwatch_changes(event)
 
-    async def close(self, reason: str = "closed") -> None:
-        """Leave the graph. Idempotent."""
-        if not self._is_closed:
-            self._is_closed = True
-            self._reason = reason
-            await asyncio.gather(*(handle.close() for handle in list(self._handles)))
-            self._network.leave(self)
-            self._closed.set()
-
-    async def wait_closed(self) -> str:
-        """Wait until the node has left; returns the reason."""
-        await self._closed.wait()
-        return self._reason
+    async def _end(self) -> None:
+        await asyncio.gather(*(handle.close() for handle in list(self._handles)))
+        self._network.leave(self)
 
     def _add_publisher(
         self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None = None
@@ -235,7 +202,3 @@ class MemoryGraph:
         self._handles[publisher] = None
         self._network.add_publisher(publisher)
         return publisher
-
-    def _check_open(self) -> None:
-        if self._is_closed:
-            raise GraphError(f"node {self.node_name} has left the graph; join again")

@@ -13,7 +13,7 @@ from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_parameters import MemoryParameters
 from rostether.graph.memory_services import MemoryServiceServer
 from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
-from rostether.graph.ports import NAME_TAKEN, ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import NAME_TAKEN, ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.names.graph_name import join, validate_name
 from rostether.rostime import Time
@@ -104,7 +104,7 @@ class MemoryNetwork:
             nodes=tuple(sorted(self.nodes)),
             topics={name: self._topic_info(name) for name in sorted(names)},
             services={
-                name: ServiceInfo(name, (server.node_name,), server.type.name)
+                name: ServiceEntry(name, (server.node_name,), server.type.name)
                 for name, server in sorted(self._services.items())
             },
         )
@@ -124,11 +124,11 @@ class MemoryNetwork:
         for event in self._change_events:
             event.set()
 
-    def _topic_info(self, name: str) -> TopicInfo:
+    def _topic_info(self, name: str) -> TopicEntry:
         publishers = [each for each in self._publishers if each.topic == name]
         subscribers = [each for each in self._subscribers if each.topic == name]
         types = [each.type.name for each in publishers] + [each.type.name for each in subscribers]
-        return TopicInfo(
+        return TopicEntry(
             name,
             next((each for each in types if each != ANY_TYPE), ANY_TYPE),
             tuple(sorted({each.node_name for each in publishers})),

@@ -13,8 +13,8 @@ from rostether.graph.flow_control import (
     PublicationFlow,
     SubscriberFlow,
 )
-from rostether.graph.ports import OnMessages
-from rostether.msgdef.interface import ANY_MD5SUM, MessageType
+from rostether.graph.ports import OnMessages, SubscribeOptions
+from rostether.msgdef.interface import MessageType, agree
 
 _log = logging.getLogger("rostether.graph.memory")
 
@@ -75,7 +75,7 @@ class MemoryPublisher:
         """Connect a subscriber of this type; a mismatch is one line in the log."""
         if subscriber.skip_own and subscriber.node_name == self.node_name:
             return
-        if not _agree(self.type.md5sum, subscriber.type.md5sum):
+        if not agree(self.type.md5sum, subscriber.type.md5sum):
             _log.warning(
                 "%s: %s publishes %s, %s wants %s",
                 self.topic,
@@ -111,21 +111,19 @@ class MemorySubscriber:
         node_name: str,
         on_messages: OnMessages,
         *,
-        on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[MemorySubscriber], None],
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        options: SubscribeOptions,
     ) -> None:
         self.topic = topic
         self.type = message_type
         self.node_name = node_name
-        self.skip_own = skip_own
-        self.skip_nodes = skip_nodes
+        self.skip_own = options.get("skip_own", False)
+        self.skip_nodes: Container[str] = options.get("skip_nodes", ())
         self.links: list[_Link] = []
         self.is_paused = False
         self.is_closed = False
         self._on_messages = on_messages
-        self._on_connection = on_connection
+        self._on_connection = options.get("on_connection")
         self._on_close = on_close
 
     @property
@@ -214,7 +212,3 @@ class _Link:
             self._flow.update()
             if self._publisher.node_name not in self._subscriber.skip_nodes:
                 self._subscriber.deliver(payloads)
-
-
-def _agree(left: str, right: str) -> bool:
-    return left == right or ANY_MD5SUM in (left, right)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
+from typing import Generic, TypeVar, cast
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import Graph
@@ -14,6 +15,8 @@ from rostether.msgdef.search_waiting import definitions_at_hand
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
+
+M = TypeVar("M", bound=Message)
 
 # What waits for a loop that is busy: a second of the fastest sensor, and little memory.
 DEFAULT_QUEUE_MESSAGES = 1000
@@ -59,14 +62,14 @@ class LearnedTypes:
             # A separate store: here, the same name and the types below it may have other definitions.
             learned = Registry(bundled=False)
             learned.add_full_text(name, definition)
-            return TypeStore(learned).codec(name)
+            return self.store.for_registry(learned).codec(name)
         raise TypeMismatchError(
             f"{name} has md5sum {md5sum} there and {known} here, and its publisher sends no definition: "
             "give its package with --msg-path or ROS_PACKAGE_PATH"
         )
 
 
-class MessageStream:
+class MessageStream(Generic[M]):
     """The messages of one topic; made by `TypedGraph.messages`.
 
     A loop subscribes, and unsubscribes when it is left; it ends by itself when the node leaves the graph.
@@ -77,12 +80,13 @@ class MessageStream:
         self, graph: Graph, types: LearnedTypes, topic: str, type_name: str | None, queue_size: int
     ) -> None:
         self.topic = topic
+
+        # Messages that came faster than the loop took them.
         self.dropped_count = 0
-        """Messages that came faster than the loop took them."""
+        # Messages that did not have their type's layout.
         self.misfit_count = 0
-        """Messages that did not have their type's layout."""
+        # Called with the reason for each of them.
         self.on_misfit: Callable[[SerializationError], None] | None = None
-        """Called with the reason for each of them."""
         self._graph = graph
         self._types = types
         self._type_name = type_name
@@ -92,14 +96,14 @@ class MessageStream:
         self._queued_bytes = 0
         self._news = asyncio.Event()
         self._error: RostetherError | None = None
-        self._generator: AsyncGenerator[Message, None] | None = None
+        self._generator: AsyncGenerator[M, None] | None = None
 
     @property
     def codec(self) -> Codec | None:
         """The codec that decodes messages; None until the type of the first publisher is known."""
         return self._codec
 
-    async def __aiter__(self) -> AsyncGenerator[Message, None]:
+    async def __aiter__(self) -> AsyncGenerator[M, None]:
         """Subscribe and yield messages. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
         message_type = ANY_MESSAGE
         name, registry = self._type_name, self._types.store.registry
@@ -129,14 +133,14 @@ class MessageStream:
                         if self.on_misfit is not None:
                             self.on_misfit(error)
                         continue
-                    yield message
+                    yield cast("M", message)
                 if self._error is not None:
                     raise self._error
         finally:
             leaving.cancel()
             await subscriber.close()
 
-    async def __anext__(self) -> Message:
+    async def __anext__(self) -> M:
         """Return the next message; the first call subscribes, until `aclose`. Raises as the loop."""
         if self._generator is None:
             self._generator = self.__aiter__()

@@ -13,12 +13,13 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import Protocol, TypeAlias, TypedDict, Unpack, runtime_checkable
 
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.rostime import Time
 
 ParamValue: TypeAlias = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
+OnConnection: TypeAlias = Callable[[Mapping[str, str]], None]
 OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
 ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
 
@@ -35,9 +36,14 @@ class Level(IntEnum):
     ERROR = 8
     FATAL = 16
 
+    @property
+    def number_in_tens(self) -> int:
+        """The level as the module logging and ROS 2 count it: 10, 20, 30, 40 or 50."""
+        return 10 * self.bit_length()
+
 
 @dataclass(frozen=True, slots=True)
-class TopicInfo:
+class TopicEntry:
     """One topic in a snapshot; `type` is `*` until a node registers that knows it."""
 
     name: str
@@ -47,7 +53,7 @@ class TopicInfo:
 
 
 @dataclass(frozen=True, slots=True)
-class ServiceInfo:
+class ServiceEntry:
     """One service in a snapshot, with the nodes that provide it.
 
     `type` is `*` if the graph does not report it: a ROS 1 master does not know it.
@@ -63,8 +69,21 @@ class Snapshot:
     """The whole graph at one moment; every mapping is sorted by name."""
 
     nodes: tuple[str, ...] = ()
-    topics: Mapping[str, TopicInfo] = field(default_factory=dict)
-    services: Mapping[str, ServiceInfo] = field(default_factory=dict)
+    topics: Mapping[str, TopicEntry] = field(default_factory=dict)
+    services: Mapping[str, ServiceEntry] = field(default_factory=dict)
+
+
+class SubscribeOptions(TypedDict, total=False):
+    """The options of `Graph.subscribe`."""
+
+    # Receives the header fields of each publisher; None by default.
+    on_connection: OnConnection | None
+    # Whether messages are sent without waiting for others; True by default.
+    tcp_nodelay: bool
+    # Leaves out the messages of this node itself.
+    skip_own: bool
+    # Leaves out the messages of these nodes; names may be added and removed at any time.
+    skip_nodes: Container[str]
 
 
 class Publisher(Protocol):
@@ -170,17 +189,9 @@ class Graph(Protocol):
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: Callable[[Mapping[str, str]], None] | None = None,
-        tcp_nodelay: bool = True,
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        **options: Unpack[SubscribeOptions],
     ) -> Subscriber:
-        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields.
-
-        `skip_own` leaves out what this very node publishes on the topic, `skip_nodes` what nodes of these
-        names publish; names may be added and removed at any time.
-        """
+        """Subscribe. `ANY_MESSAGE` accepts every type."""
 
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler

@@ -12,102 +12,29 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import aclosing
-from typing import Any, TypeAlias, cast
+from typing import Any, ParamSpec, TypeAlias, TypeVar, cast, overload
 
 from rostether.errors import GraphError, RostetherError, ServiceCallError
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
-from rostether.graph.ports import Graph, Level, ParamValue, Publisher, ServiceServer, Snapshot, Watch
+from rostether.graph.ports import Graph, Level, ParamValue, ServiceServer, Snapshot, Watch
+from rostether.graph.typed_handles import CallbackSubscriber, MessageLike, TypedPublisher, name_of_type
 from rostether.msgdef.search_waiting import definitions_at_hand
 from rostether.rostime import Time
-from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 
-MessageLike: TypeAlias = Message | Mapping[str, Any]
+P = ParamSpec("P")
+M = TypeVar("M", bound=Message)
+
 Handler: TypeAlias = Callable[[Message], MessageLike | Awaitable[MessageLike]]
 
-_SUBSCRIBER_POLL_S = 0.01
 # After this time without a publisher, a waiting program gets a log line; publishers are found within a
 # second.
 SILENCE_WARNING_S = 5.0
 
 _LOG = logging.getLogger(__name__)
-
-
-class TypedPublisher:
-    """Publishes messages of one type; made by `TypedGraph.publisher`."""
-
-    def __init__(self, publisher: Publisher, codec: Codec, now: Callable[[], Time]) -> None:
-        self.raw = publisher
-        self.codec = codec
-        self._now = now
-
-    @property
-    def topic(self) -> str:
-        """The resolved topic name."""
-        return self.raw.topic
-
-    @property
-    def subscriber_count(self) -> int:
-        """How many subscribers are connected now."""
-        return self.raw.subscriber_count
-
-    def publish(self, message: MessageLike | object = None, /, **fields: Any) -> bool:
-        """Publish one message, given whole, by its fields, or as the value of its only field.
-
-        A time may be "now" or seconds. False asks a flooding caller to await `drained`.
-        Raises SerializationError naming the field that does not fit.
-        """
-        value = fields if message is None else self.codec.fields_of(message)
-        return self.raw.publish_raw([self.codec.encode(value, now=self._now)])
-
-    async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is above its high-water mark."""
-        await self.raw.drained(timeout_s)
-
-    async def wait_for_subscriber(self, timeout_s: float | None = None) -> bool:
-        """Wait for a subscriber; returns False if none subscribed in time."""
-        try:
-            async with asyncio.timeout(timeout_s):
-                # The port announces no connections; looking is cheap.
-                while not self.raw.subscriber_count:  # noqa: ASYNC110
-                    await asyncio.sleep(_SUBSCRIBER_POLL_S)
-        except TimeoutError:
-            return False
-        return True
-
-    async def close(self) -> None:
-        """Unadvertise. Idempotent."""
-        await self.raw.close()
-
-
-class CallbackSubscriber:
-    """Calls back with the messages of a topic until it is closed; made by `TypedGraph.subscriber`."""
-
-    def __init__(self, stream: MessageStream, callback: Callable[[Message], object]) -> None:
-        self.topic = stream.topic
-        self._stream = stream
-        self._callback = callback
-        self._task = asyncio.create_task(self._listen())
-
-    async def _listen(self) -> None:
-        try:
-            async with aclosing(aiter(self._stream)) as messages:
-                async for message in messages:
-                    try:
-                        self._callback(message)
-                    except Exception:  # noqa: BLE001 - it is the user's code
-                        # One bad message must not end the subscription.
-                        _LOG.exception("the callback for %s failed", self.topic)
-        except RostetherError as error:
-            _LOG.error("the subscription of %s ended: %s", self.topic, error)
-
-    async def close(self) -> None:
-        """Unsubscribe. Idempotent."""
-        self._task.cancel()
-        await asyncio.wait([self._task])
 
 
 class TypedGraph:
@@ -127,42 +54,85 @@ class TypedGraph:
         """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
         return self.raw.resolve(name)
 
-    async def publisher(self, topic: str, type_name: str, *, latch: bool = False) -> TypedPublisher:
-        """Advertise a topic. Raises UnknownTypeError, InvalidNameError, GraphError."""
+    @overload
+    async def publisher(self, topic: str, type_name: str, *, latch: bool = False) -> TypedPublisher[...]: ...
+    @overload
+    async def publisher(
+        self, topic: str, type_name: Callable[P, Message], *, latch: bool = False
+    ) -> TypedPublisher[P]: ...
+    async def publisher(
+        self, topic: str, type_name: str | Callable[..., Message], *, latch: bool = False
+    ) -> TypedPublisher[...]:
+        """Advertise a topic of a type, given by name or as a class of `rostether.msg`.
+
+        Raises UnknownTypeError, InvalidNameError, GraphError.
+        """
+        type_name = name_of_type(type_name)
         await definitions_at_hand(self.store.registry, lambda: self.store.registry.message_type(type_name))
         codec = self.store.codec(type_name)
         message_type = self.store.registry.message_type(type_name)
         return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec, self.raw.now)
 
+    @overload
     def messages(
         self, topic: str, type_name: str | None = None, *, queue_size: int = DEFAULT_QUEUE_MESSAGES
-    ) -> MessageStream:
+    ) -> MessageStream[Message]: ...
+    @overload
+    def messages(
+        self, topic: str, type_name: type[M], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
+    ) -> MessageStream[M]: ...
+    def messages(
+        self,
+        topic: str,
+        type_name: str | type[Message] | None = None,
+        *,
+        queue_size: int = DEFAULT_QUEUE_MESSAGES,
+    ) -> MessageStream[Any]:
         """Return a topic's messages to loop over; the subscription lasts as long as the loop.
 
         Without `type_name` each publisher's own definition is used, even if the type is unknown here.
         `queue_size` bounds the waiting messages; beyond it the oldest are dropped and counted.
         """
-        return MessageStream(self.raw, self._learned, topic, type_name, queue_size)
+        name = None if type_name is None else name_of_type(type_name)
+        return MessageStream(self.raw, self._learned, topic, name, queue_size)
 
+    @overload
     async def subscriber(
         self, topic: str, type_name: str | None, callback: Callable[[Message], object]
+    ) -> CallbackSubscriber: ...
+    @overload
+    async def subscriber(
+        self, topic: str, type_name: type[M], callback: Callable[[M], object]
+    ) -> CallbackSubscriber: ...
+    async def subscriber(
+        self, topic: str, type_name: str | type[Message] | None, callback: Callable[[Any], object]
     ) -> CallbackSubscriber:
         """Call back with each message of a topic; without `type_name`, of the type that its publisher has.
 
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
-        stream = self.messages(topic, type_name)
-        if type_name is not None:
+        name = None if type_name is None else name_of_type(type_name)
+        stream = self.messages(topic, name)
+        if name is not None:
             registry = self.store.registry
-            await definitions_at_hand(registry, lambda: registry.message_type(type_name))
-            registry.message_type(type_name)
+            await definitions_at_hand(registry, lambda: registry.message_type(name))
+            registry.message_type(name)
         return CallbackSubscriber(stream, callback)
 
+    @overload
     async def wait_for_message(
         self, topic: str, type_name: str | None = None, *, timeout_s: float | None = None
-    ) -> Message:
+    ) -> Message: ...
+    @overload
+    async def wait_for_message(
+        self, topic: str, type_name: type[M], *, timeout_s: float | None = None
+    ) -> M: ...
+    async def wait_for_message(
+        self, topic: str, type_name: str | type[Message] | None = None, *, timeout_s: float | None = None
+    ) -> Any:
         """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
-        stream = self.messages(topic, type_name, queue_size=1)
+        name = None if type_name is None else name_of_type(type_name)
+        stream = self.messages(topic, name, queue_size=1)
         warning = asyncio.create_task(self._warn_of_silence(topic))
         try:
             async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:

@@ -27,8 +27,8 @@ class Replaced:
     line: str
 
 
+# (package, type, environment) -> program. Raises RostetherError where there is none.
 Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program | Replaced]
-"""(package, type, environment) -> program. Raises RostetherError where there is none."""
 
 
 @dataclass(frozen=True, slots=True)

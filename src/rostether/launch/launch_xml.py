@@ -5,7 +5,8 @@ from __future__ import annotations
 from rostether.errors import LaunchError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 
-MAX_FILE_BYTES = 1 << 24  # a launch file may hold a URDF or a parameter set inline; no real one nears 16 MB
+# A launch file may hold a URDF or a parameter set inline; no real one nears 16 MB.
+MAX_FILE_BYTES = 1 << 24
 
 
 def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:

@@ -6,12 +6,14 @@ inside only; an included file sees just the arguments that it is given.
 
 from __future__ import annotations
 
+import getpass
+import re
+import socket
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import LaunchError
 from rostether.launch.launch_xml import MAX_FILE_BYTES, parse_launch_xml
-from rostether.launch.machine_tag import read_machine
 from rostether.launch.node_tag import NodeTags
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import DeclaredArgument, LaunchPlan
@@ -20,8 +22,13 @@ from rostether.launch.substitution import LaunchContext, explain_unreadable
 from rostether.launch.tag_reader import TagReader
 from rostether.mechanisms.xml_tree import XmlElement
 
-MAX_INCLUDE_DEPTH = 50  # files include themselves to count down; one that does so without end stops here
-MAX_INCLUDES = 10_000  # two includes in each of fifty files would run practically forever
+_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
+
+# Files include themselves to count down; one that does so without end stops here.
+MAX_INCLUDE_DEPTH = 50
+
+# Two includes in each of fifty files would run practically forever.
+MAX_INCLUDES = 10_000
 STDIN_NAME = "<stdin>"
 
 
@@ -199,3 +206,22 @@ def _read(file: str) -> bytes:
             return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise explain_unreadable(file, error) from None
+
+
+def read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
+    """Return the name of a machine that is this one. Raises LaunchError for any other."""
+    reader.check_attributes(element, _ATTRIBUTES)
+    name, address = (reader.required(element, scope, each) for each in ("name", "address"))
+    user = reader.optional(element, scope, "user")
+    if not _is_here(address) or (user and user != getpass.getuser()):
+        raise LaunchError(
+            f"machine {name!r} at {address} is another machine, but nodes are started on this one only; "
+            "remove <machine>, and run `rostether launch` there with the ROS_MASTER_URI of this machine"
+        )
+    return name
+
+
+def _is_here(address: str) -> bool:
+    return address in ("localhost", "::1", socket.gethostname()) or bool(
+        re.fullmatch(r"127(\.\d{1,3}){3}", address)
+    )

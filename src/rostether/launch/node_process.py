@@ -23,12 +23,17 @@ from rostether.graph.ports import Level
 from rostether.launch.command_line import Command
 from rostether.launch.plan import LaunchNode, Output
 
-SIGINT_LIMIT_S = 15.0  # as roslaunch: a node may have a robot to bring to a stop
+# As roslaunch: a node may have a robot to bring to a stop.
+SIGINT_LIMIT_S = 15.0
 SIGTERM_LIMIT_S = 2.0
 # A node that ends at once must not keep a processor busy with starting it.
 _RESPAWN_PAUSE_S = 0.1
-_GROUP_POLL_S = 0.02  # nothing tells when the last process of a group that is not our child has ended
-_KILL_LIMIT_S = 1.0  # the kernel ends a killed group at once, unless a driver holds a process
+
+# Nothing tells when the last process of a group that is not our child has ended.
+_GROUP_POLL_S = 0.02
+
+# The kernel ends a killed group at once, unless a driver holds a process.
+_KILL_LIMIT_S = 1.0
 _SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
@@ -107,7 +112,7 @@ class NodeProcess:
             assert self._process is not None
             self.exit_code = await self._process.wait()
             await self._end_group()
-            self._say_ended(self._process.pid)
+            self._report_ended(self._process.pid)
             if not self.node.respawn:
                 return
             await asyncio.sleep(max(self.node.respawn_delay_s, _RESPAWN_PAUSE_S))
@@ -160,7 +165,7 @@ class NodeProcess:
         with self._log.with_name(f"{self._log.stem}-stdout.log").open(mode) as file:
             yield file
 
-    def _say_ended(self, pid: int) -> None:
+    def _report_ended(self, pid: int) -> None:
         if self.exit_code == 0:
             self._report(Level.INFO, f"[{self.name}] process has finished cleanly")
             return

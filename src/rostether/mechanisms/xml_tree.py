@@ -17,8 +17,8 @@ _CAUSE_BYTES = 120
 _CLOSING_TAG = re.compile(r"</([^\s>]{1,60})")
 _BARE_AND = re.compile(r"&\w*[^\w;#]")
 
+# Takes what is wrong and its line (from 1; 0: the whole file), and returns the error to raise.
 MakeError: TypeAlias = Callable[[str, int], Exception]
-"""Takes what is wrong and its line (from 1; 0: the whole file), and returns the error to raise."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,17 +6,21 @@ from collections.abc import Iterable
 
 from rostether.msgdef.spec import Constant, Field, MessageSpec
 
-_MAX_LISTED = 6  # a definition with more differences is simply another one; the line stays readable
+# A definition with more differences is simply another one; the line stays readable.
+_MAX_LISTED = 6
 
 
 def difference(ours: MessageSpec, theirs: MessageSpec) -> str:
-    """Say what `theirs` lacks, adds or declares otherwise; empty if all declarations are the same."""
-    said = [*_fields_said(ours.fields, theirs.fields), *_constants_said(ours.constants, theirs.constants)]
-    if not said and (ours.fields, ours.constants) != (theirs.fields, theirs.constants):
-        said = [_order_said(ours, theirs)]
-    if len(said) > _MAX_LISTED:
-        said[_MAX_LISTED:] = [f"and {len(said) - _MAX_LISTED} more differences"]
-    return ", ".join(said)
+    """Describe what `theirs` lacks, adds or declares otherwise; empty if all declarations are the same."""
+    differences = [
+        *_field_differences(ours.fields, theirs.fields),
+        *_constant_differences(ours.constants, theirs.constants),
+    ]
+    if not differences and (ours.fields, ours.constants) != (theirs.fields, theirs.constants):
+        differences = [_order_difference(ours, theirs)]
+    if len(differences) > _MAX_LISTED:
+        differences[_MAX_LISTED:] = [f"and {len(differences) - _MAX_LISTED} more differences"]
+    return ", ".join(differences)
 
 
 def declarations(spec: MessageSpec) -> str:
@@ -24,7 +28,7 @@ def declarations(spec: MessageSpec) -> str:
     return _listed(spec.fields) or "no fields"
 
 
-def _fields_said(ours: Iterable[Field], theirs: Iterable[Field]) -> Iterable[str]:
+def _field_differences(ours: Iterable[Field], theirs: Iterable[Field]) -> Iterable[str]:
     our_types = {field.name: field.type for field in ours}
     their_types = {field.name: field.type for field in theirs}
     for name, type_ in our_types.items():
@@ -37,7 +41,7 @@ def _fields_said(ours: Iterable[Field], theirs: Iterable[Field]) -> Iterable[str
             yield f"has '{type_} {name}' more"
 
 
-def _constants_said(ours: Iterable[Constant], theirs: Iterable[Constant]) -> Iterable[str]:
+def _constant_differences(ours: Iterable[Constant], theirs: Iterable[Constant]) -> Iterable[str]:
     our_texts = {constant.name: f"{constant.type} {constant.name}={constant.text}" for constant in ours}
     their_texts = {constant.name: f"{constant.type} {constant.name}={constant.text}" for constant in theirs}
     for name, text in our_texts.items():
@@ -50,7 +54,7 @@ def _constants_said(ours: Iterable[Constant], theirs: Iterable[Constant]) -> Ite
             yield f"has the constant '{text}' more"
 
 
-def _order_said(ours: MessageSpec, theirs: MessageSpec) -> str:
+def _order_difference(ours: MessageSpec, theirs: MessageSpec) -> str:
     if ours.fields == theirs.fields:
         return "declares the constants in another order"
     return f"declares the fields in another order: {_listed(theirs.fields)}"

@@ -15,8 +15,12 @@ from rostether.msgdef.spec import MessageSpec
 
 SEPARATOR = "=" * 80
 _HEADING = "MSG: "
-MAX_FULL_TEXT_CHARACTERS = 1 << 20  # the longest in use are some 50 KB; peers send them
-MAX_PARTS = 512  # the most in use are some 30
+
+# The longest in use are some 50 KB; peers send them.
+MAX_FULL_TEXT_CHARACTERS = 1 << 20
+
+# The most in use are some 30.
+MAX_PARTS = 512
 
 
 def message_full_text(spec: MessageSpec, lookup: Lookup) -> str:

@@ -28,3 +28,8 @@ class ServiceType:
 
 
 ANY_MESSAGE = MessageType(ANY_TYPE, ANY_MD5SUM)
+
+
+def agree(left: str, right: str) -> bool:
+    """Return whether two md5sums, or two type names, agree: `*` agrees with all."""
+    return left == right or ANY_MD5SUM in (left, right)

@@ -23,8 +23,11 @@ from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
-MAX_CANDIDATES = 3_000  # some 10 us each, and every board waits meanwhile: 30 ms for a line, once
-MAX_KNOWN_TYPES = 2_000  # types of the user's packages to compare with; each is read from disk
+# Some 10 us each, and every board waits meanwhile: 30 ms for a line, once.
+MAX_CANDIDATES = 3_000
+
+# Types of the user's packages to compare with; each is read from disk.
+MAX_KNOWN_TYPES = 2_000
 
 # Types that one takes for another: other widths, other signs, the old names of bytes.
 _ALTERNATIVES = (
@@ -65,8 +68,8 @@ def explain_mismatch(types: Types, name: str, md5sum: str) -> str:
     spec = types.message(name)
     for version, earlier in _earlier(spec):
         if message_md5sum(earlier, types.message) == md5sum:
-            said = difference(spec, earlier)
-            return f"{start}; it belongs to {spec.package} {version}, which {said}; {advice}"
+            differing = difference(spec, earlier)
+            return f"{start}; it belongs to {spec.package} {version}, which {differing}; {advice}"
     guess = guess_definition(types, name, md5sum)
     if guess is None:
         return f"{start}, and not of any known definition; the known one is '{declarations(spec)}'; {advice}"

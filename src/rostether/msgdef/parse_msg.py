@@ -13,10 +13,17 @@ from rostether.errors import DefinitionError
 from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIVE_TYPES
 from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
 
-MAX_TEXT_CHARACTERS = 1 << 18  # the longest in use are some 20 KB; definitions also come from peers
-MAX_FIELDS = 4096  # each becomes generated code; the longest in use have some hundred
-MAX_ARRAY_LENGTH = 1 << 24  # a fixed array is part of every message, and no link carries more than 16 MB
-_MAX_QUOTED_CHARACTERS = 80  # keeps an error about a line of any length on one line
+# The longest in use are some 20 KB; definitions also come from peers.
+MAX_TEXT_CHARACTERS = 1 << 18
+
+# Each becomes generated code; the longest in use have some hundred.
+MAX_FIELDS = 4096
+
+# A fixed array is part of every message, and no link carries more than 16 MB.
+MAX_ARRAY_LENGTH = 1 << 24
+
+# Keeps an error about a line of any length on one line.
+_MAX_QUOTED_CHARACTERS = 80
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _CONSTANT_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -24,7 +31,9 @@ _FIELD_TYPE = re.compile(r"([A-Za-z]\w*(?:/[A-Za-z]\w*)?)(\[([0-9]*)\])?", re.AS
 _HEADER = "Header"
 _HEADER_FULL_NAME = "std_msgs/Header"
 _BOOLS = {"True": True, "False": False, "1": True, "0": False}
-_MAX_BOOL_CHARACTERS = 100  # a bool constant may be any Python literal, but none needs to be long
+
+# A bool constant may be any Python literal, but none needs to be long.
+_MAX_BOOL_CHARACTERS = 100
 
 
 def parse_message(text: str, *, package: str, name: str, file: str = "", first_line: int = 1) -> MessageSpec:

@@ -29,10 +29,13 @@ from rostether.packages.locate import package_folders, workspace_roots
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
 
-MAX_LEARNED_TYPES = 4096  # peers' definitions must not fill memory; a large system has some hundred types
+# Peers' definitions must not fill memory; a large system has some hundred types.
+MAX_LEARNED_TYPES = 4096
 # Bundled for our examples; who has the robot has its package too, perhaps changed.
 ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
-MAX_NAME_CHARACTERS = 256  # boards announce names; those in use are below 60
+
+# Boards announce names; those in use are below 60.
+MAX_NAME_CHARACTERS = 256
 
 
 class _SearchNeeded(Exception):  # noqa: N818 - it ends an attempt, it is no error
@@ -174,7 +177,7 @@ class Registry:
         for each in self.packages() if package is None else [package]:
             names.update(f"{each}/{name}" for name in self._names(Kind.MESSAGE, each))
             for action in self._names(Kind.ACTION, each):
-                names.update(f"{each}/{message}" for message in _messages_of_action(action))
+                names.update(f"{each}/{message}" for message in expand_action("---\n---", name=action))
         names.update(name for name in self._learned if package in (None, name.partition("/")[0]))
         return sorted(names)
 
@@ -197,6 +200,14 @@ class Registry:
             package, short_name = self._split(Kind.MESSAGE, each)
             parse_message(text, package=package, name=short_name)
         self._learned.update(new)
+
+    def add_service_text(self, name: str, definition: str) -> None:
+        """Learn a service from its definition; its messages must be known. Raises DefinitionError."""
+        package, _, short_name = name.partition("/")
+        spec = parse_service(definition, package=package, name=short_name)
+        self._services[name] = spec
+        for half in (spec.request, spec.response):
+            self._messages[half.full_name] = half
 
     def _load_message(self, name: str) -> MessageSpec:
         package, short_name = self._split(Kind.MESSAGE, name)
@@ -294,7 +305,3 @@ def _packages_around() -> Iterable[Path]:
     except OSError:
         # The current folder was deleted under us.
         return ()
-
-
-def _messages_of_action(action: str) -> list[str]:
-    return list(expand_action("---\n---", name=action))

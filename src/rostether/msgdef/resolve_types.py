@@ -12,11 +12,14 @@ from rostether.msgdef.spec import Field, MessageSpec
 Lookup: TypeAlias = Callable[[str], MessageSpec]
 SpecT = TypeVar("SpecT", MessageSpec, Ros2Message)
 
-MAX_DEPTH = 32  # the deepest in use nest about 8; definitions also come from peers
+# The deepest in use nest about 8; definitions also come from peers.
+MAX_DEPTH = 32
 # Values that every message holds because of fixed arrays and nesting: two fields of the next type on each of
 # 32 levels would be 4e9 of them in a text of 1 KB; the largest in use have some thousand.
 MAX_FIXED_VALUES = 1 << 20
-_BYTES_A_VALUE = 256  # a fixed array of bytes is one value in memory, so it counts by size only
+
+# A fixed array of bytes is one value in memory, so it counts by size only.
+_BYTES_A_VALUE = 256
 
 
 def dependencies(spec: SpecT, lookup: Callable[[str], SpecT]) -> list[SpecT]:

@@ -14,7 +14,9 @@ PRIVATE = "~"
 
 _LEGAL = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*")
 _ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
-_MAX_QUOTED_CHARACTERS = 80  # a board can announce any bytes as a name; the error stays one readable line
+
+# A board can announce any bytes as a name; the error stays one readable line.
+_MAX_QUOTED_CHARACTERS = 80
 
 
 def is_global(name: str) -> bool:

@@ -10,13 +10,18 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.nodes.joystick import EVENT, Joystick, When
 
 DEFAULT_DEVICE = "/dev/input/js0"
-_RETRY_S = 1.0  # a joystick is plugged in by hand
+
+# A joystick is plugged in by hand.
+_RETRY_S = 1.0
 _READ_BYTES = EVENT.size * 64
-_MIN_COALESCE_S = 1e-4  # 10 kHz: more than any device sends
+
+# 10 kHz: more than any device sends.
+_MIN_COALESCE_S = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +73,7 @@ class _Reading:
     """From opening the device to its end."""
 
     def __init__(
-        self, graph: TypedGraph, publisher: TypedPublisher, settings: JoySettings, descriptor: int
+        self, graph: TypedGraph, publisher: TypedPublisher[...], settings: JoySettings, descriptor: int
     ) -> None:
         self._graph = graph
         self._publisher = publisher

@@ -12,7 +12,8 @@ from functools import partial
 
 from rostether.errors import InvalidNameError, ServiceCallError
 from rostether.graph.ports import Level, Subscriber
-from rostether.graph.typed_graph import Handler, TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import Handler, TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.nodes.forwarding import LAZY_POLL_S
 from rostether.nodes.output_topic import OutputTopic
@@ -41,7 +42,7 @@ class Mux:
         self._inputs: dict[str, Subscriber | None] = {graph.resolve(each): None for each in inputs}
         self._headers: dict[str, Mapping[str, str]] = {}
         self._lazy = lazy
-        self._announced: TypedPublisher | None = None
+        self._announced: TypedPublisher[...] | None = None
         first = initial or next(iter(self._inputs), NO_INPUT)
         known = first != NO_INPUT and graph.resolve(first) in self._inputs
         self._selected = graph.resolve(first) if known else NO_INPUT

@@ -21,7 +21,9 @@ _CUSTOMARY_NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _LEGAL_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _VERSION = re.compile(r"\d+\.\d+\.\d+")
 _PERSON = re.compile(r"(.*?)\s*<([^<>\s]+@[^<>\s]+)>")
-_UNKNOWN_MAIL = "todo.todo"  # what people replace, as catkin_create_pkg writes it
+
+# What people replace, as catkin_create_pkg writes it.
+_UNKNOWN_MAIL = "todo.todo"
 
 
 @dataclass(frozen=True, slots=True)

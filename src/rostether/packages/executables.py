@@ -20,10 +20,14 @@ from rostether.packages.search_path import walk
 SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
 
 _BUILD_FOLDER = "build"
-_MAX_CMAKE_BYTES = 1 << 20  # those of large packages have some 50 KB
+
+# Those of large packages have some 50 KB.
+_MAX_CMAKE_BYTES = 1 << 20
 _COMPILED = (".cpp", ".cc", ".cxx", ".c")
 _EXECUTABLE = re.compile(r"\badd_executable\s*\(\s*([^\s)]+)\s*([^)]*)\)", re.IGNORECASE)
-_MAX_SHEBANG_BYTES = 256  # Linux itself reads no more of a first line
+
+# Linux itself reads no more of a first line.
+_MAX_SHEBANG_BYTES = 256
 _PYTHON_SUFFIX = ".py"
 
 

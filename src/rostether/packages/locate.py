@@ -24,8 +24,12 @@ from rostether.packages.search_path import (
 )
 
 SOURCE_FOLDER = "src"
-_MAX_PARENTS = 64  # deeper than any real path; a bound for file systems that nest without end
-_MAX_NEIGHBOURS = 1_000  # folders beside a package; more is a download folder, no collection of packages
+
+# Deeper than any real path; a bound for file systems that nest without end.
+_MAX_PARENTS = 64
+
+# Folders beside a package; more is a download folder, no collection of packages.
+_MAX_NEIGHBOURS = 1_000
 _WORKSPACE_MARKS = (".catkin_workspace", ".catkin_tools", "devel/.catkin", "src/CMakeLists.txt")
 
 

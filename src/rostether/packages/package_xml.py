@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from rostether.errors import ConfigError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 
-MAX_PACKAGE_XML_BYTES = 1 << 20  # real ones are a few KB; a larger file is not a package.xml
+# Real ones are a few KB; a larger file is not a package.xml.
+MAX_PACKAGE_XML_BYTES = 1 << 20
 _PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _DEPENDENCIES = frozenset(
     {

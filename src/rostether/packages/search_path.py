@@ -11,14 +11,19 @@ from pathlib import Path
 from rostether.errors import ConfigError
 from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
 
-MAX_FOLDERS = 20_000  # a large workspace has some thousands; a home directory must not be read whole
-MAX_DEPTH = 12  # workspace/src/repository/stack/package is 4; more than 12 is no workspace
+# A large workspace has some thousands; a home directory must not be read whole.
+MAX_FOLDERS = 20_000
+
+# workspace/src/repository/stack/package is 4; more than 12 is no workspace.
+MAX_DEPTH = 12
 PACKAGE_FILE = "package.xml"
 ROSBUILD_FILE = "manifest.xml"
 # Here every program of the system has its folder: packages stand at the top, as Debian's rospkg has it.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
-_CATKIN_MARK = ".catkin"  # in `devel` and `install`, which hold a package at share/NAME
+
+# In `devel` and `install`, which hold a package at share/NAME.
+_CATKIN_MARK = ".catkin"
 _COPY_DEPTH = 3
 _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
 
@@ -41,8 +46,8 @@ def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
     return [Path(part) for part in environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
 
 
+# Called for two packages of one name below one root: the name, the folder in use, and the other.
 OnNamesake = Callable[[str, Path, Path], object]
-"""Called for two packages of one name below one root: the name, the folder in use, and the other."""
 
 
 def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = None) -> dict[str, Path]:

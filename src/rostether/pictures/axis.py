@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-_ROOM = 0.05  # of the range, above and below the values
-_LEAST_ROOM = 1e-300  # below it floats lose their digits
+# Of the range, above and below the values.
+_ROOM = 0.05
+
+# Below it floats lose their digits.
+_LEAST_ROOM = 1e-300
 _LARGEST = 1e308
-_MOST_TICKS = 50  # whatever is asked for: a bound for ranges that floats cannot step through
+
+# Whatever is asked for: a bound for ranges that floats cannot step through.
+_MOST_TICKS = 50
 _STEPS = (1.0, 2.0, 5.0, 10.0)
+_CLOCK_STEPS_S = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 43200, 86400)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +53,25 @@ class Axis:
             value = (first + number) * step
             found.append((value, _text(value, step)))
         return found
+
+
+def clock_ticks(axis: Axis, count: int, begin_s: float) -> list[tuple[float, str]]:
+    """Return about `count` times with the clock's time there; `begin_s` is the Unix time of zero.
+
+    Marks are whole seconds, minutes or hours of the local time.
+    """
+    least = (axis.high - axis.low) / max(count, 1)
+    step = next((each for each in _CLOCK_STEPS_S if each >= least), _CLOCK_STEPS_S[-1])
+    # Time zones are whole quarters of an hour from UTC.
+    offset_s = time.localtime(begin_s).tm_gmtoff
+    first = math.ceil((begin_s + offset_s + axis.low) / step)
+    found = []
+    for number in range(_MOST_TICKS):
+        moment_s = (first + number) * step - offset_s
+        if moment_s - begin_s > axis.high:
+            break
+        found.append((moment_s - begin_s, time.strftime("%H:%M:%S", time.localtime(moment_s))))
+    return found
 
 
 def _round_step(least: float) -> float:

@@ -12,7 +12,9 @@ from rostether.pictures.scene import Point
 _BLANK = 0x2800
 # The bit of the dot in each row, left and right. Source: Unicode, block Braille Patterns.
 _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-_FAR = 1 << 20  # dots: points farther out are not distinguished
+
+# Dots: points farther out are not distinguished.
+_FAR = 1 << 20
 
 
 def braille(

@@ -14,14 +14,22 @@ from rostether.pictures.scene import Anchor, Color, Point, Scene, ellipse, recta
 
 _SIZE = 12.0
 _MARGIN = 16.0
-_PADDING = (14.0, 16.0)  # around a label, sideways and up and down together
-_ELLIPSE_ROOM = 1.25  # how much wider than a box an ellipse around the same text is
+
+# Around a label, sideways and up and down together.
+_PADDING = (14.0, 16.0)
+
+# How much wider than a box an ellipse around the same text is.
+_ELLIPSE_ROOM = 1.25
 _ARROW_LENGTH = 8.0
 _ARROW_HALF_WIDTH = 3.5
 _LABEL_SIZE = 10.0
-_LABEL_GAP = 4.0  # between a label and the line that it interrupts
+
+# Between a label and the line that it interrupts.
+_LABEL_GAP = 4.0
 _GAP = 60.0
-_LABELLED_GAP = 28.0  # there are twice as many columns
+
+# There are twice as many columns.
+_LABELLED_GAP = 28.0
 _CURVE_STEPS = 14
 
 _INK: Color = (40, 44, 52)

@@ -1,8 +1,8 @@
 """Places the vertices of a directed graph in columns from left to right, with few crossings.
 
-Sugiyama's method: edges that close a cycle are turned, every vertex goes to the column behind its farthest
-source, edges over several columns get a bend in each of them, columns are ordered by the middle of their
-neighbours, and heights are the nearest to those middles that leave room for all.
+Sugiyama's method: every vertex gets a column (see `columns`), edges over several columns get a bend in each
+of them, columns are ordered by the middle of their neighbours, and heights are the nearest to those middles
+that leave room for all.
 """
 
 from __future__ import annotations
@@ -14,17 +14,23 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from rostether.errors import ConfigError
+from rostether.pictures.columns import Ends, column_choices
 
 Size: TypeAlias = tuple[float, float]
 Point: TypeAlias = tuple[float, float]
-Ends: TypeAlias = tuple[str, str]
 
 # The time grows with the square of it, and no one reads a larger picture.
 MAX_VERTICES = 2_000
 
+# A picture up to this width, or up to this ratio of width to height, fits a page or a screen.
+MAX_PAGE_WIDTH = 1_500.0
+MAX_RATIO = 2.0
+
 _ROW_GAP = 16.0
 _BEND_HEIGHT = 6.0
-_TURNED_SHIFT = 6.0  # down, for backward edges: distinguishes them from forward edges
+
+# Down, for backward edges: distinguishes them from forward edges.
+_TURNED_SHIFT = 6.0
 _ORDERING_SWEEPS = 12
 _PLACING_SWEEPS = 8
 
@@ -46,8 +52,7 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     """
     if len(sizes) > MAX_VERTICES:
         raise ConfigError(f"a graph of {len(sizes)} vertices is too large to draw; use --format dot")
-    forward = _without_cycles(sizes, edges)
-    columns = _Columns(sizes, forward)
+    columns = _fitting(sizes, [ends for ends in dict.fromkeys(edges) if ends[0] != ends[1]], column_gap)
     columns.order()
     xs = columns.across(column_gap)
     ys = columns.heights()
@@ -69,64 +74,48 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     return Layout(right, bottom, places, routes)
 
 
-def _without_cycles(sizes: Mapping[str, Size], edges: Sequence[Ends]) -> list[Ends]:
-    """Return the edges with those turned that lead back, found by a walk in depth; loops are left out."""
-    following: dict[str, list[str]] = {key: [] for key in sizes}
-    entered: dict[str, int] = dict.fromkeys(sizes, 0)
-    for source, target in edges:
-        if source != target:
-            following[source].append(target)
-            entered[target] += 1
-    turned: set[Ends] = set()
-    done: set[str] = set()
-    # Vertices without incoming edges first: then only true cycles are cut.
-    for start in sorted(sizes, key=lambda key: entered[key] > 0):
-        if start in done:
-            continue
-        on_path = {start}
-        walk = [(start, iter(following[start]))]
-        while walk:
-            key, rest = walk[-1]
-            step = next(rest, None)
-            if step is None:
-                walk.pop()
-                on_path.discard(key)
-                done.add(key)
-            elif step in on_path:
-                turned.add((key, step))
-            elif step not in done:
-                on_path.add(step)
-                walk.append((step, iter(following[step])))
-    oriented = (ends[::-1] if ends in turned else ends for ends in edges if ends[0] != ends[1])
-    return list(dict.fromkeys(oriented))
+def _fitting(sizes: Mapping[str, Size], edges: Sequence[Ends], gap: float) -> _Columns:
+    """Return the first choice of columns that fits a page, from wide to narrow."""
+    for column in column_choices(list(sizes), edges):
+        oriented = (ends if column[ends[0]] < column[ends[1]] else ends[::-1] for ends in edges)
+        columns = _Columns(sizes, list(dict.fromkeys(oriented)), column)
+        width, height = columns.extent(gap)
+        if width <= max(MAX_PAGE_WIDTH, MAX_RATIO * height):
+            break
+    return columns
 
 
 class _Columns:
     """Vertices and bends in columns; a bend's key is a tuple's text that no vertex has."""
 
-    def __init__(self, sizes: Mapping[str, Size], edges: Sequence[Ends]) -> None:
+    def __init__(self, sizes: Mapping[str, Size], edges: Sequence[Ends], column: Mapping[str, int]) -> None:
         self._sizes = dict(sizes)
-        self._column = _longest_ways(sizes, edges)
         self.chains: dict[Ends, list[str]] = {}
         self._before: dict[str, list[str]] = {key: [] for key in sizes}
         self._behind: dict[str, list[str]] = {key: [] for key in sizes}
-        count = 1 + max(self._column.values(), default=0)
+        count = 1 + max(column.values(), default=0)
         self._rows: list[list[str]] = [[] for _ in range(count)]
         for key in sizes:
-            self._rows[self._column[key]].append(key)
+            self._rows[column[key]].append(key)
         for number, (source, target) in enumerate(edges):
             chain = [source]
-            for column in range(self._column[source] + 1, self._column[target]):
-                bend = f"\0{number} {column}"
+            for place in range(column[source] + 1, column[target]):
+                bend = f"\0{number} {place}"
                 self._sizes[bend] = (0.0, _BEND_HEIGHT)
                 self._before[bend], self._behind[bend] = [], []
-                self._rows[column].append(bend)
+                self._rows[place].append(bend)
                 chain.append(bend)
             chain.append(target)
             self.chains[source, target] = chain
             for left, right in pairwise(chain):
                 self._behind[left].append(right)
                 self._before[right].append(left)
+
+    def extent(self, gap: float) -> Size:
+        """Return the width, and about the height."""
+        widths = (max((self._sizes[key][0] for key in row), default=0.0) for row in self._rows)
+        heights = (sum(self._sizes[key][1] + _ROW_GAP for key in row) for row in self._rows)
+        return sum(widths) + gap * (len(self._rows) - 1), max(heights, default=0.0)
 
     def order(self) -> None:
         """Order each column by the middle of its neighbours, to and fro; the best order seen is kept."""
@@ -197,27 +186,6 @@ class _Columns:
         for upper, lower in pairwise(row):
             found.append((lower, (self._sizes[upper][1] + self._sizes[lower][1]) / 2 + _ROW_GAP))
         return found
-
-
-def _longest_ways(sizes: Mapping[str, Size], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return each vertex's column: after its last source; one without sources is just before a target."""
-    following: dict[str, list[str]] = {key: [] for key in sizes}
-    waiting = dict.fromkeys(sizes, 0)
-    for source, target in edges:
-        following[source].append(target)
-        waiting[target] += 1
-    sources = [key for key in sizes if not waiting[key]]
-    ready, column = list(sources), dict.fromkeys(sizes, 0)
-    for key in ready:
-        for target in following[key]:
-            column[target] = max(column[target], column[key] + 1)
-            waiting[target] -= 1
-            if not waiting[target]:
-                ready.append(target)
-    for key in sources:
-        if following[key]:
-            column[key] = min(column[target] for target in following[key]) - 1
-    return column
 
 
 def _spread(distances: Sequence[tuple[str, float]], wanted: Mapping[str, float]) -> dict[str, float]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from rostether.pictures.axis import Axis
+from rostether.pictures.axis import Axis, clock_ticks
 from rostether.pictures.scene import Anchor, Color, Point, Scene, rectangle, text_width
 
 # Okabe and Ito's colors without yellow, which is invisible on white paper; color-blind people can distinguish
@@ -24,9 +25,13 @@ COLORS: Sequence[Color] = (
 _INK: Color = (40, 44, 52)
 _GRID: Color = (226, 229, 234)
 _SIZE = 11.0
-_TICK_HEIGHT = 36.0  # pixels between marks, at least
+
+# Pixels between marks, at least.
+_TICK_HEIGHT = 36.0
 _TICK_WIDTH = 90.0
 _LEGEND_ROW = 16.0
+_TITLE_SIZE = 14.0
+_TITLE_ROW = 24.0
 _MARGIN = 14.0
 
 
@@ -36,41 +41,119 @@ class Curve:
 
     name: str
     points: Sequence[Point]
+    unit: str = ""
+    # On a scale of its own, at the right.
+    is_right: bool = False
+
+    @property
+    def label(self) -> str:
+        """The name with the unit."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def draw_plot(curves: Sequence[Curve], *, width: int = 900, height: int = 480) -> Scene:
-    """Draw the curves over the time in which they have values; the legend adds to the height."""
-    times = [time for curve in curves for time, _ in curve.points]
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """The text around a plot; `begin_s` is the Unix time of zero, and `is_clock` shows the clock."""
+
+    title: str = ""
+    begin_s: float | None = None
+    is_clock: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """The area of the curves."""
+
+    left: float
+    right: float
+    top: float
+    bottom: float
+    across: Axis
+
+    def x(self, time_s: float) -> float:
+        return self.left + self.across.part(time_s) * (self.right - self.left)
+
+    def y(self, axis: Axis, value: float) -> float:
+        return self.bottom - axis.part(value) * (self.bottom - self.top)
+
+
+def draw_plot(
+    curves: Sequence[Curve], labels: Labels | None = None, *, width: int = 900, height: int = 480
+) -> Scene:
+    """Draw the curves over the time in which they have values; title and legend add to the height."""
+    labels = labels or Labels()
+    times = [time_s for curve in curves for time_s, _ in curve.points]
     across = Axis(min(times), max(times)) if times and min(times) < max(times) else Axis.around(times)
-    up = Axis.around([value for curve in curves for _, value in curve.points])
-    up_ticks = up.ticks(max(2, int(height / _TICK_HEIGHT)))
-    left = _MARGIN + max((text_width(text, _SIZE) for _, text in up_ticks), default=0.0) + 8
-    right, top = width - _MARGIN, _MARGIN + len(curves) * _LEGEND_ROW + 4
-    bottom = top + height - 3 * _MARGIN
-    scene = Scene(width, math.ceil(bottom + 3 * _MARGIN))
-    for value, text in up_ticks:
-        y = bottom - up.part(value) * (bottom - top)
-        scene.line([(left, y), (right, y)], _GRID)
-        scene.text(left - 6, y + _SIZE * 0.3, text, _SIZE, _INK, Anchor.END)
-    for value, text in across.ticks(max(2, int((right - left) / _TICK_WIDTH))):
-        x = left + across.part(value) * (right - left)
-        scene.line([(x, top), (x, bottom)], _GRID)
-        scene.text(x, bottom + _SIZE + 5, text, _SIZE, _INK, Anchor.MIDDLE)
-    scene.text((left + right) / 2, bottom + 2 * _SIZE + 10, "seconds", _SIZE, _INK, Anchor.MIDDLE)
-    frame = rectangle(left, top, right - left, bottom - top)
-    scene.line([*frame, frame[0]], _INK)
+    sides = {is_right: [each for each in curves if each.is_right is is_right] for is_right in (False, True)}
+    axes = {
+        is_right: Axis.around([value for curve in group for _, value in curve.points])
+        for is_right, group in sides.items()
+        if group or not is_right
+    }
+    count = max(2, int(height / _TICK_HEIGHT))
+    margins = {
+        is_right: max((text_width(text, _SIZE) for _, text in axis.ticks(count)), default=0.0) + 8
+        for is_right, axis in axes.items()
+    }
+    legend_top = _MARGIN + (_TITLE_ROW if labels.title else 0.0)
+    has_units = any(curve.unit for curve in curves)
+    top = legend_top + len(curves) * _LEGEND_ROW + (_LEGEND_ROW if has_units else 4)
+    frame = _Frame(
+        _MARGIN + margins[False],
+        width - _MARGIN - margins.get(True, 0.0),
+        top,
+        top + height - 3 * _MARGIN,
+        across,
+    )
+    scene = Scene(width, math.ceil(frame.bottom + 3 * _MARGIN))
+    if labels.title:
+        scene.text(width / 2, _MARGIN + _TITLE_SIZE * 0.5, labels.title, _TITLE_SIZE, _INK, Anchor.MIDDLE)
+    for is_right, axis in axes.items():
+        _draw_scale(scene, frame, axis, sides[is_right], count, is_right=is_right)
+    _draw_times(scene, frame, labels)
+    edge = rectangle(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top)
+    scene.line([*edge, edge[0]], _INK)
     for number, curve in enumerate(curves):
         color = COLORS[number % len(COLORS)]
-        y = _MARGIN + number * _LEGEND_ROW
-        scene.line([(left, y), (left + 24, y)], color, 2.5)
-        scene.text(left + 32, y + _SIZE * 0.3, curve.name, _SIZE, _INK)
+        y = legend_top + number * _LEGEND_ROW
+        scene.line([(frame.left, y), (frame.left + 24, y)], color, 2.5)
+        where = " (right scale)" if curve.is_right else ""
+        scene.text(frame.left + 32, y + _SIZE * 0.3, curve.label + where, _SIZE, _INK)
         for points in pieces(curve.points):
-            placed = [
-                (left + across.part(time) * (right - left), bottom - up.part(value) * (bottom - top))
-                for time, value in points
-            ]
+            placed = [(frame.x(time_s), frame.y(axes[curve.is_right], value)) for time_s, value in points]
             _draw_piece(scene, _thinned(placed), color)
     return scene
+
+
+def _draw_scale(
+    scene: Scene, frame: _Frame, axis: Axis, curves: Sequence[Curve], count: int, *, is_right: bool
+) -> None:
+    x, anchor = (frame.right + 6, Anchor.START) if is_right else (frame.left - 6, Anchor.END)
+    for value, text in axis.ticks(count):
+        y = frame.y(axis, value)
+        if not is_right:
+            scene.line([(frame.left, y), (frame.right, y)], _GRID)
+        scene.text(x, y + _SIZE * 0.3, text, _SIZE, _INK, anchor)
+    units = ", ".join(dict.fromkeys(curve.unit for curve in curves if curve.unit))
+    if units:
+        x, anchor = (frame.right, Anchor.END) if is_right else (frame.left, Anchor.START)
+        scene.text(x, frame.top - 5, units, _SIZE, _INK, anchor)
+
+
+def _draw_times(scene: Scene, frame: _Frame, labels: Labels) -> None:
+    count = max(2, int((frame.right - frame.left) / _TICK_WIDTH))
+    ticks, name = frame.across.ticks(count), "seconds"
+    if labels.begin_s is not None:
+        begin = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(labels.begin_s))
+        name = f"seconds since {begin}"
+        if labels.is_clock:
+            ticks, name = clock_ticks(frame.across, count, labels.begin_s), begin.partition(" ")[0]
+    for value, text in ticks:
+        x = frame.x(value)
+        scene.line([(x, frame.top), (x, frame.bottom)], _GRID)
+        scene.text(x, frame.bottom + _SIZE + 5, text, _SIZE, _INK, Anchor.MIDDLE)
+    middle = (frame.left + frame.right) / 2
+    scene.text(middle, frame.bottom + 2 * _SIZE + 10, name, _SIZE, _INK, Anchor.MIDDLE)
 
 
 def pieces(points: Sequence[Point]) -> Iterator[list[Point]]:

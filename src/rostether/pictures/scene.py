@@ -18,7 +18,8 @@ WHITE: Color = (255, 255, 255)
 # The width of a character, in font sizes: that of the usual monospaced faces.
 ADVANCE = 0.6
 
-_ELLIPSE_POINTS = 64  # corners that are invisible at the sizes of labels
+# Corners that are invisible at the sizes of labels.
+_ELLIPSE_POINTS = 64
 
 
 class Anchor(StrEnum):

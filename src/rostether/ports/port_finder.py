@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from rostether.ports.board_identity import BoardIdentity
-from rostether.ports.port_choice import identify
+from rostether.ports.port_policy import identify
 from rostether.ports.port_watch import SETTLING_S, ListPorts, folder_mark
 
 

@@ -1,16 +1,16 @@
-"""A recording's file gets another name, and what belongs to it goes with it."""
+"""Renames a finished recording, together with the files that SQLite keeps beside it."""
 
 from __future__ import annotations
 
 import contextlib
 from pathlib import Path
 
-# What SQLite leaves beside a file that found no room to be closed: the file is nothing without it.
+# The log files that SQLite leaves if the disk is full at the end; the database is incomplete without them.
 _LOG_SUFFIXES = ("-wal", "-shm", "-journal")
 
 
 def end_active(active: Path, path: Path) -> None:
-    """Let `active` become `path`, over one that is there, with the logs of both. Raises OSError."""
+    """Rename `active` and its log files to `path`, replacing existing ones. Raises OSError."""
     active.replace(path)
     if path.suffix != ".db3":
         return

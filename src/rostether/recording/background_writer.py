@@ -1,6 +1,6 @@
-"""Packs and writes a recording in a thread: bz2 takes a tenth of a second a chunk, which holds all else up.
+"""Compresses and writes a recording in a thread: bz2 blocks for a tenth of a second per chunk.
 
-The libraries that pack let other threads run meanwhile. Nothing but the queue is shared with the thread.
+The compression libraries release the GIL. Only the queue is shared with the thread.
 """
 
 from __future__ import annotations
@@ -13,23 +13,23 @@ from collections.abc import Callable, Sequence
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Connection, RecordingWriter
 
-# As rosbag has it: about a minute of what bz2 takes.
+# The size that rosbag uses: bz2 compresses it in about a minute.
 DEFAULT_BUFFER_BYTES = 256 << 20
 
-# How often a recording that is behind says so.
+# The interval of warnings while compression is too slow.
 REPORT_PERIOD_S = 5.0
 
-# What a waiting message takes besides its payload, about.
+# The approximate memory of a waiting message besides its payload.
 _MESSAGE_BYTES = 100
 
 _Batch = tuple[int, int, Sequence[bytes], int]
 
 
 class BackgroundWriter:
-    """A writer that hands all to another, in a thread; see `recording.recorded.RecordingWriter`.
+    """A writer that passes all calls to another one in a thread; see `recording.recorded.RecordingWriter`.
 
-    What comes while more than `buffer_bytes` wait is lost; `tell` gets a line about it. Errors of the writer
-    are raised by the call that follows.
+    Messages that arrive while more than `buffer_bytes` wait are lost; `report` then gets a line.
+    The next call raises the errors of the writer.
     """
 
     def __init__(
@@ -37,18 +37,18 @@ class BackgroundWriter:
         writer: RecordingWriter,
         *,
         buffer_bytes: int = DEFAULT_BUFFER_BYTES,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self.lost_count = 0
         self._writer = writer
         self._buffer_bytes = buffer_bytes
-        self._tell = tell
+        self._report = report
         self._reported_s = 0.0
         self._reported_count = 0
         self._numbers: dict[Connection, int] = {}
         self._connections: list[Connection] = []
         self._changed = threading.Condition()
-        # All below is only touched while `_changed` is held.
+        # Access everything below only while holding `_changed`.
         self._waiting: deque[_Batch] = deque()
         self._waiting_bytes = 0
         self._is_flushing = False
@@ -59,7 +59,7 @@ class BackgroundWriter:
 
     @property
     def size_bytes(self) -> int:
-        """What the file has, or waits in its chunk; what waits to be packed is not in it."""
+        """The size of the file and its open chunk, without the messages that still wait."""
         return self._writer.size_bytes
 
     @property
@@ -80,7 +80,7 @@ class BackgroundWriter:
         size_bytes = sum(map(len, payloads)) + _MESSAGE_BYTES * len(payloads)
         with self._changed:
             self._raise()
-            # One batch may always wait, however large it is.
+            # An empty queue accepts one batch of any size.
             is_taken = not self._waiting or self._waiting_bytes + size_bytes <= self._buffer_bytes
             if is_taken:
                 self._waiting.append((number, time_ns, payloads, size_bytes))
@@ -88,17 +88,17 @@ class BackgroundWriter:
                 self._changed.notify()
         if not is_taken:
             self.lost_count += len(payloads)
-            self._tell_lost()
+            self._report_lost()
 
     def flush(self) -> None:
-        """Let the chunk be written once what waits is packed. Raises RecordingError."""
+        """Request that the chunk is written after the waiting messages. Raises RecordingError."""
         with self._changed:
             self._raise()
             self._is_flushing = True
             self._changed.notify()
 
     def wait_closed(self) -> None:
-        """Wait until the file is closed with all in it; `close` then takes no time, and says how it went."""
+        """Wait until the file is complete and closed; `close` then returns at once, or raises its error."""
         with self._changed:
             self._is_ending = True
             self._changed.notify()
@@ -109,7 +109,7 @@ class BackgroundWriter:
         self.wait_closed()
         if self.lost_count > self._reported_count:
             self._reported_s = 0.0
-            self._tell_lost()
+            self._report_lost()
         with self._changed:
             self._raise()
 
@@ -118,12 +118,12 @@ class BackgroundWriter:
             error, self._error = self._error, None
             raise error
 
-    def _tell_lost(self) -> None:
+    def _report_lost(self) -> None:
         now_s = time.monotonic()
         if now_s - self._reported_s >= REPORT_PERIOD_S:
             self._reported_s = now_s
             self._reported_count = self.lost_count
-            self._tell(f"{self.lost_count} messages lost: they arrive faster than they can be compressed")
+            self._report(f"{self.lost_count} messages lost: they arrive faster than they can be compressed")
 
     def _work(self) -> None:
         numbers: dict[int, int] = {}

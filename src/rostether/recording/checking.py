@@ -93,7 +93,7 @@ def _differences(connection: Connection, registry: Registry) -> list[str]:
     try:
         known = registry.message_type(name).md5sum
     except UnknownTypeError:
-        return []  # recordings bring their definitions along
+        return []  # recordings contain their definitions
     except RostetherError as error:
         return [f"{name} is broken here: {error}"]
     if known == md5sum:

@@ -1,8 +1,8 @@
-"""Messages of chunks in the order of their times, in bounded memory, whatever chunks say of themselves.
+"""Merges the messages of chunks by time, in bounded memory, even if the index of a chunk is wrong.
 
-Chunks may overlap in time: a chunk is opened when the times come to its first message, and its messages are
-merged with those of the others that are open. Opened chunks that take too much memory are put aside, and
-opened again when it is their turn.
+Chunks may overlap in time: a chunk is opened at the time of its first message, and its messages are
+merged with those of the other open chunks. Open chunks that need too much memory are closed, and
+opened again when their next message is due.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from typing import Generic, Protocol, TypeVar
 
 from rostether.recording.compression import NONE
 
-# What open chunks hold unpacked; files written in order have one open, or a few.
+# The memory limit of open chunks; files in time order need one or a few at a time.
 MAX_OPEN_BYTES = 256 << 20
 
 # Larger chunks are read twice, because a list of their messages would take more memory than the chunks.
 MAX_LISTED_BYTES = 8 << 20
 
-# What a listed message takes: a tuple of four numbers.
+# The memory of a listed message: a tuple of four numbers.
 _ENTRY_BYTES = 220
 
+# Time in ns, start and end of the payload in the uncompressed chunk, and the connection's number.
 Entry = tuple[int, int, int, int]
-"""Time in ns, where the payload begins and ends in the unpacked chunk, and the connection's number."""
 
 
 class OrderedChunk(Protocol):
-    """What a chunk says of itself."""
+    """The description of a chunk in its file."""
 
     @property
     def start_ns(self) -> int:
@@ -37,16 +37,17 @@ class OrderedChunk(Protocol):
 
     @property
     def compression(self) -> str:
-        """How it is packed."""
+        """The name of its compression."""
 
     @property
     def size_bytes(self) -> int:
-        """Its size unpacked."""
+        """Its uncompressed size."""
 
 
 _Chunk = TypeVar("_Chunk", bound=OrderedChunk)
+
+# A chunk's data, and an iterator over its messages in file order.
 Unpacked = tuple[bytes | memoryview, Callable[[], Iterator[Entry]]]
-"""A chunk's data, and what walks over its messages as they stand there."""
 
 
 def in_order(
@@ -56,9 +57,9 @@ def in_order(
     start_ns: int | None = None,
     end_ns: int | None = None,
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Yield (connection number, time in ns, payload) by time, both ends included; equal times as they stand.
+    """Yield (connection number, time in ns, payload) by time, both ends included; equal times in file order.
 
-    `chunks` come by their first times. Raises what `unpack` and its walk raise.
+    `chunks` are sorted by their first times. Raises the errors of `unpack` and its iterator.
     """
     heap: list[tuple[int, int, _Open[_Chunk]]] = []
     opened: dict[int, _Open[_Chunk]] = {}
@@ -88,7 +89,7 @@ def in_order(
             until_ns = min(until_ns, chunks[following].start_ns)
         yield chunk.pop()
         while chunk.advance():
-            # Alone until then, so without the heap.
+            # No other chunk is open until then, so the heap is not needed.
             if chunk.time_ns >= until_ns:
                 heappush(heap, (chunk.time_ns, rank, chunk))
                 break
@@ -99,7 +100,7 @@ def in_order(
 
 
 def _put_aside(opened: dict[int, _Open[_Chunk]], kept: int) -> int:
-    """Close all chunks but one; returns how much that freed."""
+    """Close all chunks but one; returns the number of bytes freed."""
     freed = 0
     for rank in [each for each in opened if each != kept]:
         chunk = opened.pop(rank)
@@ -109,7 +110,7 @@ def _put_aside(opened: dict[int, _Open[_Chunk]], kept: int) -> int:
 
 
 class _Open(Generic[_Chunk]):
-    """A chunk whose messages are taken one after the other; `time_ns` is the next one's."""
+    """A cursor over the messages of a chunk; `time_ns` is the time of the next one."""
 
     __slots__ = (
         "_chunk",
@@ -155,7 +156,7 @@ class _Open(Generic[_Chunk]):
         return True
 
     def pop(self) -> tuple[int, int, bytes]:
-        """Return number, time and payload of the message it is at."""
+        """Return number, time and payload of the current message."""
         if self._plain is None:
             self._open()
         assert self._plain is not None
@@ -190,7 +191,7 @@ def _is_in_order(entries: Iterable[Entry]) -> bool:
 
 
 def _sorted(entries: Iterable[Entry]) -> Iterator[Entry]:
-    """Yield by time, in a fifth of the memory that a list of entries takes."""
+    """Yield entries by time, with a fifth of the memory of a list."""
     columns = (array("Q"), array("Q"), array("Q"), array("Q"))
     for entry in entries:
         for column, value in zip(columns, entry, strict=True):

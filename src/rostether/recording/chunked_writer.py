@@ -1,6 +1,6 @@
-"""What writers of bags and of MCAP files share: messages gather in a chunk that goes to the file whole.
+"""The common part of the bag and MCAP writers: messages are collected in chunks, each written whole.
 
-A chunk goes to the file at once when it is full or flushed, so a killed process leaves whole chunks behind.
+A full or flushed chunk is written with one call, so a killed process leaves only whole chunks.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from rostether.errors import RecordingError
 from rostether.recording.compression import check_compression
 from rostether.recording.output_file import OutputFile
 
-# What rosbag writes: enough to compress well, little enough to read for one message.
+# The size that rosbag uses: it compresses well, and one message is still quick to read.
 DEFAULT_CHUNK_BYTES = 768 * 1024
 
 
 class ChunkedWriter(ABC):
-    """A recording being written, but for its format; see `recording.recorded.RecordingWriter`.
+    """The writer of a recording without its format; see `recording.recorded.RecordingWriter`.
 
-    `_index` has for each connection with messages in the chunk a row for each of them, one behind the other:
+    `_index` has one row per message in the chunk, in one array per connection:
     the columns of its time, and its offset in the chunk.
     """
 
+    # The type of the numbers of an index, as `array` names it.
     _index_code: str
-    """The type of the numbers of an index, as `array` names it."""
 
     def __init__(self, path: Path, compression: str, chunk_bytes: int, file_head: bytes) -> None:
         check_compression(compression)
@@ -52,7 +52,7 @@ class ChunkedWriter(ABC):
 
     @property
     def size_bytes(self) -> int:
-        """The file's size and what waits to be written."""
+        """The size of the file and of the data that waits to be written."""
         return self._file.position + self._chunk_bytes
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
@@ -69,7 +69,7 @@ class ChunkedWriter(ABC):
         sizes = [len(each) for each in payloads]
         offsets: Sequence[int]
         if sizes.count(sizes[0]) == len(sizes):
-            # The usual case, a flood of one size: no step of Python for each message.
+            # The usual case, many messages of one size: no Python loop per message.
             head = head_of(sizes[0])
             step = len(head) + sizes[0]
             end = self._chunk_bytes + step * len(sizes)

@@ -16,7 +16,7 @@ BZ2 = "bz2"
 LZ4 = "lz4"
 COMPRESSIONS = (NONE, BZ2, LZ4)
 
-# Of MCAP files of others; ours are not written so.
+# Read in MCAP files of other programs; never written.
 ZSTD = "zstd"
 
 # Recorders make chunks of a megabyte, or of one message when that is larger. A few bytes can unpack to any
@@ -27,7 +27,7 @@ MAX_UNPACKED_BYTES = 1 << 30
 # Packed chunks hold at most as many times their file's size, or MAX_UNPACKED_BYTES; 2 to 50 are usual.
 MAX_RATIO = 1000
 
-# A signal interrupts between two steps; this one takes some 50 ms.
+# A signal is handled between two steps; one step takes about 50 ms.
 _STEP_BYTES = 4 << 20
 
 
@@ -45,7 +45,7 @@ def compress(name: str, data: bytes) -> bytes:
         return bz2.compress(data)
     if name == LZ4:
         frame = _lz4_frame()
-        # ROS's own decoder knows only blocks that stand alone, and no content size.
+        # ROS's decoder accepts only independent blocks without a content size.
         return bytes(
             frame.compress(
                 data,
@@ -70,7 +70,7 @@ def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
             plain = _unpacked(name, data, size_bytes)
         except (ConfigError, RecordingError):
             raise
-        except Exception as error:  # noqa: BLE001 - each library has its own at broken data
+        except Exception as error:  # noqa: BLE001 - each library raises its own errors for broken data
             reason = str(error) or type(error).__name__
             raise RecordingError(f"a chunk compressed with {name} is broken ({reason})") from None
     if len(plain) != size_bytes:
@@ -90,7 +90,7 @@ def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
 def _unpacked(name: str, data: Buffer, size_bytes: int) -> Buffer:
     read = _reader(name, data)
     if size_bytes < _STEP_BYTES:
-        # One byte more than there may be shows that there is more.
+        # Reading one byte beyond the limit detects data that is too long.
         return read(size_bytes + 1)
     plain = bytearray()
     while len(plain) <= size_bytes and (part := read(_STEP_BYTES)):
@@ -99,7 +99,7 @@ def _unpacked(name: str, data: Buffer, size_bytes: int) -> Buffer:
 
 
 def _reader(name: str, data: Buffer) -> Callable[[int], bytes]:
-    """Return what unpacks the next bytes, at most as many as it is asked for; none at the end."""
+    """Return a function that decompresses up to the given number of bytes; empty at the end."""
     if name == ZSTD:
         stream = _zstandard().ZstdDecompressor().stream_reader(data)
         return lambda size: bytes(stream.read(size))

@@ -1,4 +1,4 @@
-"""Messages of recordings as values, by the definitions in the recording."""
+"""Decodes messages of a recording into values, with the definitions in the recording."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.serde.values import Message
 
 
 class Decoder:
-    """Decodes messages; each definition has a registry of its own, for two may share a name."""
+    """Decodes messages; each definition has its own registry, because two may have the same name."""
 
     def __init__(self) -> None:
         self._codecs: dict[tuple[str, str, str], Codec] = {}

@@ -43,7 +43,7 @@ class FileLock:
 
 
 def _locked(path: Path) -> int | None:
-    # Windows renames no file that is open, and recordings are renamed while they are locked.
+    # Windows cannot rename an open file, and recordings are renamed while they are locked.
     if sys.platform == "win32":
         return None
     import fcntl
@@ -63,7 +63,7 @@ def _locked(path: Path) -> int | None:
         except OSError:
             os.close(file)
             return None
-        # The writer before may have renamed the file between the two calls.
+        # The previous writer may have renamed the file between the two calls.
         if _is_same(file, path):
             return file
         os.close(file)

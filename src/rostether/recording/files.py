@@ -40,14 +40,14 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
     """Open a recording to read. Raises RecordingError, ConfigError when an extra is missing.
 
     Messages of ROS 2 are given as ROS 1 bytes: in the form that ROS 1's nodes have of their type, or
-    natively, in ROS 2's own fields. `damage` says why the index of a file is not to be trusted.
+    natively, in ROS 2's own fields. `damage` is the reason why the index of a file is invalid.
     """
     if path.is_dir() or path.name == "metadata.yaml":
         from rostether.recording.ros2.bag_reader import Ros2BagReader
 
         return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
     require_regular_file(path)
-    # What begins with nothing known is refused as what its ending says.
+    # A file with unknown first bytes is refused as the format that its ending names.
     ending = "" if is_bag(path) else Path(path.name.removesuffix(_ACTIVE_SUFFIX)).suffix
     if is_mcap(path) or (ending == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
         from rostether.recording.mcap.reader import McapReader
@@ -66,7 +66,7 @@ def form_of(reader: RecordingReader) -> Form:
 
 
 def form_for(path: Path, source: Form, asked: Form | None = None) -> Form:
-    """Return whose messages a recording of that name gets, of a source with such. Raises ConfigError."""
+    """Return the form of messages for a new recording's name and source. Raises ConfigError."""
     name = path.name.removesuffix(_ACTIVE_SUFFIX)
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
         if asked is Form.ROS2:
@@ -144,12 +144,12 @@ def locked(path: Path) -> AbstractContextManager[object]:
 
 
 def is_mcap(path: Path) -> bool:
-    """Return whether a file is MCAP, by what it begins with; a file that cannot be read is none."""
+    """Return whether a file begins as MCAP; False if it cannot be read."""
     return _begins_with(path, MCAP_MAGIC)
 
 
 def is_bag(path: Path) -> bool:
-    """Return whether a file is a bag of ROS 1, by what it begins with."""
+    """Return whether a file begins as a ROS 1 bag."""
     return _begins_with(path, MAGIC)
 
 

@@ -32,5 +32,5 @@ class MappedFile:
     def close(self) -> None:
         """Close the file. Idempotent."""
         self.view.release()
-        with contextlib.suppress(BufferError):  # a reading that was left holds a part of it, and frees it
+        with contextlib.suppress(BufferError):  # an unfinished iterator holds a view and frees it later
             self._data.close()

@@ -1,4 +1,4 @@
-"""A file that is written straight through, and cut back to its last whole part when the disk is full."""
+"""A file that is only appended to, and truncated to its last whole part when the disk is full."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class OutputFile:
             ) from None
 
     def append(self, data: bytes) -> None:
-        """Write a part wholly, or leave the file as it was and raise RecordingError."""
+        """Write a whole part, or restore the file and raise RecordingError."""
         try:
             self._write(data)
         except OSError as error:
@@ -32,7 +32,7 @@ class OutputFile:
         self.position += len(data)
 
     def replace(self, position: int, data: bytes) -> None:
-        """Write over bytes that are there. Raises RecordingError."""
+        """Overwrite existing bytes. Raises RecordingError."""
         assert self._file is not None
         try:
             os.lseek(self._file, position, os.SEEK_SET)
@@ -58,5 +58,5 @@ class OutputFile:
         try:
             os.ftruncate(self._file, self.position)
             os.lseek(self._file, self.position, os.SEEK_SET)
-        except OSError:  # what cannot be cut, such as a device: readers find the last whole part themselves
+        except OSError:  # devices cannot be truncated; readers find the last whole part themselves
             return

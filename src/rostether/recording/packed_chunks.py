@@ -1,4 +1,4 @@
-"""Chunks as they stand in a file, compressed or not: what they hold, and how much that saves."""
+"""Chunks as stored in a file, compressed or not: their contents, and how much compression saves."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.recording.recorded import CompressionShare
 
 
 class PackedChunk(Protocol):
-    """Where a chunk's data stands in its file, and how it is packed."""
+    """The position and the compression of a chunk's data in its file."""
 
     @property
     def compression(self) -> str:
@@ -19,7 +19,7 @@ class PackedChunk(Protocol):
 
     @property
     def size_bytes(self) -> int:
-        """Its size unpacked."""
+        """Its uncompressed size."""
 
     @property
     def data_start(self) -> int:
@@ -31,9 +31,9 @@ class PackedChunk(Protocol):
 
 
 def unpack_chunk(view: memoryview, chunk: PackedChunk) -> bytes | memoryview:
-    """Return what a chunk of the file holds. Raises RecordingError where it is broken."""
+    """Return the data of a chunk. Raises RecordingError if it is broken."""
     plain = decompress(chunk.compression, view[chunk.data_start : chunk.data_end], chunk.size_bytes)
-    # A slice of bytes costs half of what one of a view does.
+    # Slicing bytes costs half as much as slicing a view.
     return bytes(plain) if len(plain) <= MAX_LISTED_BYTES else plain
 
 

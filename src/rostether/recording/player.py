@@ -1,7 +1,7 @@
 """Plays recordings into a graph at the times they were made, faster or slower, with pauses and steps.
 
-Recorded time goes on with the wall clock times the rate, but not while paused. Messages that are due leave
-together, a batch for each topic.
+Recorded time advances with the wall clock times the rate, but not while paused. Due messages are sent
+together, in one batch per topic.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from rostether.rostime import NS_PER_S, Time
 
 CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 
-# How long a subscriber that is behind holds the others up; then it loses its oldest messages.
+# How long a slow subscriber delays the others; then it loses its oldest messages.
 DRAIN_S = 0.5
 
-# Messages that leave before others get a turn: about 2 ms of reading.
+# Messages sent before other tasks run: about 2 ms of reading.
 BATCH_MESSAGES = 500
 
 # What leaves before others get a turn where messages are large: less than any queue of a subscriber holds, so
 # that those that are due at once, as pictures are with `--immediate`, do not push one another out of it.
 BATCH_BYTES = 1 << 20
 
-# How long the end waits for subscribers that still take what was played: 50 MB on a busy machine.
+# How long the end waits for subscribers that still receive: enough for 50 MB on a busy machine.
 END_DRAIN_S = 5.0
 
 # How many messages are read to estimate their size, if a queue of a number of messages is requested.
 SAMPLE_MESSAGES = 2000
 
-# How large a queue gets at most, whatever is asked for.
+# The upper limit of a queue, even if more is requested.
 MAX_QUEUE_BYTES = 1 << 30
 
-# What a message takes of a queue besides its payload, at most.
+# The maximum memory of a queued message besides its payload.
 QUEUED_BYTES = 64
 
-# How late a key is heeded at most.
+# The maximum delay before a key takes effect.
 LONGEST_SLEEP_S = 0.05
 
 
@@ -69,7 +69,7 @@ class PlaySettings:
     remappings: Mapping[str, str] = field(default_factory=dict)
 
     def topic_of(self, connection: Connection) -> str:
-        """Return under which name a recorded topic is played."""
+        """Return the name under which a recorded topic is played."""
         name = self.remappings.get(connection.topic, connection.topic)
         return f"{self.prefix.rstrip('/')}/{name.lstrip('/')}" if self.prefix else name
 
@@ -86,10 +86,10 @@ class Player:
         self._publishers: dict[str, Publisher] = {}
         self._clock: Publisher | None = None
         self._steps = 0
-        # It waits while nothing has come on the topic that controls the rate.
+        # Playback waits for the first message on the topic that controls the rate.
         self._is_held = False
         self._controlled_s = 0.0
-        # What the wall clock showed when the recording was at `_origin_ns`.
+        # The wall clock when the recording was at `_origin_ns`.
         self._origin_s = 0.0
         self._origin_ns = 0
         self._next_clock_s = 0.0
@@ -105,7 +105,7 @@ class Player:
             self.end_ns = min(self.end_ns, self.start_ns + round(settings.duration_s * NS_PER_S))
 
     def toggle_pause(self) -> None:
-        """Pause, or go on where it stopped."""
+        """Pause or resume."""
         self._set_paused(not self.is_paused)
 
     def step(self) -> None:
@@ -152,19 +152,19 @@ class Player:
             await self._graph.subscribe(control, ANY_MESSAGE, self._heed_control)
         await asyncio.sleep(self._settings.delay_s)
         if self._settings.waits_for_subscribers:
-            # The port announces no connections; looking is cheap.
+            # The port does not report connections; polling is cheap.
             while not all(each.subscriber_count for each in self._publishers.values()):  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
 
     def _sizes(self, topics: Collection[str]) -> dict[str, int]:
-        """Return what the queue of each topic takes, by the sizes of the first messages."""
+        """Return the queue size of each topic, estimated from its first messages."""
         sizes = dict.fromkeys(topics, 0)
         for reader in self._readers:
             for message in islice(reader.messages(self._wants, start_ns=self.start_ns), SAMPLE_MESSAGES):
                 topic = self._settings.topic_of(message.connection)
                 sizes[topic] = max(sizes[topic], len(message.payload) + QUEUED_BYTES)
         largest = max(sizes.values(), default=QUEUED_BYTES) or QUEUED_BYTES
-        # 0 is no bound, as everywhere in ROS.
+        # 0 means unlimited, as everywhere in ROS.
         count = self._settings.queue_messages or MAX_QUEUE_BYTES
         return {topic: (size or largest) * count for topic, size in sizes.items()}
 

@@ -1,4 +1,4 @@
-"""What every recording holds, whatever its format: connections, and messages with the time they came."""
+"""The contents of every recording, in any format: connections, and messages with their receive times."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _TOLD = frozenset({"callerid", "md5sum", "message_definition", "reliability", "t
 
 @dataclass(frozen=True, slots=True)
 class Ros2Origin:
-    """What a recording of ROS 2 says of a topic: its type there, and what its publishers offered (YAML).
+    """A topic's properties in a ROS 2 recording: its type, and the QoS of its publishers (YAML).
 
     `encoding` is that of `definition`, `ros2msg` or `ros2idl`, empty if it is unknown.
     """
@@ -94,15 +94,15 @@ Wanted: TypeAlias = Callable[[Connection], bool]
 
 
 class RecordingWriter(Protocol):
-    """A recording being written. Every method raises RecordingError when the disk takes no more."""
+    """Writes a recording. Every method raises RecordingError if a write fails."""
 
     @property
     def size_bytes(self) -> int:
-        """What the file will have at least when it is closed now."""
+        """The minimum size of the file if it is closed now."""
 
     @property
     def message_count(self) -> int:
-        """How many messages were taken."""
+        """How many messages were accepted."""
 
     def add_connection(self, connection: Connection) -> int:
         """Return the connection's number; equal connections share one."""
@@ -111,7 +111,7 @@ class RecordingWriter(Protocol):
         """Write messages that arrived at one time."""
 
     def flush(self) -> None:
-        """Hand all that was taken to the operating system: a killed process loses nothing of it."""
+        """Pass all accepted messages to the operating system: a killed process loses none of them."""
 
     def close(self) -> None:
         """Write the index and close the file. Idempotent."""
@@ -136,7 +136,7 @@ class RecordingReader(Protocol):
 
     @property
     def format_version(self) -> str:
-        """The format's version, as the file says it."""
+        """The format's version, as written in the file."""
 
     @property
     def damage(self) -> str:
@@ -148,9 +148,9 @@ class RecordingReader(Protocol):
 
     @property
     def unreadable(self) -> Mapping[str, str]:
-        """Topics with messages that cannot be given, and why; `messages` leaves them out.
+        """Topics with messages that cannot be converted, and why; `messages` leaves them out.
 
-        What does not fit its type is found while reading; a topic of unknown type is in `counts` no more.
+        Messages that do not fit their type are found while reading; `counts` omits topics of unknown type.
         """
 
     @property

@@ -1,7 +1,7 @@
-"""Records topics of a graph into files: which topics, when a file is full, and when it all ends.
+"""Records topics of a graph into files, and decides about topics, new files and the end.
 
-Payloads go from the subscription to the writer as they come, in the batches they come in. Each publisher has
-a connection of its own in the file, where the graph tells publishers apart (ROS 1).
+Payloads pass from the subscription to the writer unchanged, in the same batches. Each publisher has
+its own connection in the file if the graph distinguishes publishers (ROS 1).
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from rostether.recording.file_lock import FileLock
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
-# A kill loses no more than this; each flush of a slow topic costs a chunk's 200 bytes.
+# A killed process loses at most this time; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5
 
-# What stands behind a file's name while it is written, as with rosbag.
+# The suffix of a file while it is written, as with rosbag.
 ACTIVE_SUFFIX = ".active"
 
 
@@ -42,8 +42,8 @@ class RecordingProgress:
 class Recorder:
     """One recording; `create` opens a file's writer, `name` gives the path of the file of a number.
 
-    `tell` gets a line for people: files begun and ended, and what went wrong. With `buffer_bytes`, writers
-    work in the background, as those that compress must, and so much may wait for them.
+    `report` gets a line for people: files begun and ended, and errors. With `buffer_bytes`, writers
+    work in the background, as compression needs, and at most that much data waits for them.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Recorder:
         *,
         create: Callable[[Path], RecordingWriter],
         name: Callable[[int], Path],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
         repeat_latched: bool = False,
         buffer_bytes: int | None = None,
     ) -> None:
@@ -64,7 +64,7 @@ class Recorder:
         self._limits = limits
         self._create = create
         self._name = name
-        self._tell = tell
+        self._report = report
         self._buffer_bytes = buffer_bytes
         self._subscribers: dict[str, Subscriber] = {}
         self._connections: dict[str, Connection] = {}
@@ -82,7 +82,7 @@ class Recorder:
 
     @property
     def size_bytes(self) -> int:
-        """What all files have together."""
+        """The total size of all files."""
         return self.progress.finished_bytes + (self._writer.size_bytes if self._writer is not None else 0)
 
     @property
@@ -91,9 +91,9 @@ class Recorder:
         return len(self._subscribers)
 
     async def run(self, on_started: Callable[[], None] | None = None) -> None:
-        """Record until cancelled, or a limit is reached. Raises RecordingError when the disk takes no more.
+        """Record until cancelled, or a limit is reached. Raises RecordingError if a write fails.
 
-        Files are closed, and what is in them kept, however it ends.
+        Files are always closed, and keep their messages.
         """
         self._open()
         searching: asyncio.Task[None] | None = None
@@ -136,7 +136,7 @@ class Recorder:
 
     def _look(self, snapshot: Snapshot) -> None:
         if not self._found(snapshot):
-            self._tell("no such topic yet: waiting for it")
+            self._report("no such topic yet: waiting for it")
 
     async def _subscribe(self, topic: str) -> None:
         if topic in self._subscribers:
@@ -159,7 +159,7 @@ class Recorder:
             take,
             on_connection=connected,  # type: ignore[arg-type]
         )
-        self._tell(f"Subscribing to {topic}")
+        self._report(f"Subscribing to {topic}")
 
     def _take(self, connection: Connection, payloads: Sequence[bytes]) -> None:
         if self._writer is None or connection.type.name == ANY_TYPE:
@@ -175,7 +175,7 @@ class Recorder:
             return
         try:
             if time_ns < self._last_ns:
-                # A simulation was reset. Readers want chunks that do not hold times before and after it.
+                # A simulation was reset. A chunk must not contain times from before and after it.
                 self._writer.flush()
             self._last_ns = time_ns
             self._writer.write(self._writer.add_connection(connection), time_ns, payloads)
@@ -242,7 +242,7 @@ class Recorder:
             raise
         self._locks[self._path] = lock
         if self._buffer_bytes is not None:
-            writer = BackgroundWriter(writer, buffer_bytes=self._buffer_bytes, tell=self._tell)
+            writer = BackgroundWriter(writer, buffer_bytes=self._buffer_bytes, report=self._report)
         self._writer = writer
         self._began_s = asyncio.get_running_loop().time()
         self.progress.files.append(self._path)
@@ -250,7 +250,7 @@ class Recorder:
         if maximum is not None and number >= maximum:
             self._dropped.add(self.progress.files[number - maximum])
             self.progress.files[number - maximum].unlink(missing_ok=True)
-        self._tell(f"Recording to {self._path}")
+        self._report(f"Recording to {self._path}")
 
     def _finish(self) -> None:
         writer, self._writer = self._writer, None
@@ -258,7 +258,7 @@ class Recorder:
             return
         count, self._file_count = self._file_count, 0
         if isinstance(writer, BackgroundWriter):
-            # What waits to be packed may take seconds.
+            # Compressing the waiting messages may take seconds.
             self._closings.append(asyncio.create_task(self._close_later(writer, self._path, count)))
         else:
             self._close(writer, self._path, count)
@@ -274,7 +274,7 @@ class Recorder:
             reason = f"{self._failure or f'{error}; recording stopped'}"
             self._failure = RecordingError(f"{reason}; `rostether bag reindex {path}` gives it an index")
             self._ended.set()
-        # What found no room is not counted.
+        # Messages that were not written are not counted.
         self.progress.message_count += writer.message_count - count
         self.progress.finished_bytes += writer.size_bytes
         try:

@@ -16,8 +16,9 @@ class TopicChoice:
     exclude: re.Pattern[str] | None = None
     is_all: bool = False
     node: str = ""
+
+    # Whether all topics are also those with a part that begins with `_`, which ROS 2 calls hidden.
     with_hidden: bool = True
-    """Whether all topics are also those with a part that begins with `_`, which ROS 2 calls hidden."""
 
     @property
     def is_searching(self) -> bool:

@@ -1,4 +1,4 @@
-"""Makes a whole recording of what a killed recorder, a full disk or a bad copy has left."""
+"""Repairs a recording after a killed recorder, a full disk or a bad copy."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ class Mended:
 
 
 def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> Mended:
-    """Write all that is whole in `path` to `output`, perhaps the same; `keep_original` gets the old file.
+    """Write all readable messages of `path` to `output`, perhaps the same; `keep_original` gets the old file.
 
-    A recording that is whole is left alone, unless it is to go elsewhere. Raises RecordingError.
+    A complete recording is not changed, unless `output` is another path. Raises RecordingError.
     """
     reader = open_recording(path, is_native=True)
     try:
         if not reader.damage and (faults := file_faults(path)):
-            # Only the index is whole.
+            # Only the index is complete.
             reader.close()
             reader = open_recording(path, is_native=True, damage=faults[0])
         damage = reader.damage
@@ -70,12 +70,12 @@ def _rewrite(
     reader: RecordingReader, path: Path, output: Path, compression: str, keep_original: Path | None
 ) -> int:
     with ExitStack() as stack:
-        # A file that is still being written is left to its writer.
+        # A file that is still being written belongs to its writer.
         for each in sorted(path.glob("*.active")) if path.is_dir() else [path]:
             stack.enter_context(FileLock(each))
         unfinished = stack.enter_context(_unfinished(path, output))
         written = copy(reader, unfinished, compression=compression, form=form_of(reader))
-        reader.close()  # SQLite brings its log into the file, where there is room
+        reader.close()  # SQLite merges its log into the file if the disk has space
         if keep_original is not None:
             end_active(path, keep_original)
         end_active(unfinished, output)
@@ -84,7 +84,7 @@ def _rewrite(
 
 @contextmanager
 def _unfinished(path: Path, output: Path) -> Iterator[Path]:
-    """Give the path to write to before it becomes `output`."""
+    """Provide the path to write to before it is renamed to `output`."""
     name = output.name.removesuffix(".active")
     if path.is_dir():
         # The files in a ROS 2 bag's folder have its name.
@@ -126,7 +126,7 @@ def copy(
 
 
 def remove_recording(path: Path) -> None:
-    """Remove what was begun and is not wanted: a file, or the folder of a ROS 2 bag."""
+    """Remove an unfinished recording: a file, or the folder of a ROS 2 bag."""
     if path.is_dir():
         shutil.rmtree(path, ignore_errors=True)
     else:
@@ -134,7 +134,7 @@ def remove_recording(path: Path) -> None:
 
 
 def _usual(reader: RecordingReader) -> str:
-    """Return how most chunks are compressed, where it can be written."""
+    """Return the compression of most chunks, if it can be written."""
     for share in reader.compressions:
         if share.name in ("none", "bz2", "lz4"):
             return share.name

@@ -1,6 +1,6 @@
-"""What ROS 2's recordings say of quality of service: a YAML list of what each publisher of a topic offered.
+"""Quality of service in ROS 2 recordings: a YAML list with the profile of each publisher of a topic.
 
-Since Jazzy policies are words; before, the numbers of rmw.
+Since Jazzy policies are words; earlier releases use the numbers of rmw.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _WORDS = {
     ),
 }
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
-# A publisher takes some 400.
+# A publisher needs about 400.
 MAX_CHARACTERS = 1 << 18
 # Files are untrusted; of a topic with more publishers, only the first are read.
 MAX_PROFILES = 1000
@@ -46,7 +46,7 @@ def offered(*, is_latching: bool, is_best_effort: bool = False) -> str:
 
 
 def read_profiles(stored: object) -> list[dict[str, Any]]:
-    """Return what a recording says, text or list, with policies as words; what is no such thing is empty."""
+    """Return the profiles in a text or list, with policies as words; empty if they are invalid."""
     if isinstance(stored, str):
         try:
             stored = load(stored[:MAX_CHARACTERS])
@@ -63,7 +63,7 @@ def profiles_text(profiles: list[dict[str, Any]]) -> str:
 
 
 def is_latching(profiles: list[dict[str, Any]]) -> bool:
-    """Return whether a publisher was what ROS 1 calls latched."""
+    """Return whether a publisher was latched, in the terms of ROS 1."""
     return any(each.get("durability") == "transient_local" for each in profiles)
 
 

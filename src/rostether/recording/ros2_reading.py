@@ -1,4 +1,4 @@
-"""What readers of ROS 2's recordings share: topics as connections, and messages of CDR as ROS 1 bytes."""
+"""The common part of readers of ROS 2 recordings: topics as connections, and CDR as ROS 1 bytes."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class Ros2Topics:
     """The topics of one recording; `is_native` as with `ReadTypes`."""
 
     def __init__(self, *, is_native: bool) -> None:
+        # Topics with messages that cannot be converted, and why.
         self.unreadable: dict[str, str] = {}
-        """Topics with messages that cannot be given, and why."""
         self._types = ReadTypes(is_native=is_native)
         self._convert: dict[Connection, Callable[[bytes], bytes]] = {}
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from rostether.errors import RostetherError, UnknownTypeError
 from rostether.msgdef.full_text import SEPARATOR, split_full_text
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.action_parts import ActionParts
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import parse_message
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
@@ -25,9 +26,9 @@ _STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "du
 
 
 class RecordedDefinitions(Ros2Definitions):
-    """The definitions of recordings; what they lack is asked of others, that of the environment unless given.
+    """The definitions of a recording; missing ones come from `others`, by default the environment.
 
-    The first definition of a name counts: those of one recording agree.
+    The first definition of a name counts: all definitions of one recording agree.
     """
 
     def __init__(self, others: Ros2Definitions | None = None) -> None:
@@ -36,12 +37,21 @@ class RecordedDefinitions(Ros2Definitions):
         self._texts: dict[str, str] = {}
 
     def learn(self, origin: Ros2Origin) -> None:
-        """Handle the texts that came with a topic. Raises DefinitionError."""
+        """Add the definition texts of a topic. Raises DefinitionError."""
         if origin.encoding != ROS2MSG or not origin.definition:
             return
         for name, text in split_full_text(origin.type_name, origin.definition).items():
             package, _, rest = name.partition("/")
             self._texts.setdefault(f"{package}/msg/{rest.removeprefix('msg/')}", text)
+
+    def add(self, messages: Iterable[Ros2Message]) -> None:
+        """Add other definitions; known ones are not replaced."""
+        self._others.add(messages)
+
+    @property
+    def places(self) -> str:
+        """Where definitions are searched, for errors."""
+        return self._others.places
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`. Raises UnknownTypeError, DefinitionError."""
@@ -62,6 +72,10 @@ class RecordedDefinitions(Ros2Definitions):
         """Return a service by `package/srv/Name`. Raises UnknownTypeError, DefinitionError."""
         return self._others.service(name)
 
+    def action(self, name: str) -> ActionParts:
+        """Return an action by `package/action/Name`. Raises UnknownTypeError, DefinitionError."""
+        return self._others.action(name)
+
     def has(self, name: str) -> bool:
         """Return whether a message or service is known."""
         return name in self._texts or self._others.has(name)
@@ -69,7 +83,7 @@ class RecordedDefinitions(Ros2Definitions):
 
 @dataclass(frozen=True, slots=True)
 class ReadType:
-    """A type as it is read: in ROS 1, and what makes ROS 1 bytes of CDR (raises SerializationError)."""
+    """A type to read: its ROS 1 type, and the conversion from CDR (raises SerializationError)."""
 
     type: MessageType
     from_cdr: Callable[[bytes], bytes]
@@ -117,7 +131,7 @@ class ReadTypes:
 
 
 def in_ros1_words(message: Ros2Message, definitions: Ros2Definitions) -> MessageType:
-    """Return what a type that only ROS 2 has would be in ROS 1: stamps are `time`, Header is ROS 1's.
+    """Return a ROS 2 type as a ROS 1 type: stamps become `time`, and Header becomes that of ROS 1.
 
     Raises UnknownTypeError, and DefinitionError for what ROS 1 cannot express.
     """

@@ -1,15 +1,15 @@
-"""Finds where the times of a file's messages go back, as when a simulation is reset while it is recorded."""
+"""Finds messages of a file whose time goes back, such as after the reset of a simulation."""
 
 from __future__ import annotations
 
 from rostether.rostime import NS_PER_S
 
-# Less is no reset: recorders with several threads, and clocks that NTP corrects, go back a little.
+# Less is not a reset: recorders with threads, and clocks that NTP corrects, go back a little.
 _JUMP_NS = NS_PER_S
 
 
 class TimeOrder:
-    """Gets the times of messages in the order of the file."""
+    """Checks the times of messages, given in file order."""
 
     def __init__(self) -> None:
         self._last_ns = 0

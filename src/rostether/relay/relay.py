@@ -26,22 +26,22 @@ from rostether.graph.joint_marks import (
     replace_names,
 )
 from rostether.graph.ports import Level, Publisher, Snapshot
-from rostether.relay.choice import Choice, Direction
+from rostether.relay.relay_filter import Direction, RelayFilter
 from rostether.relay.service_relay import ServiceRelay
 from rostether.relay.side import Side
 from rostether.relay.topic_relay import TopicRelay
 
+# How soon what a graph refused is tried again, as long as it is wanted; graphs come back within seconds.
 RETRY_S = 2.0
-"""How soon what a graph refused is tried again, as long as it is wanted; graphs come back within seconds."""
 
+# How long relays and boards in both graphs get to see a new relay: ROS 1 shows changes after a second.
 MEET_S = 2.0
-"""How long relays and boards in both graphs get to see a new relay: ROS 1 shows changes after a second."""
 
+# How long a relay waits for each older one to begin: until the graphs show that it has.
 GIVE_WAY_S = 1.5
-"""How long a relay waits for each older one to begin: until the graphs show that it has."""
 
+# How often other relays are asked whether they still run: what a killed one offered is missed until then.
 CHECK_S = 3.0
-"""How often other relays are asked whether they still run: what a killed one offered is missed until then."""
 
 Report = Callable[[Level, str], None]
 
@@ -64,7 +64,7 @@ class _Wish(NamedTuple):
 class Relay:
     """Carries what is chosen between two sides; `report` gets a line for each beginning, end and trouble."""
 
-    def __init__(self, first: Side, second: Side, choice: Choice, report: Report) -> None:
+    def __init__(self, first: Side, second: Side, choice: RelayFilter, report: Report) -> None:
         self._sides = (first, second)
         self._choice = choice
         self._report = report

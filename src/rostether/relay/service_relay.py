@@ -15,7 +15,6 @@ class ServiceRelay:
         self.source = source
         self.target = target
         self.type: ServiceType | None = None
-        self.call_count = 0
         self._chosen_type = chosen_type
         self._server: ServiceServer | None = None
         self._is_closed = False
@@ -25,7 +24,6 @@ class ServiceRelay:
         self.type = service_type = await self.source.find_service_type(self.service, self._chosen_type)
 
         async def call(request: bytes) -> bytes:
-            self.call_count += 1
             return await self.source.graph.call_service(self.service, service_type, request)
 
         server = await self.target.graph.advertise_service(self.service, service_type, call)

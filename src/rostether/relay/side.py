@@ -9,12 +9,12 @@ from rostether.errors import DefinitionError
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 
+# Takes a service and the name of its type, `*` where that is not known. Raises RostetherError.
 FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
-"""Takes a service and the name of its type, `*` where that is not known. Raises RostetherError."""
 
 
+# Takes a node's name; if it has ended without leaving, removes its registrations and returns True.
 ForgetNode = Callable[[str], Awaitable[bool]]
-"""Takes a node's name; if it has ended without leaving, removes its registrations and returns True."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from rostether.graph.ports import Publisher, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.relay.side import Side
 
+# How long a slow subscriber on the other side may hold up the rest, as in the bridge to boards.
 PAUSE_S = 0.1
-"""How long a slow subscriber on the other side may hold up the rest, as in the bridge to boards."""
 
 
 class TopicRelay:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import aclosing
 
 from rostether.errors import ConfigError
@@ -22,6 +22,9 @@ from rostether.robot.robot_model import RobotModel
 
 STATE_TYPE = "sensor_msgs/JointState"
 DEFAULT_RATE_HZ = 10.0
+
+# Sliders elsewhere, such as those of the dashboard, publish positions here.
+SLIDERS_TOPIC = "~sliders"
 
 # More than a process can send; a rate beyond it is a mistake.
 MAX_RATE_HZ = 10_000.0
@@ -47,9 +50,14 @@ async def read_joint_states(graph: TypedGraph) -> JointStates:
 
 
 async def publish_joint_states(
-    graph: TypedGraph, states: JointStates, on_source: Callable[[], None] | None = None
+    graph: TypedGraph,
+    states: JointStates,
+    on_source: Callable[[], None] | None = None,
+    more_sources: Sequence[str] = (),
 ) -> None:
     """Publish until cancelled or the node is shut down; `on_source` is called when a source publishes.
+
+    `more_sources` are topics of positions beside those of the parameter source_list.
 
     Raises ConfigError when a parameter makes no sense.
     """
@@ -62,7 +70,10 @@ async def publish_joint_states(
     publisher = await graph.publisher("joint_states", STATE_TYPE)
     left = asyncio.ensure_future(graph.raw.wait_closed())
     async with asyncio.TaskGroup() as tasks:
-        listening = [tasks.create_task(_listen(graph, str(source), states, on_source)) for source in sources]
+        listening = [
+            tasks.create_task(_listen(graph, str(source), states, on_source))
+            for source in (*sources, *more_sources)
+        ]
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         sequence = 0  # counted as rospy's publishers do, from 1 on

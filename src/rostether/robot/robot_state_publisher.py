@@ -15,8 +15,11 @@ from rostether.rostime import NS_PER_S
 # As robot_state_publisher: joint states arrive fifty times a second, and so would their error reports.
 WARNING_INTERVAL_S = 10.0
 
-_FIXED_AHEAD_NS = NS_PER_S // 2  # so that fixed transforms on /tf hold until the next ones come
-_QUEUE_MESSAGES = 100  # two seconds of one source; several sources may each publish some joints
+# So that fixed transforms on /tf hold until the next ones come.
+_FIXED_AHEAD_NS = NS_PER_S // 2
+
+# Two seconds of one source; several sources may each publish some joints.
+_QUEUE_MESSAGES = 100
 
 
 async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:

@@ -22,7 +22,8 @@ from rostether.robot.transform import Quaternion, StampedTransform, Transform, q
 
 USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CHILD"
 
-_NORM_TOLERANCE = 10e-3  # what tf buffers accept, on the square of the length
+# What tf buffers accept, on the square of the length.
+_NORM_TOLERANCE = 10e-3
 
 
 @dataclass(frozen=True, slots=True)

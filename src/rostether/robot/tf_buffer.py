@@ -33,7 +33,8 @@ MAX_FRAMES = 10_000
 # Real names are a few words with a prefix; a peer's 100 MB must not stay with us.
 MAX_FRAME_NAME_LENGTH = 1_024
 
-_NORM_TOLERANCE = 10e-3  # tf2's, on the square of the length
+# tf2's, on the square of the length.
+_NORM_TOLERANCE = 10e-3
 
 
 class TransformBuffer:
@@ -157,10 +158,6 @@ class TransformBuffer:
     def children(self) -> list[str]:
         """The names of the frames that have a parent, in that order."""
         return [frame for frame in self._frames if frame in self._caches]
-
-    def has_frame(self, frame: str) -> bool:
-        """Return whether a frame is known."""
-        return frame in self._frames
 
     def cache_of(self, frame: str) -> TimeCache | StaticCache | None:
         """Return the stored transforms of a frame; None for one without a parent."""

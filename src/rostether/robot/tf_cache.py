@@ -15,7 +15,8 @@ DEFAULT_CACHE_NS = 10 * NS_PER_S
 # For one frame: ten seconds at 10 kHz, more than any sensor sends; a hostile peer's stamps could all fit.
 MAX_TRANSFORMS = 100_000
 
-_SHORTEST_SPAN_S = 0.0001  # tf2's own, so that the rate of a single transform can be shown
+# tf2's own, so that the rate of a single transform can be shown.
+_SHORTEST_SPAN_S = 0.0001
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from rostether.serde.codec import Codec
 # What tf2 calls a publisher that has not said its name.
 UNKNOWN_AUTHORITY = "unknown_publisher"
 
+# Gets one message's transforms, the node they came from, and whether they are static.
 OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
-"""Gets one message's transforms, the node they came from, and whether they are static."""
 
 
 class TfListener:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.rostime import Time
 
@@ -31,12 +32,12 @@ def from_message(message: Any) -> Iterator[StampedTransform]:
         )
 
 
-async def tf_publisher(graph: TypedGraph) -> TypedPublisher:
+async def tf_publisher(graph: TypedGraph) -> TypedPublisher[...]:
     """Advertise transforms that move."""
     return await graph.publisher(TF_TOPIC, TF_TYPE)
 
 
-async def tf_static_publisher(graph: TypedGraph) -> TypedPublisher:
+async def tf_static_publisher(graph: TypedGraph) -> TypedPublisher[...]:
     """Advertise transforms that stay; the last message holds for who comes later, so send all in one."""
     return await graph.publisher(TF_STATIC_TOPIC, TF_TYPE, latch=True)
 

@@ -14,7 +14,8 @@ from typing import Any
 
 from rostether.errors import ConfigError, GraphError, TransformError
 from rostether.graph.ports import Level
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_listener import tf_listener
 from rostether.robot.tf_messages import to_message
@@ -39,8 +40,9 @@ DEFAULT_RATE_HZ = 10.0
 IDLE_S = 15.0
 
 STATUS_PERIOD_S = 1.0
+
+# States of actionlib_msgs/GoalStatus.
 _ACTIVE, _PREEMPTED, _REJECTED = 1, 2, 5
-"""States of actionlib_msgs/GoalStatus."""
 
 
 @dataclass(slots=True)
@@ -137,7 +139,7 @@ class _Republisher:
         self._start(self._serve_topic(publisher, request, timeout_s if timeout_s > 0 else IDLE_S))
         return {"topic_name": publisher.topic}
 
-    async def _serve_topic(self, publisher: TypedPublisher, request: Request, timeout_s: float) -> None:
+    async def _serve_topic(self, publisher: TypedPublisher[...], request: Request, timeout_s: float) -> None:
         try:
             await self._send(request, publisher, timeout_s, lambda fields: publisher.publish(fields))
         finally:
@@ -200,7 +202,7 @@ class _Republisher:
     async def _send(
         self,
         request: Request,
-        publisher: TypedPublisher,
+        publisher: TypedPublisher[...],
         timeout_s: float,
         send: Callable[[dict[str, Any]], object],
     ) -> None:

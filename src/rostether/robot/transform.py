@@ -17,7 +17,8 @@ Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 
 NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
-_TRACE_EPSILON = 1e-12  # below it the trace is zero but for rounding; KDL chooses its formula by the same
+# Below it the trace is zero but for rounding; KDL chooses its formula by the same.
+_TRACE_EPSILON = 1e-12
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,8 +16,11 @@ from rostether.robot.transform import Vector
 from rostether.robot.urdf_link import read_colors, read_link
 from rostether.robot.urdf_numbers import Numbers
 
-MAX_XML_BYTES = 64 << 20  # the largest robots with inlined meshes' names have a few MB
-MAX_LINKS = 100_000  # three orders above real robots; the tree is walked for each of them
+# The largest robots with inlined meshes' names have a few MB.
+MAX_XML_BYTES = 64 << 20
+
+# Three orders above real robots; the tree is walked for each of them.
+MAX_LINKS = 100_000
 
 _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
 

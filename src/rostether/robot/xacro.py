@@ -15,12 +15,9 @@ from rostether.errors import ConfigError, RobotModelError
 from rostether.extras import install_command
 from rostether.mechanisms.text import fold_line
 from rostether.robot.urdf import parse_robot_xml
+from rostether.robot.xacro_bounds import bounded
 
 ASSIGNMENT = ":="
-
-# A large robot has some 100,000 elements; a macro that calls another twice, 30 levels deep, has 10**9.
-MAX_ELEMENTS = 1_000_000
-MAX_CHARACTERS = 64 * 1024 * 1024
 
 _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 
@@ -53,7 +50,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
         parse_robot_xml(file.read_bytes(), file=str(file))
     except OSError as error:
         raise RobotModelError(f"{file}: {error.strerror}") from error
-    with _finding(xacro, packages), _bounded(xacro, file):
+    with _finding(xacro, packages), bounded(xacro, file):
         try:
             document = xacro.process_file(str(file), mappings=dict(mappings))
         except RobotModelError:
@@ -106,37 +103,6 @@ def _finding(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
         yield
     finally:
         arguments._eval_find = arguments._eval_dict["find"] = before
-
-
-@contextmanager
-def _bounded(xacro: Any, file: Path) -> Iterator[None]:
-    """Bound the elements that xacro makes, and the characters that it puts into them."""
-    eval_all, eval_text = xacro.eval_all, xacro.eval_text
-    elements = characters = 0
-
-    def count_element(node: Any, macros: Any, symbols: Any) -> Any:
-        nonlocal elements
-        elements += 1
-        if elements > MAX_ELEMENTS:
-            raise RobotModelError(f"{file} expands to more than {MAX_ELEMENTS} elements: simplify its macros")
-        return eval_all(node, macros, symbols)
-
-    def count_characters(text: Any, symbols: Any) -> Any:
-        nonlocal characters
-        result = eval_text(text, symbols)
-        if isinstance(result, str):
-            characters += len(result)
-        if characters > MAX_CHARACTERS:
-            raise RobotModelError(
-                f"{file} expands to more than {MAX_CHARACTERS} characters: shorten its properties"
-            )
-        return result
-
-    xacro.eval_all, xacro.eval_text = count_element, count_characters
-    try:
-        yield
-    finally:
-        xacro.eval_all, xacro.eval_text = eval_all, eval_text
 
 
 def _explain(file: Path, xacro: Any, error: Exception) -> str:

@@ -9,9 +9,8 @@ import time
 from collections.abc import Callable, Sequence
 
 from rostether.errors import GraphError
-from rostether.graph.ports import Subscriber
+from rostether.graph.ports import Graph, Subscriber
 from rostether.msgdef.interface import MessageType
-from rostether.ros2.parameters.membership import Membership
 from rostether.ros2.parameters.store import USE_SIM_TIME, Changes, ParameterStore
 from rostether.rostime import Time
 
@@ -30,10 +29,10 @@ class NodeClock:
     """Returns the time of one node; use_sim_time may change at any time, as in rclcpp."""
 
     def __init__(
-        self, store: ParameterStore, membership: Membership, wall_time: Callable[[], Time] = _wall_time
+        self, store: ParameterStore, graph: Graph, wall_time: Callable[[], Time] = _wall_time
     ) -> None:
         self._store = store
-        self._membership = membership
+        self._graph = graph
         self._wall_time = wall_time
         self._simulated: Time | None = None
         self._subscriber: Subscriber | None = None
@@ -76,14 +75,14 @@ class NodeClock:
         try:
             await self._follow()
         except GraphError as error:
-            _log.error("%s cannot follow %s: %s", self._membership.node_name, CLOCK_TOPIC, error)
+            _log.error("%s cannot follow %s: %s", self._graph.node_name, CLOCK_TOPIC, error)
         finally:
             self._following = None
 
     async def _follow(self) -> None:
         while not self._is_closed and self._switch() is (self._subscriber is None):
             if self._subscriber is None:
-                self._subscriber = await self._membership.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._take)
+                self._subscriber = await self._graph.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._take)
             else:
                 subscriber, self._subscriber = self._subscriber, None
                 await subscriber.close()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from rostether.graph.ports import Graph
 
@@ -49,8 +49,12 @@ class EndpointInfo:
     qos: QosReport | None = None
 
 
+@runtime_checkable
 class Ros2Graph(Graph, Protocol):
     """A `graph.ports.Graph` of ROS 2."""
 
     async def endpoints(self) -> list[EndpointInfo]:
         """Return every end of every topic and service that is known now."""
+
+    async def distribution(self) -> str:
+        """Return the name of the distribution that the graph shows; empty if it shows none."""

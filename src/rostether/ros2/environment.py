@@ -16,8 +16,6 @@ from rostether.errors import ConfigError
 # The highest domain whose DDS ports still fit below 65536; every middleware keeps to it.
 MAX_DOMAIN_ID = 232
 
-DEFAULT_DISTRO = "jazzy"
-ZENOH_MIDDLEWARE = "rmw_zenoh_cpp"
 _DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 
@@ -29,7 +27,6 @@ class Ros2Environment:
     """
 
     domain_id: int = 0
-    distro: str = DEFAULT_DISTRO
     middleware: str = ""
     discovery_range: str = ""
     zenoh_session_config: Path | None = None
@@ -42,7 +39,6 @@ class Ros2Environment:
         values = os.environ if environ is None else environ
         return cls(
             domain_id=_domain_id(values.get("ROS_DOMAIN_ID", "")),
-            distro=values.get("ROS_DISTRO", "").strip() or DEFAULT_DISTRO,
             middleware=values.get("RMW_IMPLEMENTATION", "").strip(),
             discovery_range=_discovery_range(values.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")),
             zenoh_session_config=_config_file(values, "ZENOH_SESSION_CONFIG_URI"),

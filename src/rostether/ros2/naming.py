@@ -9,13 +9,20 @@ import re
 
 from rostether.errors import InvalidNameError
 
-MAX_NODE_NAME_CHARACTERS = 255  # rmw's limit
-MAX_NAMESPACE_CHARACTERS = 245  # rmw's: leaves room for the node's name and DDS's prefix
-MAX_TOPIC_NAME_CHARACTERS = 247  # rmw's: a DDS topic has 255, of which a prefix takes 8
+# rmw's limit.
+MAX_NODE_NAME_CHARACTERS = 255
 
-_DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv)::dds_::([A-Za-z]\w*)_", re.ASCII)
+# rmw's: leaves room for the node's name and DDS's prefix.
+MAX_NAMESPACE_CHARACTERS = 245
+
+# rmw's: a DDS topic has 255, of which a prefix takes 8.
+MAX_TOPIC_NAME_CHARACTERS = 247
+
+_DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_", re.ASCII)
 _ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
-_MAX_QUOTED_CHARACTERS = 80  # a peer can send any name; the error stays one readable line
+
+# A peer can send any name; the error stays one readable line.
+_MAX_QUOTED_CHARACTERS = 80
 
 
 def dds_name(name: str) -> str:

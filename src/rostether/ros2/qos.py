@@ -48,7 +48,6 @@ DEFAULT_QOS = Qos()
 SENSOR_DATA_QOS = Qos(reliability=Reliability.BEST_EFFORT, depth=5)
 LATCHED_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1)
 ROSOUT_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1000)
-PARAMETER_EVENTS_QOS = Qos(depth=1000)
 SERVICES_QOS = Qos()
 
 

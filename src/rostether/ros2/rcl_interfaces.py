@@ -92,6 +92,13 @@ class RclInterfaces:
         """Return the codec of a message or of half a service."""
         return self._store.codec(f"{PACKAGE}/{name}")
 
+    def add_to(self, registry: Registry) -> None:
+        """Teach another table these types, so that its users can call the services of every node."""
+        for name, text in _MESSAGES.items():
+            registry.add_full_text(f"{PACKAGE}/{name}", text)
+        for name, text in _SERVICES.items():
+            registry.add_service_text(f"{PACKAGE}/{name}", text)
+
     def _learn_service(self, name: str, text: str) -> ServiceType:
         spec = parse_service(text, package=PACKAGE, name=name)
         for half in (spec.request, spec.response):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from rostether.rosserial.control_rate import ControlRate
 from rostether.rosserial.events import ControlFlood, DiscardReason, FrameDiscarded, HostEvent
@@ -13,12 +13,11 @@ from rostether.rosserial.unknown_ids import UnknownIds
 
 
 class Announcements:
-    """Keeps `table` and knows what else the device sends on; `limits_changed` is called with its limits."""
+    """Keeps `table` and knows what else the device sends on."""
 
-    def __init__(self, table: TopicTable, rate: ControlRate, limits_changed: Callable[[], None]) -> None:
+    def __init__(self, table: TopicTable, rate: ControlRate) -> None:
         self._table = table
         self._rate = rate
-        self._limits_changed = limits_changed
         self._refusals = Refusals()
         self._unknown_ids = UnknownIds()
 
@@ -38,18 +37,13 @@ class Announcements:
         changes = self._table.announce(kind, info)
         if changes is None:
             return None, [FrameDiscarded(DiscardReason.TOO_MANY, payload)]
-        if changes:
-            self._limits_changed()
         self._unknown_ids.forget(info.topic_id)
         self._refusals.forget(kind, info)
         return info, changes
 
     def withdraw_all_but(self, complete: Iterable[EndpointKey]) -> list[HostEvent]:
         """Keep what a settled negotiation found, and of that what can be bridged."""
-        changes = self._table.withdraw_all_but(frozenset(complete) - self._refusals.keys)
-        if changes:
-            self._limits_changed()
-        return changes
+        return self._table.withdraw_all_but(frozenset(complete) - self._refusals.keys)
 
     def refuse_lone_halves(self) -> list[HostEvent]:
         """Reject service halves whose other half will certainly not arrive."""

@@ -8,7 +8,9 @@ C call. Longer payloads are summed piece by piece.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from itertools import accumulate
+from struct import Struct
 from zlib import adler32
 
 PIECE_BYTES = 256
@@ -22,8 +24,15 @@ def one_plus_sum(data: bytes) -> int:
         return adler32(data)
     if size <= _PAIR_BYTES:
         return adler32(data[:PIECE_BYTES]) + adler32(data[PIECE_BYTES:]) - 1
-    pieces = [data[start : start + PIECE_BYTES] for start in range(0, size, PIECE_BYTES)]
-    return sum(map(adler32, pieces)) - len(pieces) + 1
+    count = size // PIECE_BYTES
+    rest = data[count * PIECE_BYTES :]
+    return sum(map(adler32, _cutter(count)(data))) + adler32(rest) - count
+
+
+@cache
+def _cutter(count: int) -> Callable[[bytes], tuple[bytes, ...]]:
+    """Return what cuts that many pieces off the beginning, at half the cost of slices; 255 at most."""
+    return Struct(f"{PIECE_BYTES}s" * count).unpack_from
 
 
 def summer_for(size: int) -> Callable[[bytes], int]:

@@ -53,8 +53,9 @@ class ClockEstimate:
         self._samples: list[tuple[float, float]] = []
         self._slopes: deque[float] = deque(maxlen=INTERVALS)
         self._ends: deque[tuple[float, float]] = deque(maxlen=MIN_INTERVALS)
+
+        # Stamps that were not near the host's time.
         self.unsound_count = 0
-        """Stamps that were not near the host's time."""
 
     @property
     def drift_ppm(self) -> float | None:

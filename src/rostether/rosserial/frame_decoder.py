@@ -17,13 +17,14 @@ gain by giving up, and a slow network may yet bring the rest.
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, MAX_PAYLOAD_BYTES, SYNC, Header, read_header
 from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
+from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 
 # Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms.
 FIRST_LOOK_S = 0.1
@@ -60,9 +61,7 @@ Decoded: TypeAlias = Frames | FrameDiscarded
 class FrameDecoder:
     """Cuts one direction of a line into frames of one protocol version; linear in what it is fed.
 
-    `limits` maps the topic ids that make sense to their largest payload; it may change at any time. Frames
-    outside it are delivered all the same, it only decides which unfinished frames are waited for.
-    `refused_above` says what cannot be a frame, as `FrameScanner` has it; tell `limits_changed` of changes.
+    `limits.possible` decides which unfinished frames are waited for; whole frames outside it are delivered.
     After `abandon_after_s` without a byte an unfinished frame is given up, whatever it holds (None: never).
     """
 
@@ -71,15 +70,14 @@ class FrameDecoder:
         version: int = 2,
         *,
         max_payload_bytes: int = MAX_PAYLOAD_BYTES,
-        limits: Mapping[int, int] | None = None,
-        refused_above: Mapping[int | None, int] | None = None,
+        limits: PayloadLimits = NO_LIMITS,
         abandon_after_s: float | None = None,
     ) -> None:
         self._version = version
         self._header_bytes = FORMS[version].header_bytes
         self._start = bytes((SYNC, FORMS[version].version_byte))
-        self._scanner = FrameScanner(version, max_payload_bytes, refused_above)
-        self._limits = {} if limits is None else limits
+        self._scanner = FrameScanner(version, max_payload_bytes, limits.refused_above)
+        self._possible = limits.possible
         self._abandon_after_s = abandon_after_s
         self._pending = bytearray()
         self._needed_bytes = 0
@@ -108,21 +106,15 @@ class FrameDecoder:
             return None
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
 
-    def limits_changed(self) -> None:
-        """Use the current `refused_above` from the next frame on."""
-        self._scanner.forget_headers()
+    def use_limits(self, limits: PayloadLimits) -> None:
+        """Judge by these limits from the next frame on."""
+        self._possible = limits.possible
+        self._scanner.refuse_above(limits.refused_above)
 
     def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
         """Whether a frame of one of these ids is just coming in."""
         header = self.pending_header
         return header is not None and header.topic_id in topic_ids and now_s < self._fed_s + RECEIVING_S
-
-    def only_frame(self, data: bytes) -> tuple[int, bytes] | None:
-        """Return topic id and payload if a chunk is one whole frame with a header seen before.
-
-        None, and nothing taken, if it is anything else: feed it then.
-        """
-        return None if self._pending else self._scanner.only_frame(data)
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
         """Handle a chunk, cut anywhere; return what it completes.
@@ -163,7 +155,7 @@ class FrameDecoder:
         buffer = bytes(self._pending)
         scan = self._scan(buffer, Patience.LOOK, now_s)
         found = {*scan.groups, *(topic_id for topic_id, _ in scan.controls)}
-        swallowed = any(topic_id in self._limits for topic_id in found) if self._limits else found
+        swallowed = any(topic_id in self._possible for topic_id in found) if self._possible else found
         if swallowed and (is_due or scan.tail_frames >= TELLING_FRAMES):
             return self._accept(buffer, scan, now_s)
         if is_due:
@@ -213,7 +205,7 @@ class FrameDecoder:
         header = self.pending_header
         if header is None:
             return
-        is_possible = header.size <= self._limits.get(header.topic_id, -1)
+        is_possible = header.size <= self._possible.get(header.topic_id, -1)
         if self._look_at_s is None or is_possible:
             self._look_at_s = now_s + self._look_after_s
         if self._tail_look_at_s is None and is_possible:

@@ -47,12 +47,12 @@ _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
 class Patience(Enum):
     """What to do about a frame whose end is not in the buffer."""
 
+    # It is the rest, and nothing behind it is looked at.
     WAIT = auto()
-    """It is the rest, and nothing behind it is looked at."""
+    # Look behind it: if a sound frame follows, it was noise; else it is the rest.
     LOOK = auto()
-    """Look behind it: if a sound frame follows, it was noise; else it is the rest."""
+    # It is noise; there is no rest.
     NONE = auto()
-    """It is noise; there is no rest."""
 
 
 class _Known(NamedTuple):
@@ -93,7 +93,7 @@ class FrameScanner:
     """Finds the frames of one protocol version, remembering headers from buffer to buffer.
 
     A header that claims more than `refused_above` has for its topic id, or, on an id that is not in there,
-    more than it has for None, is no frame. Call `forget_headers` when that mapping has changed.
+    more than it has for None, is no frame.
     """
 
     def __init__(
@@ -106,8 +106,9 @@ class FrameScanner:
         self._refused_above = {} if refused_above is None else refused_above
         self._known: dict[bytes, _Known] = {}
 
-    def forget_headers(self) -> None:
-        """Forget the known headers, so that each is checked again."""
+    def refuse_above(self, refused_above: Mapping[int | None, int]) -> None:
+        """Judge by these lengths from now on, also the headers seen before."""
+        self._refused_above = refused_above
         self._known.clear()
 
     def only_frame(self, buffer: bytes) -> tuple[int, bytes] | None:

@@ -54,7 +54,8 @@ class HostLink:
     """The host's link to one device. Bytes, messages and `now_s` (any monotonic clock) in; events and bytes
     out.
 
-    After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`.
+    After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`; after
+    `receive_data` only if it was not quiet, so that boards which send one message at a time cost half.
     """
 
     def __init__(self, config: HostLinkConfig | None = None) -> None:
@@ -63,12 +64,15 @@ class HostLink:
         self._version: int | None = None
         self._table = TopicTable(self._config.max_endpoints, self._config.fixed_size)
         self._output = HostOutput(self._table, self.statistics)
+        self._limits = self._table.limits
         self._line: ProtocolDetector | FrameDecoder = self._listen()
         self._negotiation = Negotiation(self._config.name)
         self._presence = Presence(self._config.name)
         self._rate = ControlRate()
-        self._announcements = Announcements(self._table, self._rate, lambda: self._line.limits_changed())
+        self._announcements = Announcements(self._table, self._rate)
         self._is_stopped = False
+        self.is_quiet = False
+        """Whether the last `receive_data` brought only messages: no bytes to send, and no earlier timer."""
 
     @property
     def version(self) -> int | None:
@@ -93,28 +97,21 @@ class HostLink:
         if self._is_stopped:
             return []
         self.statistics.bytes_received += len(data)
-        events = self._take(self._line.feed(data, now_s), now_s)
+        line = self._line
+        decoded = line.feed(data, now_s)
+        if type(line) is FrameDecoder and len(decoded) == 1 and not line.pending_bytes:
+            frames = decoded[0]
+            if (
+                type(frames) is Frames
+                and frames.topic_id in self._table.senders
+                and self._presence.is_certain
+            ):
+                self.is_quiet = True
+                return [self._receive_messages(frames, now_s)]
+        self.is_quiet = False
+        events = self._take(decoded, now_s)
         self._pump(now_s)
         return events
-
-    def receive_message(self, data: bytes, now_s: float) -> tuple[int, bytes] | None:
-        """Handle a chunk that is one message on an announced id, from a board at work; return id and payload.
-
-        None, and nothing taken, if it is anything else: `receive_data` takes it then. Such a message makes
-        nothing due earlier and gives nothing to send, so that boards which send one at a time cost half.
-        """
-        line = self._line
-        if isinstance(line, ProtocolDetector) or not self._presence.is_certain or self._is_stopped:
-            return None
-        message = line.only_frame(data)
-        if message is None or message[0] not in self._table.senders:
-            return None
-        statistics = self.statistics
-        statistics.bytes_received += len(data)
-        statistics.frames_received += 1
-        statistics.count_received(message[0], 1)
-        self._presence.message(now_s)
-        return message
 
     def rescan(self, payload: bytes, now_s: float) -> list[HostEvent]:
         """Return what noise has swallowed: the frames in a message that does not have its type's layout."""
@@ -190,8 +187,7 @@ class HostLink:
     def _listen(self) -> ProtocolDetector:
         return ProtocolDetector(
             max_payload_bytes=self._config.max_payload_bytes,
-            limits=self._table.payload_limits,
-            refused_above=self._table.refused_above,
+            limits=self._limits,
         )
 
     def _take(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
@@ -205,8 +201,6 @@ class HostLink:
             if isinstance(item, FrameDiscarded):
                 self._report(item, now_s, events)
                 continue
-            self.statistics.frames_received += len(item.payloads)
-            self._presence.frame_received(now_s)
             if item.topic_id >= ids.FIRST_USER_ID:
                 messages.append(item)
             else:
@@ -218,17 +212,27 @@ class HostLink:
     def _take_messages(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
         topic_id, payloads = frames.topic_id, frames.payloads
         if topic_id in self._table.senders:
-            self._presence.message(now_s)
-            self.statistics.count_received(topic_id, len(payloads))
-            events.append(MessagesReceived(topic_id, payloads))
+            events.append(self._receive_messages(frames, now_s))
             return
+        self._note_frames(frames, now_s)
         self.statistics.unannounced_messages += len(payloads)
         if self.is_settled and not self._announcements.is_refused_sender(topic_id):
             events.append(UnknownTopicId(topic_id, len(payloads)))
             if self._announcements.should_ask(topic_id, now_s):
                 self._negotiation.ask(now_s, is_lossy=True)
 
+    def _receive_messages(self, frames: Frames, now_s: float) -> MessagesReceived:
+        self._note_frames(frames, now_s)
+        self._presence.message(now_s)
+        self.statistics.count_received(frames.topic_id, len(frames.payloads))
+        return MessagesReceived(frames.topic_id, frames.payloads)
+
+    def _note_frames(self, frames: Frames, now_s: float) -> None:
+        self.statistics.frames_received += len(frames.payloads)
+        self._presence.frame_received(now_s)
+
     def _take_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
+        self._note_frames(frames, now_s)
         payloads = frames.payloads
         admitted = self._rate.admit(frames.topic_id, len(payloads), now_s)
         if admitted < len(payloads):
@@ -244,8 +248,8 @@ class HostLink:
                 self._report(control_event(frames.topic_id, payload), now_s, events)
 
     def _on_announcement(self, kind: int, payload: bytes, now_s: float, events: list[HostEvent]) -> None:
-        info, said = self._announcements.handle_packet(kind, payload, now_s)
-        for event in said:
+        info, announced = self._announcements.handle_packet(kind, payload, now_s)
+        for event in announced:
             self._report(event, now_s, events)
         if info is not None:
             self._presence.sign(now_s)
@@ -329,6 +333,9 @@ class HostLink:
         events.append(DeviceReset())
 
     def _pump(self, now_s: float) -> None:
+        if self._limits is not self._table.limits:
+            self._limits = self._table.limits
+            self._line.use_limits(self._limits)
         version = self._negotiation.pop_request()
         if version is not None:
             self._output.topic_request(version, now_s, is_guess=self._negotiation.version is None)

@@ -13,11 +13,11 @@ from rostether.rosserial.packets import TopicInfo
 class HostLinkConfig:
     """Limits of a host link; the defaults suit every board known."""
 
+    # All that a frame can say: Linux devices send images in one frame.
     max_payload_bytes: int = MAX_PAYLOAD_BYTES
-    """All that a frame can say: Linux devices send images in one frame."""
+    # The established library has at most 50; each costs a registration on the ROS side.
     max_endpoints: int = 256
-    """The established library has at most 50; each costs a registration on the ROS side."""
+    # Returns the size of every message of a topic if its type has a fixed size, else None.
     fixed_size: Callable[[TopicInfo], int | None] | None = None
-    """Returns the size of every message of a topic if its type has a fixed size, else None."""
+    # What the log calls the device.
     name: str = "a board"
-    """What the log calls the device."""

@@ -45,13 +45,11 @@ MAX_QUIET_S = 1.0
 # is.
 MAX_ROUNDS = 12
 
+# (version to ask in, wait after it) while nothing is heard; the last two go on forever. Dense at first,
+# because one request in twenty may be lost on the way; then slow enough that the stack of requests in the 64
+# bytes of a board whose sketch sleeps a second between spins stays small, and quick enough that a board which
+# comes up later is found within a second.
 SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
-"""(version to ask in, wait after it) while nothing is heard; the last two go on forever.
-
-Dense at first, because one request in twenty may be lost on the way; then slow enough that the stack of
-requests in the 64 bytes of a board whose sketch sleeps a second between spins stays small, and quick enough
-that a board which comes up later is found within a second.
-"""
 
 # Waiting for an answer on a line that works; most boards answer within 20 ms (ANSWER_MARGIN: others).
 RETRY_S = 0.2

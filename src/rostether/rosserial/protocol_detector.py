@@ -8,12 +8,13 @@ that is settled, or when it has waited long enough.
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container
 
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
 from rostether.rosserial.packets import TIME_BYTES, Log, ParameterRequest, TopicInfo
+from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 
 # An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most.
 HOLD_NOISE_S = 0.25
@@ -25,18 +26,10 @@ MAX_HELD = 256
 class ProtocolDetector:
     """Replaces a FrameDecoder until `decoder` is known."""
 
-    def __init__(
-        self,
-        *,
-        max_payload_bytes: int,
-        limits: Mapping[int, int],
-        refused_above: Mapping[int | None, int] | None = None,
-    ) -> None:
+    def __init__(self, *, max_payload_bytes: int, limits: PayloadLimits = NO_LIMITS) -> None:
         self.decoder: FrameDecoder | None = None
         self._candidates = {
-            version: FrameDecoder(
-                version, max_payload_bytes=max_payload_bytes, limits=limits, refused_above=refused_above
-            )
+            version: FrameDecoder(version, max_payload_bytes=max_payload_bytes, limits=limits)
             for version in (2, 1)
         }
         self._held: dict[int, list[Decoded]] = {version: [] for version in self._candidates}
@@ -46,10 +39,10 @@ class ProtocolDetector:
         """Whether a frame of one of these ids is just coming in: not known while the version is not."""
         return False
 
-    def limits_changed(self) -> None:
-        """Judge by what is refused now, from the next frame on."""
+    def use_limits(self, limits: PayloadLimits) -> None:
+        """Judge by these limits from the next frame on."""
         for reader in self._candidates.values():
-            reader.limits_changed()
+            reader.use_limits(limits)
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
         """Handle a chunk; return nothing until a version is found or noise has waited long enough."""

@@ -31,8 +31,9 @@ class Refusals:
     def __init__(self) -> None:
         self._once: OrderedDict[_Announcement, None] = OrderedDict()
         self._reported: set[_Announcement] = set()
+
+        # Endpoints that the device is known to have and that are not bridged.
         self.keys: set[EndpointKey] = set()
-        """Endpoints that the device is known to have and that are not bridged."""
 
     def refuse(self, kind: int, info: TopicInfo, reason: str) -> list[AnnouncementRefused]:
         """Take an announcement that is not believed; reported when it has come twice."""

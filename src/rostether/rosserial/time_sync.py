@@ -19,16 +19,25 @@ OUR_REQUEST_PERIOD_S = 2.2
 # Without an answer for this long a device takes itself for unconfigured (established library: 5 * 2.2 s).
 SYNC_LOST_S = 11.0
 
+# How far the host's clock may be behind before a device follows it back: longer than any round trip, and as
+# in the C++ client.
+MAX_HOLD_S = 10.0
+
 # With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up.
 HOLD_LIMIT_S = 5.0
 
 
 class DeviceClock:
-    """A device's clock: time since boot until the host answers, then the host's time."""
+    """A device's clock: time since boot until the host answers, then the host's time.
+
+    It never goes back by less than MAX_HOLD_S: if the host's clock stops, as a paused simulation's does, the
+    device's clock stands still from the next answer until the host has caught up.
+    """
 
     def __init__(self, boot_s: float) -> None:
         self._offset_ns = -round(boot_s * 1e9)
         self._requested_s: float | None = None
+        self._latest_ns = 0
 
     def requested(self, now_s: float) -> None:
         """Note that the time was asked for now; an earlier request is taken to be lost."""
@@ -43,7 +52,10 @@ class DeviceClock:
 
     def time(self, now_s: float) -> Time:
         """Return the time, `now_s` on the clock used throughout."""
-        return Time.from_ns(round(now_s * 1e9) + self._offset_ns)
+        time_ns = round(now_s * 1e9) + self._offset_ns
+        if not 0 < self._latest_ns - time_ns < MAX_HOLD_S * 1e9:
+            self._latest_ns = time_ns
+        return Time.from_ns(self._latest_ns)
 
 
 class AnswerGate:

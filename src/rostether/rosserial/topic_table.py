@@ -18,6 +18,7 @@ from rostether.rosserial.events import (
 )
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.packets import TopicInfo
+from rostether.rosserial.payload_limits import PayloadLimits
 
 # The largest payload that makes sense from a device on each reserved id.
 CONTROL_LIMITS = {
@@ -45,6 +46,7 @@ class EndpointKey(NamedTuple):
 class _Endpoint:
     kind: int
     info: TopicInfo
+    largest_payload: int
     is_current: bool = True
 
 
@@ -63,14 +65,13 @@ class TopicTable:
         self._fixed_size = fixed_size
         self._endpoints: dict[EndpointKey, _Endpoint] = {}
         self._services: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
-        self.payload_limits = dict(CONTROL_LIMITS)
-        """By id: the largest payload that the device may send on it."""
-        self.refused_above: dict[int | None, int] = {}
-        """By id: the payload above which a header is no frame's; by None: that of every other id."""
+
+        # None after a change, until it is asked for.
+        self._limits: PayloadLimits | None = None
+        # By id: the largest payload that may be sent to the device now, where one may be.
         self.send_limits: dict[int, int] = {}
-        """By id: the largest payload that may be sent to the device now, where one may be."""
+        # Ids that the device sends on.
         self.senders: set[int] = set()
-        """Ids that the device sends on."""
 
     def __len__(self) -> int:
         return len(self._endpoints)
@@ -93,6 +94,13 @@ class TopicTable:
     def service_count(self) -> int:
         """How many services have both halves."""
         return len(self._services)
+
+    @property
+    def limits(self) -> PayloadLimits:
+        """What the device may send; one value until an endpoint changes."""
+        if self._limits is None:
+            self._limits = self._make_limits()
+        return self._limits
 
     def lone_halves(self) -> list[tuple[int, TopicInfo]]:
         """Return the halves of services that lack the other half, with the ids they were announced on."""
@@ -142,12 +150,16 @@ class TopicTable:
         else:
             if known is not None:
                 events += self._remove(key)
-            self._endpoints[key] = _Endpoint(kind, info)
+            self._endpoints[key] = _Endpoint(kind, info, self._largest_payload(info))
+            self._limits = None
             if kind in _ROLES:
                 events.append(TopicAnnounced(_ROLES[kind], info))
             if kind not in _ROLES or (known is not None and known.kind not in _ROLES):
                 events += self._pair_services()
-        self._set_limit(key, info, known.info if known is not None else None)
+        if key.sends:
+            self.senders.add(key.topic_id)
+        else:
+            self.send_limits[key.topic_id] = info.buffer_size
         return events
 
     def withdraw_all_but(self, keys: Iterable[EndpointKey]) -> list[HostEvent]:
@@ -155,48 +167,24 @@ class TopicTable:
         events: list[HostEvent] = []
         for key in sorted(self.keys() - set(keys)):
             events += self._remove(key)
-        events += self._pair_services()
-        self._set_limits()
-        return events
+        return events + self._pair_services()
 
     def distrust(self) -> None:
         """Send nothing to any endpoint until it is announced again: the device has been reset."""
         for endpoint in self._endpoints.values():
             endpoint.is_current = False
-        self._set_limits()
+        self.send_limits.clear()
 
     def _remove(self, key: EndpointKey) -> list[HostEvent]:
         endpoint = self._endpoints.pop(key)
+        self._limits = None
+        if key.sends:
+            self.senders.discard(key.topic_id)
+        else:
+            self.send_limits.pop(key.topic_id, None)
         if endpoint.kind in _ROLES:
             return [TopicWithdrawn(_ROLES[endpoint.kind], endpoint.info)]
         return []
-
-    def _set_limit(self, key: EndpointKey, info: TopicInfo, before: TopicInfo | None) -> None:
-        """Set what one announcement changes: a burst of them must not cost its square."""
-        if not key.sends:
-            self.send_limits[key.topic_id] = info.buffer_size
-            return
-        largest = self.refused_above.get(None, -1)
-        was_largest = before is not None and before.buffer_size == largest
-        if info.buffer_size > largest or (was_largest and info.buffer_size < largest):
-            self._set_limits()
-            return
-        self.senders.add(key.topic_id)
-        size = self._largest_payload(info)
-        self.payload_limits[key.topic_id] = self.refused_above[key.topic_id] = size
-
-    def _set_limits(self) -> None:
-        self.payload_limits.clear()
-        self.payload_limits.update(CONTROL_LIMITS)
-        self.send_limits.clear()
-        self.senders.clear()
-        for key, endpoint in self._endpoints.items():
-            if key.sends:
-                self.senders.add(key.topic_id)
-                self.payload_limits[key.topic_id] = self._largest_payload(endpoint.info)
-            elif endpoint.is_current:
-                self.send_limits[key.topic_id] = endpoint.info.buffer_size
-        self._set_refusals()
 
     def _largest_payload(self, info: TopicInfo) -> int:
         """Return what a message of a topic can have at most."""
@@ -207,14 +195,19 @@ class TopicTable:
                 return size
         return info.buffer_size
 
-    def _set_refusals(self) -> None:
+    def _make_limits(self) -> PayloadLimits:
         """Nothing is refused while nothing is known; a control packet may fill the board's buffer too."""
-        self.refused_above.clear()
-        if self.senders:
-            largest = max(entry.info.buffer_size for key, entry in self._endpoints.items() if key.sends)
-            for topic_id, size in self.payload_limits.items():
-                self.refused_above[topic_id] = max(size, largest) if topic_id in CONTROL_LIMITS else size
-            self.refused_above[None] = largest
+        sent = {key.topic_id: each for key, each in self._endpoints.items() if key.sends}
+        possible = CONTROL_LIMITS | {topic_id: each.largest_payload for topic_id, each in sent.items()}
+        if not sent:
+            return PayloadLimits(possible)
+        largest = max(each.info.buffer_size for each in sent.values())
+        refused_above: dict[int | None, int] = {
+            topic_id: max(size, largest) if topic_id in CONTROL_LIMITS else size
+            for topic_id, size in possible.items()
+        }
+        refused_above[None] = largest
+        return PayloadLimits(possible, refused_above)
 
     def _pair_services(self) -> list[HostEvent]:
         """Pair halves of one role, name and type in the order of their ids; report what changed."""

@@ -69,6 +69,7 @@ class _DecoderSource:
             "time": classes.time,
             "duration": classes.duration,
             "numbers": classes.numbers,
+            "view": classes.view,
             "text_errors": classes.text_errors,
             "unpack_from": struct.unpack_from,
             "read_texts": _read_texts,
@@ -76,6 +77,7 @@ class _DecoderSource:
             "make_empties": _make_empties,
             "overrun": struct.error,
         }
+        self.views = classes.view is not None
         self._classes = classes
         self._bound: dict[tuple[str, str], str] = {}
         self._leaves: dict[str, int] = {}
@@ -209,6 +211,8 @@ class _Body:
             return self._empties(array, length)
         if size is None:
             return self._varying_elements(element, str(length))
+        if isinstance(element, Number) and self._source.views and element.code != "?":
+            return f"view({self._unpacked(f'{size}s')}, '<{element.code}', {length}, 0)"
         if array.is_bytes:
             return self._unpacked(f"{size}s")
         if isinstance(element, Number) and length <= _MAX_UNROLLED_LENGTH:
@@ -231,6 +235,8 @@ class _Body:
         if isinstance(element, Struct) and size == 0:
             return f"make_empties({self._source.message_class(element)}, {count}, {array.max_count})"
         end = self._end(f"{start} + {count} * {size}" if size > 1 else f"{start} + {count}")
+        if isinstance(element, Number) and self._source.views and element.code != "?":
+            return f"view(b, '<{element.code}', {count}, {start})"
         if isinstance(element, Number) and not array.is_bytes:
             return f"{self._numbers(element)}(unpack_from(f'<{{{count}}}{element.code}', b, {start}))"
         raw = f"b[{start}:{end}]"

@@ -22,16 +22,17 @@ class Layout:
 
     __slots__ = ("_tree", "accepts", "accepts_all", "fixed_size_bytes")
 
+    # Return whether a payload is exactly one message: all of it, and nothing more.
     accepts: Callable[[bytes], bool]
-    """Return whether a payload is exactly one message: all of it, and nothing more."""
 
+    # Return whether every payload of a batch is exactly one message; an empty batch is.
     accepts_all: Callable[[Sequence[bytes]], bool]
-    """Return whether every payload of a batch is exactly one message; an empty batch is."""
 
     def __init__(self, tree: Struct) -> None:
         self._tree = tree
+
+        # The size in bytes of every message of the type, None where it varies.
         self.fixed_size_bytes = tree.fixed_size_bytes
-        """The size in bytes of every message of the type, None where it varies."""
         if tree.fixed_size_bytes is None:
             self.accepts, self.accepts_all = compile_layout(tree)
         else:

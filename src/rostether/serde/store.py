@@ -22,6 +22,10 @@ class TypeStore:
         self._layouts: dict[str, Layout] = {}
         self._codecs: dict[str, Codec] = {}
 
+    def for_registry(self, registry: Registry) -> TypeStore:
+        """Return a store of another registry's types, whose values are of the same kind."""
+        return TypeStore(registry, self._classes.for_other_types())
+
     def layout(self, name: str) -> Layout:
         """Return the layout of `package/Name`. Raises UnknownTypeError, DefinitionError."""
         layout = self._layouts.get(name)

@@ -8,6 +8,7 @@ surrogates (`surrogateescape`), so that what was decoded encodes to the same byt
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from rostether.errors import DefinitionError, SerializationError
@@ -29,11 +30,11 @@ class Message:
 
     __slots__ = ()
 
+    # The type as `package/Name`.
     _type: ClassVar[str] = ""
-    """The type as `package/Name`."""
 
+    # The fields' names and types in the order of the definition.
     _fields: ClassVar[tuple[tuple[str, FieldType], ...]] = ()
-    """The fields' names and types in the order of the definition."""
 
     _zeros: ClassVar[tuple[tuple[str, Any], ...]] = ()
 
@@ -71,25 +72,37 @@ def _plain(value: Any) -> Any:
         return Message.to_dict(value)
     if isinstance(value, list):
         return [_plain(each) for each in value]
+    if hasattr(value, "tolist"):
+        # A numpy array.
+        return value.tobytes() if value.dtype.char == "B" else value.tolist()
     return value
 
 
 class MessageClasses:
     """The message classes of one type store, each made once; a subclass may choose what values are."""
 
+    base: type[Message] = Message
     time: Any = Time
     duration: Any = Duration
+
+    # Makes a time or duration of its class and a pair of integers.
     new_stamp: Any = staticmethod(tuple.__new__)
-    """Makes a time or duration of its class and a pair of integers."""
 
+    # Makes an array of numbers.
     numbers: Any = list
-    """Makes an array of numbers."""
 
+    # Makes an array of numbers, or bytes, from a payload, a type code, a count and an offset.
+    view: Callable[[bytes, str, int, int], Any] | None = None
+
+    # The error handler for bytes of a string that are not UTF-8.
     text_errors: str = "surrogateescape"
-    """The error handler for bytes of a string that are not UTF-8."""
 
     def __init__(self) -> None:
         self._classes: dict[str, type[Message]] = {}
+
+    def for_other_types(self) -> MessageClasses:
+        """Return classes that make values in the same way, for another registry's types."""
+        return MessageClasses()
 
     def of(self, tree: Struct) -> type[Message]:
         """Return the class of a message type. Raises DefinitionError for names no definition may have."""
@@ -117,7 +130,7 @@ class MessageClasses:
             "_fields": tuple((member.name, member.type) for member in tree.members),
             "_zeros": tuple((member.name, self._zero(member.node)) for member in tree.members),
         }
-        return type(tree.name.rpartition("/")[2], (Message,), namespace)
+        return type(tree.name.rpartition("/")[2], (self.base,), namespace)
 
     def _zero(self, node: Node) -> Any:
         """Return a zero value, or what makes one where it can be changed."""

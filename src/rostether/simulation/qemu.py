@@ -37,14 +37,14 @@ class QemuBoard:
     """
 
     def __init__(
-        self, process: asyncio.subprocess.Process, terminal: str, link_path: Path | None, said: bytes = b""
+        self, process: asyncio.subprocess.Process, terminal: str, link_path: Path | None, output: bytes = b""
     ) -> None:
         self._process = process
         self._terminal = terminal
         self._link_path = link_path
         self.last_words = ""
         # What qemu says must be read, or it stops when the pipe is full.
-        self._reading = asyncio.get_running_loop().create_task(self._read(said))
+        self._reading = asyncio.get_running_loop().create_task(self._read(output))
 
     @classmethod
     async def start(
@@ -75,10 +75,10 @@ class QemuBoard:
         )
         try:
             async with asyncio.timeout(START_LIMIT_S):
-                terminal, said = await _find_terminal(process)
+                terminal, output = await _find_terminal(process)
             if link_path is not None:
                 place_link(link_path, terminal)
-            return cls(process, terminal, link_path, said)
+            return cls(process, terminal, link_path, output)
         except BaseException as error:
             await _end(process)
             if isinstance(error, TimeoutError):
@@ -128,30 +128,30 @@ class QemuBoard:
     ) -> None:
         await self.close()
 
-    async def _read(self, said: bytes) -> None:
+    async def _read(self, output: bytes) -> None:
         stdout = self._process.stdout
         assert stdout is not None
         while chunk := await stdout.read(4096):
-            said = (said + chunk)[-MAX_SAID_BYTES:]
-        self.last_words = _complaint(said)
+            output = (output + chunk)[-MAX_SAID_BYTES:]
+        self.last_words = _complaint(output)
 
 
 async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, bytes]:
     """Return the terminal that qemu made, and all it has said until then: why it ends may be among it."""
     stdout = process.stdout
     assert stdout is not None
-    said = b""
+    output = b""
     while chunk := await stdout.read(4096):
-        said += chunk
-        found = _TERMINAL.search(said)
+        output += chunk
+        found = _TERMINAL.search(output)
         if found is not None:
-            return found[1].decode(), said
-    raise BoardError(f"{PROGRAM} does not run this program: {_complaint(said) or 'no reason given'}")
+            return found[1].decode(), output
+    raise BoardError(f"{PROGRAM} does not run this program: {_complaint(output) or 'no reason given'}")
 
 
-def _complaint(said: bytes) -> str:
+def _complaint(output: bytes) -> str:
     """Return what qemu found wrong, of all that it and its monitor said."""
-    lines = (line.strip() for line in said.decode(errors="replace").splitlines())
+    lines = (line.strip() for line in output.decode(errors="replace").splitlines())
     wrong = [line.removeprefix(f"{PROGRAM}: ") for line in lines if line.startswith(PROGRAM)]
     return wrong[-1] if wrong else ""
 

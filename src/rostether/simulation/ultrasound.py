@@ -17,20 +17,34 @@ _TICK_S = 1e-6
 _LOST_ECHO_PROBABILITY = 0.01
 
 
-class Ultrasound:
-    """Simulates the distance in metres to a person who walks to and fro; noise from `rng`."""
+class Obstacle:
+    """Simulates a person who walks to and fro in front of the sensor, until someone moves them."""
 
-    def __init__(self, rng: Random) -> None:
-        self._rng = rng
+    def __init__(self) -> None:
+        self._moved_to: float | None = None
 
-    def true_distance(self, time_s: float) -> float:
-        """Return where the obstacle is: between 0.25 m and 2.75 m, never faster than 1 m/s."""
+    def distance(self, time_s: float) -> float:
+        """Return the distance in metres: the walk is between 0.25 m and 2.75 m, never faster than 1 m/s."""
+        if self._moved_to is not None:
+            return self._moved_to
         return 1.5 + 0.9 * sin(2 * pi * time_s / 11.0) + 0.35 * sin(2 * pi * time_s / 4.7)
+
+    def move(self, by_m: float, time_s: float) -> None:
+        """Move it from where it is at `time_s`; it stays there, within the sensor's range."""
+        self._moved_to = min(max(self.distance(time_s) + by_m, MIN_RANGE), MAX_RANGE)
+
+
+class Ultrasound:
+    """Simulates the readings of the distance to an obstacle in metres; noise from `rng`."""
+
+    def __init__(self, rng: Random, obstacle: Obstacle) -> None:
+        self._rng = rng
+        self._obstacle = obstacle
 
     def measure(self, time_s: float) -> float:
         """Return one reading, from MIN_RANGE to MAX_RANGE."""
         if self._rng.random() < _LOST_ECHO_PROBABILITY:
             return MAX_RANGE
-        scattered = self.true_distance(time_s) + self._rng.gauss(0.0, _SCATTER)
+        scattered = self._obstacle.distance(time_s) + self._rng.gauss(0.0, _SCATTER)
         ticks = round(2.0 * scattered / _SOUND_SPEED / _TICK_S)
         return min(max(ticks * _TICK_S * _SOUND_SPEED / 2.0, MIN_RANGE), MAX_RANGE)

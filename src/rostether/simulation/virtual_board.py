@@ -26,7 +26,7 @@ from rostether.device.parameters import DeviceParam
 from rostether.errors import TransportTimeoutError, UnknownNameError
 from rostether.serde.values import Message
 from rostether.simulation.motion import CircleDrive, Quaternion, Vector
-from rostether.simulation.ultrasound import FIELD_OF_VIEW, MAX_RANGE, MIN_RANGE, Ultrasound
+from rostether.simulation.ultrasound import FIELD_OF_VIEW, MAX_RANGE, MIN_RANGE, Obstacle, Ultrasound
 
 # Multiples of each other, so that one wake-up serves several.
 RANGE_HZ = 20.0
@@ -58,7 +58,14 @@ class _Periodic:
 class VirtualBoard:
     """Declares the demo's endpoints on a device and plays the sketch; the same `seed`, the same noise."""
 
-    def __init__(self, device: Device, *, clock: Callable[[], float] | None = None, seed: int = 0) -> None:
+    def __init__(
+        self,
+        device: Device,
+        *,
+        clock: Callable[[], float] | None = None,
+        obstacle: Obstacle | None = None,
+        seed: int = 0,
+    ) -> None:
         self.led = False
         self.count = 0
         self._device = device
@@ -66,7 +73,7 @@ class VirtualBoard:
         self._booted_s = self._clock()
         self._rng = Random(seed)  # noqa: S311 - noise, no secret
         self._drive = CircleDrive()
-        self._ultrasound = Ultrasound(self._rng)
+        self._ultrasound = Ultrasound(self._rng, obstacle or Obstacle())
         self._frame_id = ROBOT_FRAME
         self._led = device.publisher("led", "std_msgs/Bool")
         self._range = device.publisher("ultrasound", "sensor_msgs/Range")
@@ -180,7 +187,7 @@ class VirtualBoard:
     def _publish_range(self, now_s: float) -> None:
         reading = self._range_message
         reading.header.stamp = self._device.now()
-        reading.range = self._ultrasound.measure(now_s - self._booted_s)
+        reading.range = self._ultrasound.measure(now_s)
         self._range.publish(reading)
 
     def _publish_imu(self, now_s: float) -> None:

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from enum import Enum
 
 from rostether.errors import GraphError, RemoteProtocolError, TypeMismatchError
-from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType
+from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType, agree
 
 
 class Purpose(Enum):
@@ -159,11 +159,6 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
             f"service {service} has type {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
             f"not {service_type.name} (md5sum {service_type.md5sum}); make both ends use one definition"
         )
-
-
-def agree(left: str, right: str) -> bool:
-    """Return whether two md5sums, or two type names, agree: `*` does with all."""
-    return left == right or ANY_MD5SUM in (left, right)
 
 
 def _check_answer(fields: Mapping[str, str]) -> None:

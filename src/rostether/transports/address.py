@@ -21,15 +21,20 @@ from rostether.transports.allow_list import check_networks
 from rostether.transports.sim_words import SIM_WORDS, sim_words
 from rostether.transports.tls import TlsFiles
 
-DEFAULT_BAUD = 57600  # what the established device library opens its port with
-DEFAULT_PORT = 11411  # where established boards connect to
+# What the established device library opens its port with.
+DEFAULT_BAUD = 57600
+
+# Where established boards connect to.
+DEFAULT_PORT = 11411
 LOOPBACK = "127.0.0.1"
 
 # Faster UARTs do not exist on USB bridges; the bound catches a slipped digit.
 MAX_BAUD = 20_000_000
 # 16-bit addresses; 0xffff is the broadcast address and 0xfffe means "use the 64-bit address".
 MAX_XBEE_ADDRESS = 0xFFFD
-MAX_UART = 3  # a mega has four
+
+# A mega has four.
+MAX_UART = 3
 MAX_SEED = 2**32 - 1
 
 

@@ -27,7 +27,7 @@ _OVERHEAD_BYTES = 64
 
 
 class CaptureWriter:
-    """One capture being written; `tell` gets one line when it ends before its time (limit, disk)."""
+    """One capture being written; `report` gets one line when it ends before its time (limit, disk)."""
 
     def __init__(
         self,
@@ -36,13 +36,13 @@ class CaptureWriter:
         clock: Callable[[], float],
         description: Mapping[str, object],
         limit_bytes: int = DEFAULT_LIMIT_BYTES,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self.path = path
         self.written_bytes = 0
         self._clock = clock
         self._limit_bytes = limit_bytes
-        self._tell = tell
+        self._report = report
         self._links = FIRST_LINK - 1
         self._noted: list[tuple[float, int, str, bytes]] = []
         self._noted_bytes = 0
@@ -90,20 +90,12 @@ class CaptureWriter:
             self._timer = None
         noted, self._noted = self._noted, []
         self._noted_bytes = 0
-        lines: list[str] = []
-        size = self.written_bytes
+        lines: list[bytes] = []
         for time_s, link, side, data in noted:
             of_link = "" if link == FIRST_LINK else f',"link":{link}'
             line = f'{{"t":{time_s - self._start_s:.6f},"from":"{side}","hex":"{data.hex()}"{of_link}}}\n'
-            size += len(line)
-            if size > self._limit_bytes:
-                self._write("".join(lines).encode())
-                limit_mb = self._limit_bytes / (1 << 20)
-                self._end(f"{self.path} has reached {limit_mb:.3g} MB: nothing more is recorded")
-                return
-            lines.append(line)
-        if lines:
-            self._write("".join(lines).encode())
+            lines.append(line.encode())
+        self._write_within_limit(lines)
 
     def close(self) -> None:
         """Write the rest and close the file. Idempotent."""
@@ -114,7 +106,18 @@ class CaptureWriter:
         self.flush()
         time_s = round(self._clock() - self._start_s, 6)
         of_link = {} if link == FIRST_LINK else {"link": link}
-        self._write(json.dumps({"t": time_s, **event, **of_link}).encode() + b"\n")
+        self._write_within_limit([json.dumps({"t": time_s, **event, **of_link}).encode() + b"\n"])
+
+    def _write_within_limit(self, lines: list[bytes]) -> None:
+        size = self.written_bytes
+        for number, line in enumerate(lines):
+            size += len(line)
+            if size > self._limit_bytes:
+                self._write(b"".join(lines[:number]))
+                limit_mb = self._limit_bytes / (1 << 20)
+                self._end(f"{self.path} has reached {limit_mb:.3g} MB: nothing more is recorded")
+                return
+        self._write(b"".join(lines))
 
     def _write(self, data: bytes) -> None:
         if self._file is None:
@@ -137,7 +140,7 @@ class CaptureWriter:
             self._timer.cancel()
             self._timer = None
         if reason is not None:
-            self._tell(reason)
+            self._report(reason)
 
 
 class RecordedTransport:

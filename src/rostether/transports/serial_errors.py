@@ -39,7 +39,7 @@ def explain_open_error(
     if isinstance(error, PermissionError) and sys.platform == "win32":
         code = errno.EBUSY  # Windows says "access denied" of a port that is open elsewhere
     if isinstance(error, FileNotFoundError):
-        return TransportOpenError(f"no serial port {path}; {_say_what_is_there(list_ports)}")
+        return TransportOpenError(f"no serial port {path}; {_describe_ports(list_ports)}")
     if code == errno.EBUSY:
         return TransportOpenError(
             f"{path} is in use by {find_holder(path) or 'another program'}; close that program"
@@ -47,9 +47,9 @@ def explain_open_error(
     if isinstance(error, PermissionError):
         return TransportOpenError(explain_permission(path))
     if isinstance(error, OSError) and code in (errno.ENOTTY, errno.EISDIR):
-        return TransportOpenError(f"{path} is not a serial port; {_say_what_is_there(list_ports)}")
+        return TransportOpenError(f"{path} is not a serial port; {_describe_ports(list_ports)}")
     if isinstance(error, OSError) and code in (errno.ENXIO, errno.ENODEV, errno.EIO):
-        return TransportOpenError(f"no device answers on {path}; {_say_what_is_there(list_ports)}")
+        return TransportOpenError(f"no device answers on {path}; {_describe_ports(list_ports)}")
     if isinstance(error, OSError) and code != errno.EINVAL:
         return TransportOpenError(
             f"cannot open {path}: {error.strerror or error}; unplug it and plug it in again"
@@ -78,7 +78,7 @@ def explain_permission(path: str) -> str:
     )
 
 
-def _say_what_is_there(list_ports: Callable[[], Sequence[_Port]]) -> str:
+def _describe_ports(list_ports: Callable[[], Sequence[_Port]]) -> str:
     ports = list_ports()
     if not ports:
         return "no serial port found"

@@ -52,8 +52,9 @@ class HttpServerSide:
         self._body = bytearray()
         self._chunk_count = 0
         self._out = bytearray()
+
+        # Whether `next_request` stopped before it had read all it was given: call it again soon.
         self.is_behind = False
-        """Whether `next_request` stopped before it had read all it was given: call it again soon."""
 
     @property
     def ended(self) -> bool:

@@ -1,4 +1,4 @@
-"""What devices.toml lets a board do in the graph, asked before anything is set up there."""
+"""A board's permissions in devices.toml, checked before anything is opened in the graph."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def check_endpoint(access: Access, role: TopicRole | ServiceRole, name: str) -> 
 
 
 def check_parameter(access: Access, name: str) -> None:
-    """Check that a board may ask for a parameter under its resolved name. Raises AccessDeniedError."""
+    """Check that a board may read a parameter with this resolved name. Raises AccessDeniedError."""
     _check(access, "parameters", name)
 
 

@@ -1,4 +1,4 @@
-"""The session as its endpoints see it: how they receive from the board and send to it."""
+"""The Protocol of a session for its endpoints: how they receive from the board and send to it."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ class BoardLine(Protocol):
 
     @property
     def receivers(self) -> dict[int, Callable[[list[bytes]], None]]:
-        """Who takes the messages of a topic id; endpoints put themselves in and take themselves out."""
+        """The receiver of each topic id's messages; endpoints add and remove themselves."""
 
     @property
     def outbox(self) -> Outbox:
-        """What goes to the board."""
+        """The queue of messages to the board."""
 
     def congested(self, wait: Callable[[], Awaitable[object]]) -> bool:
         """Read nothing from the board until `wait()` ends; False, and nothing awaited, if it cannot pause."""
 
     def rescan(self, payload: bytes) -> None:
-        """Handle what noise has swallowed: the frames in a message that does not have its type's layout."""
+        """Handle the frames in a message that does not have its type's layout: noise covered them."""
 
     def call_started(self) -> None:
-        """Note that the board itself waits for a response."""
+        """Record that the board waits for a response."""
 
     def call_finished(self) -> None:
-        """Note that the response was sent or given up."""
+        """Record that the response was sent or cancelled."""

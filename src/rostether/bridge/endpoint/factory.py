@@ -41,7 +41,7 @@ class EndpointFactory:
         self._notices = notices
         self._settings = settings
         self._access = device.access
-        # One for all topics: what a flood takes from others does not depend on how it is divided.
+        # One limit for all topics: a flood costs the same, however many topics it uses.
         self._rate = MessageRate(settings.messages_hz, clock) if settings.messages_hz is not None else None
         self._queue_depths = {graph.resolve(name): depth for name, depth in device.queue_depths.items()}
         self._mismatches: dict[tuple[str, str], str] = {}

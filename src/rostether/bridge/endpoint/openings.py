@@ -27,8 +27,9 @@ TopicEndpoint: TypeAlias = PublisherEndpoint | SubscriberEndpoint
 ServiceEndpoint: TypeAlias = ServiceServerEndpoint | ServiceClientEndpoint
 Endpoint: TypeAlias = TopicEndpoint | ServiceEndpoint
 Role: TypeAlias = TopicRole | ServiceRole
+
+# A role and name that only one endpoint may have, except topics that a board announces twice.
 Slot: TypeAlias = tuple[Role, str]
-"""A role and name that only one endpoint may have, except topics that a board announces twice."""
 
 # A graph that refuses an endpoint is asked again: first soon, then at most this seldom.
 MAX_RETRY_S = 5.0
@@ -44,7 +45,7 @@ class EndpointOpenings:
         self._opening: dict[Endpoint, asyncio.Task[None]] = {}
         self._closing: dict[Slot, asyncio.Task[None]] = {}
         self._unwanted: set[Endpoint] = set()
-        # Refused for their type, which another endpoint holds that the board may be just giving up.
+        # Refused because of their type: the board may be about to withdraw the other endpoint.
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
         self._turn = asyncio.Lock()
@@ -67,7 +68,7 @@ class EndpointOpenings:
         self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
 
     async def finish(self) -> None:
-        """End what is under way, in a second at most."""
+        """Finish all openings and closings, in a second at most."""
         for task in self._opening.values():
             task.cancel()
         if self._tasks:
@@ -87,7 +88,7 @@ class EndpointOpenings:
         return task
 
     async def _take_turn(self) -> None:
-        """Let the loop go round: what a board announces at once must not hold up the messages of others."""
+        """Yield to the event loop: many announcements at once must not delay the messages of others."""
         async with self._turn:
             await asyncio.sleep(0)
 
@@ -157,7 +158,7 @@ class EndpointOpenings:
         self._open_refused()
 
     def _open_refused(self) -> None:
-        """One endpoint has left the graph: what was refused may have been refused for its sake."""
+        """Retry refused endpoints after one has left the graph: it may have been the reason."""
         refused, self._refused = self._refused, set()
         for endpoint in refused:
             self._opening[endpoint] = self._run(self._open_again(endpoint))
@@ -169,5 +170,5 @@ class EndpointOpenings:
 
 
 def name_of(endpoint: Endpoint) -> str:
-    """Return the name by which the board announced it."""
+    """Return the name in the board's announcement."""
     return endpoint.info.name if isinstance(endpoint.info, ServiceAnnounced) else endpoint.info.topic_name

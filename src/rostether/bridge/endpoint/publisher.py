@@ -1,4 +1,4 @@
-"""A topic that the board publishes: checked against its type's layout, then handed to the graph as it is."""
+"""A topic that the board publishes: checked against its type's layout, then published unchanged."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.rosserial.frame import SYNC
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.layout import Layout
 
-# What may come in before the topic is advertised: a master answers in milliseconds, a flood fills this in 20.
+# Messages kept until the topic is advertised: a master answers in milliseconds, a flood fills this in 20.
 HELD_BYTES = 256 * 1024
 # Each held message costs this much beside its payload.
 MESSAGE_OVERHEAD_BYTES = 64
@@ -24,7 +24,7 @@ _SYNC = bytes((SYNC,))
 # Header.seq, the first field of a message that begins with a Header.
 _SEQUENCE = Struct("<I")
 _SEQUENCES = 1 << 32
-# How long a flood waits for a topic to be advertised before its oldest messages go.
+# How long a flood waits for a topic to be advertised before its oldest messages are dropped.
 SETUP_PAUSE_S = 1.0
 
 
@@ -75,7 +75,7 @@ class PublisherEndpoint:
         line.receivers[info.topic_id] = self.receive
 
     def detach(self) -> None:
-        """Let go of the connection."""
+        """Release the connection."""
         if self._line is not None:
             if self._line.receivers.get(self.info.topic_id) == self.receive:
                 del self._line.receivers[self.info.topic_id]
@@ -85,7 +85,7 @@ class PublisherEndpoint:
         return f"<publisher {self.info.topic_name} [{self.info.message_type}] id {self.info.topic_id}>"
 
     async def open(self) -> None:
-        """Advertise, then publish what came meanwhile. Raises GraphError, InvalidNameError."""
+        """Advertise, then publish the kept messages. Raises GraphError, InvalidNameError."""
         publisher = await self._graph.advertise(
             self.info.topic_name, self._type, queue_bytes=self._settings.subscriber_bytes
         )
@@ -129,7 +129,7 @@ class PublisherEndpoint:
             await publisher.drained(self._settings.drain_pause_s)
 
     def _count(self, payloads: list[bytes]) -> list[bytes]:
-        """Return the messages with the topic's own count as Header.seq, as rospy and roscpp publish them."""
+        """Return the messages with the topic's own count as Header.seq, as in rospy and roscpp."""
         first = self._sequence + 1
         self._sequence = (self._sequence + len(payloads)) % _SEQUENCES
         pack, size = _SEQUENCE.pack, _SEQUENCE.size

@@ -13,7 +13,7 @@ MAX_DEPTH = 2
 
 
 class Rescan:
-    """Looks into messages that do not have their type's layout; what is found is handled as it comes."""
+    """Scans messages that do not have their type's layout, and handles the frames in them."""
 
     def __init__(self, link: HostLink, handle: Callable[[HostEvent], None]) -> None:
         self._link = link
@@ -21,7 +21,7 @@ class Rescan:
         self._depth = 0
 
     def rescan(self, payload: bytes, now_s: float) -> None:
-        """Handle what the link finds in a payload."""
+        """Handle the frames in a payload."""
         if self._depth >= MAX_DEPTH:
             return
         self._depth += 1

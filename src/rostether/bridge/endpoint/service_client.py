@@ -83,7 +83,7 @@ class ServiceClientEndpoint:
             self._listed = await self._graph.list_client(self.info.name, self._type)
 
     async def close(self) -> None:
-        """Leave nothing behind."""
+        """Stop being listed as a client."""
         listed, self._listed = self._listed, None
         if listed is not None:
             await listed.close()
@@ -98,7 +98,7 @@ class ServiceClientEndpoint:
                 self.dropped_count += 1
                 self._report("the board sends requests faster than they are answered; dropped one")
             else:
-                # At once: a time answer that left before the response would end the board's wait.
+                # At once: a time answer before the response would end the board's wait.
                 line.call_started()
                 self._requests.append(payload)
         if self._requests and self._calling is None:
@@ -122,7 +122,7 @@ class ServiceClientEndpoint:
             return self._zero_response
         timeout_s = self._settings.client_call_timeout_s
         try:
-            # The second limit is for a graph that does not keep the first.
+            # The second limit is for a graph that ignores the first.
             async with asyncio.timeout(timeout_s + 1.0):
                 response = await self._graph.call_service(
                     self.info.name, self._type, request, timeout_s=timeout_s

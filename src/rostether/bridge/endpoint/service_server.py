@@ -1,4 +1,4 @@
-"""A service that the board serves: one call in flight, the others wait their turn.
+"""A service that the board serves: one call at a time, the others wait.
 
 The wire has no correlation id, so a response belongs to the one call in flight. After a call that timed out
 the board may still answer, and that answer must not become the next call's: until it came and was thrown
@@ -23,7 +23,7 @@ from rostether.serde.layout import Layout
 # A board that never shows that it is past a call that timed out (it requests the time every 2.5 s, and takes
 # its host for gone after 11 s) is believed to have lost the request.
 QUARANTINE_S = 15.0
-# A board that was busy with a call left out more than two of its time requests, which the line may have lost.
+# A board that was busy with a call has skipped more than two time requests; the line may lose two.
 BUSY_S = 6.0
 
 
@@ -69,7 +69,7 @@ class ServiceServerEndpoint:
         line.receivers[info.response.topic_id] = self.receive
 
     def detach(self) -> None:
-        """Let go of the connection; a call in flight fails."""
+        """Release the connection; a call in flight fails."""
         self.fail_call("lost")
         if self._line is not None:
             if self._line.receivers.get(self.info.response.topic_id) == self.receive:
@@ -85,7 +85,7 @@ class ServiceServerEndpoint:
         self._end_quarantine()
 
     def time_requested(self, now_s: float) -> None:
-        """Note that the board asked for the time: after a silence as long as a call it is past that call."""
+        """Record a time request: after a silence as long as a call, the board has finished that call."""
         silence_s = now_s - max(self._asked_s, self._sent_s)
         self._asked_s = now_s
         if silence_s >= BUSY_S:

@@ -1,4 +1,4 @@
-"""A topic that the board subscribes to: what the graph brings, as far as it fits the board's buffer."""
+"""A topic that the board subscribes to: the graph's messages that fit the board's buffer."""
 
 from __future__ import annotations
 
@@ -38,32 +38,32 @@ class SubscriberEndpoint:
         self._notices = notices
         self._queue_depth = queue_depth
         self._line: BoardLine | None = None
-        self._lane: TopicQueue | None = None
+        self._queue: TopicQueue | None = None
         self._dropped_before = 0
         self._subscriber: Subscriber | None = None
 
     @property
     def dropped_count(self) -> int:
         """How many messages the board was too slow for."""
-        return self._dropped_before + (self._lane.dropped_count if self._lane is not None else 0)
+        return self._dropped_before + (self._queue.dropped_count if self._queue is not None else 0)
 
     def attach(self, line: BoardLine, info: TopicInfo) -> None:
         """Send to a connection from now on."""
         self.detach()
         self.info = info
         self._line = line
-        self._lane = TopicQueue(info.topic_id, info.topic_name, self._queue_depth)
-        self._lane.set_source(self._subscriber)
+        self._queue = TopicQueue(info.topic_id, info.topic_name, self._queue_depth)
+        self._queue.set_source(self._subscriber)
         size = self._layout.fixed_size_bytes
         if size is not None and size > info.buffer_size:
             self._report_oversize(size)
 
     def detach(self) -> None:
         """Release the connection; messages that arrive until the next one are dropped."""
-        if self._line is not None and self._lane is not None:
-            self._line.outbox.remove(self._lane)
-            self._dropped_before += self._lane.dropped_count
-        self._line = self._lane = None
+        if self._line is not None and self._queue is not None:
+            self._line.outbox.remove(self._queue)
+            self._dropped_before += self._queue.dropped_count
+        self._line = self._queue = None
 
     def __repr__(self) -> str:
         return f"<subscriber {self.info.topic_name} [{self.info.message_type}] id {self.info.topic_id}>"
@@ -74,14 +74,14 @@ class SubscriberEndpoint:
             self.info.topic_name, self._type, self.deliver, on_connection=self._note_latching
         )
         self._subscriber = subscriber
-        if self._lane is not None:
-            self._lane.set_source(subscriber)
+        if self._queue is not None:
+            self._queue.set_source(subscriber)
 
     async def close(self) -> None:
         """Unsubscribe."""
         subscriber, self._subscriber = self._subscriber, None
-        if self._lane is not None:
-            self._lane.set_source(None)
+        if self._queue is not None:
+            self._queue.set_source(None)
         if subscriber is not None:
             await subscriber.close()
 
@@ -92,8 +92,8 @@ class SubscriberEndpoint:
 
     def deliver(self, payloads: Sequence[bytes]) -> None:
         """Handle messages from the graph."""
-        line, lane = self._line, self._lane
-        if line is None or lane is None:
+        line, queue = self._line, self._queue
+        if line is None or queue is None:
             return
         if not self._accepts_all(payloads):
             payloads = self._drop_misfits(payloads)
@@ -101,7 +101,7 @@ class SubscriberEndpoint:
             payloads = self._drop_oversize(payloads)
         if payloads:
             self.message_count += len(payloads)
-            line.outbox.put(lane, payloads)
+            line.outbox.put(queue, payloads)
 
     def _note_latching(self, header: Mapping[str, str]) -> None:
         if header.get("latching") == "1":

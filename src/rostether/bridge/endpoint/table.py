@@ -1,4 +1,4 @@
-"""All endpoints of one board's node, and how they follow what the board announces.
+"""All endpoints of one board's node, which follow the board's announcements.
 
 An endpoint outlives the connection it was announced on. When the board comes back and announces the same
 name and type, the endpoint is attached to the new connection and its publisher or subscription never left
@@ -39,7 +39,7 @@ from rostether.rosserial.packets import TopicInfo
 _Key: TypeAlias = tuple[Role, str, int]
 
 
-# As many as endpoints; a board that keeps inventing new ones must not fill the memory.
+# As many as endpoints; a board that always announces new ones must not fill the memory.
 MAX_REFUSED = 256
 
 
@@ -52,8 +52,9 @@ class EndpointTable:
         self._endpoints: dict[_Key, Endpoint] = {}
         self._attached: set[_Key] = set()
         self._openings = EndpointOpenings(notices)
+
+        # By name: why what the board announced on this connection is not served.
         self.refused: dict[str, RostetherError] = {}
-        """By name: why what the board announced on this connection is not served."""
         # Endpoints replaced by another type of the same name but not withdrawn yet: until the negotiation
         # ends, it is unknown whether the board still has them.
         self._displaced: dict[_Key, Endpoint] = {}
@@ -108,7 +109,7 @@ class EndpointTable:
         return made is not None
 
     def withdraw(self, event: TopicWithdrawn | ServiceWithdrawn) -> None:
-        """Close what the board no longer has."""
+        """Close endpoints that the board no longer has."""
         self.refused.pop(event.info.topic_name if isinstance(event, TopicWithdrawn) else event.name, None)
         if isinstance(event, TopicWithdrawn):
             key: _Key = (event.role, event.info.topic_name, event.info.topic_id)
@@ -122,7 +123,7 @@ class EndpointTable:
             self._retire(key)
 
     def settle(self) -> None:
-        """The negotiation is over: close what was kept from an earlier connection and not announced again."""
+        """End the negotiation: close kept endpoints that were not announced again."""
         for key in [key for key in self._endpoints if key not in self._attached]:
             self._retire(key)
         displaced, self._displaced = self._displaced, {}
@@ -136,7 +137,7 @@ class EndpointTable:
             )
 
     def detach_all(self) -> None:
-        """The connection ended; keep everything for the next one."""
+        """End the connection; keep all endpoints for the next one."""
         for endpoint in self._endpoints.values():
             endpoint.detach()
         self._attached.clear()
@@ -144,17 +145,17 @@ class EndpointTable:
         self.refused.clear()
 
     def renew_latched(self) -> None:
-        """The board has forgotten everything: bring latched messages to it again."""
+        """Subscribe again after a reset of the board, so that it receives latched messages again."""
         for endpoint in self._endpoints.values():
             self._renew_latched(endpoint)
 
     def time_requested(self, now_s: float) -> None:
-        """The board asked for the time: it may be past a service call that it never answered."""
+        """Handle a time request: the board may have finished a service call without an answer."""
         for endpoint in self._servers():
             endpoint.time_requested(now_s)
 
     def fail_calls(self, reason: str) -> None:
-        """The board was `reason` (lost, reset): it will answer no call that is in flight."""
+        """Fail the calls in flight: the board was `reason` (lost, reset)."""
         for endpoint in self._servers():
             endpoint.fail_call(reason)
 
@@ -189,7 +190,7 @@ class EndpointTable:
         except RostetherError as error:
             if len(self.refused) < MAX_REFUSED:
                 self.refused[name] = error
-            # A definition's own error names its file; all else the board's user must connect with a name.
+            # An error in a definition names its file; every other error needs the name of the topic.
             self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
             return None
         self.refused.pop(name, None)

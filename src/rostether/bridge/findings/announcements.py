@@ -1,4 +1,4 @@
-"""Control packets that a board cannot have meant: its RAM was overwritten, or its sketch is wrong."""
+"""Invalid control packets of a board: its RAM was overwritten, or its sketch is wrong."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PACKETS: dict[int | None, str] = {
 
 
 class Announcements:
-    """What of one connection's announcements makes no sense."""
+    """The invalid announcements of one connection."""
 
     def __init__(self) -> None:
         self._garbled: OrderedDict[tuple[int | None, bytes], int] = OrderedDict()
@@ -56,7 +56,7 @@ class Announcements:
             self._refused[event.topic_name, event.message_type] = event
 
     def find(self) -> list[Finding]:
-        """Judge."""
+        """Return the findings."""
         findings = []
         if self._garbled_count >= MIN_COUNT:
             topic_id, payload = max(self._garbled, key=lambda each: self._garbled[each])
@@ -88,7 +88,7 @@ class Announcements:
 
 
 def is_overwritten(info: TopicInfo) -> bool:
-    """Return whether a sound frame's announcement holds what no compiler has put there."""
+    """Return whether an announcement in a valid frame has text that no compiler wrote."""
     texts = (info.topic_name, info.message_type, info.md5sum)
     return any(map(_has_damage, texts)) or not info.md5sum or not info.message_type
 

@@ -46,7 +46,7 @@ class BoardHealth:
         )
 
     def connected(self, baud: int | None, statistics: LinkStatistics, now_s: float) -> LineWatch:
-        """Begin to watch a connection."""
+        """Start to watch a connection."""
         was_alive = self.watch is not None and self.watch.was_alive
         if self._was_closed:
             self._resets = Resets()
@@ -60,12 +60,15 @@ class BoardHealth:
         self.watch = LineWatch(baud, self._resets, statistics, now_s)
         return self.watch
 
-    def disconnected(self, error: TransportError | None) -> None:
-        """Note how a connection ended: programs that follow each other are no resets of a board."""
-        self._was_closed = isinstance(error, PeerClosedError)
+    def disconnected(self, error: TransportError | None, *, is_program: bool = False) -> None:
+        """Record how a connection ended: several programs in a row are not resets of a board.
+
+        `is_program`: the connection is from this machine, where a killed program ends it too.
+        """
+        self._was_closed = is_program or isinstance(error, PeerClosedError)
 
     def find(self, now_s: float) -> list[Finding]:
-        """Return what is wrong now, errors first. Called about once a second."""
+        """Return the current findings, errors first. Called about once a second."""
         if self.watch is None:
             return []
         found = self.watch.find(now_s)

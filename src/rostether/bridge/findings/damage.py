@@ -19,7 +19,7 @@ MIN_SHARE = 0.002
 
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 _REMAINS = frozenset({DiscardReason.NOISE, DiscardReason.VERSION, DiscardReason.UNFINISHED})
-# Stray bytes shorter than a frame are no frame.
+# Stray bytes shorter than a frame do not count.
 _MIN_REMAINS_BYTES = 8
 
 
@@ -32,7 +32,7 @@ class Damage:
         self._looks: deque[tuple[float, int, int]] = deque()
 
     def count_discarded(self, event: FrameDiscarded, now_s: float) -> None:
-        """Count what was a frame once; what follows a failed check at the same moment is the rest of it."""
+        """Count a damaged frame; discarded bytes at the same moment are the rest of it."""
         is_remains = event.reason in _REMAINS and len(event.data) >= _MIN_REMAINS_BYTES
         if event.reason in _CHECKS or (is_remains and now_s > self._last_s):
             self._count += 1

@@ -1,4 +1,4 @@
-"""What is wrong with single topics and services of a board."""
+"""Findings about single topics and services of a board."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from rostether.rosserial.packets import TopicInfo
 RECENT_S = 30.0
 
 MIN_MISFITS = 3
-# Damage that passes its checksum, one in 256, is the line's; more is another definition.
+# One damaged frame in 256 passes the checksum; more misfits mean another definition.
 MISFIT_SHARE = 0.05
 
-# What must fit a board's output buffer beside the payload.
+# The bytes of a frame beside the payload in a board's output buffer.
 PUBLISHER_OVERHEAD_BYTES = 8
 
 _LARGER = "enlarge it in the sketch: ros::NodeHandle_<ArduinoHardware, 25, 25, INPUT, OUTPUT>, in bytes"
@@ -50,7 +50,7 @@ class EndpointFindings:
             elif isinstance(endpoint, SubscriberEndpoint):
                 found += self._subscriber(endpoint, now_s)
         if now_s - too_large_s < RECENT_S and not any(each.code is Code.BUFFER_TOO_SMALL for each in found):
-            found.append(_said_too_large(silent))
+            found.append(_too_large(silent))
         return found
 
     def _too_long(self, endpoint: Endpoint, oversizes: Oversizes, now_s: float) -> list[Finding]:
@@ -59,7 +59,7 @@ class EndpointFindings:
         if info is None or seen is None:
             return []
         if seen.largest_bytes <= info.buffer_size:
-            # Who streams announces no buffer, and is held to the size that the type has.
+            # A streaming board announces no buffer; the size of the type counts.
             most = "more than this type or the limit of the frame length allows"
             step = "generate the message headers of the sketch again, and publish nothing else on this topic"
         else:
@@ -173,15 +173,15 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
             topics[0],
             reported=True,
         )
-    told = step if reason else "correct it in the sketch"
+    advice = step if reason else "correct it in the sketch"
     if issubclass(kind, DefinitionError):
-        told = step if reason else "correct the definition"
+        advice = step if reason else "correct the definition"
     return error(
-        Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", told, topics[0], reported=True
+        Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", advice, topics[0], reported=True
     )
 
 
-def _said_too_large(silent: list[PublisherEndpoint]) -> Finding:
+def _too_large(silent: list[PublisherEndpoint]) -> Finding:
     names = ", ".join(f"{name_of(each)} [{each.info.message_type}]" for each in silent[:4])
     which = f"; nothing was received of {names}" if names else ""
     size = f" of {silent[0].info.buffer_size} bytes" if silent else ""

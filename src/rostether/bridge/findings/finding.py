@@ -1,4 +1,4 @@
-"""A finding: what was seen on a board's line, in plain words, and what to do next."""
+"""A finding: a problem of a board's line in plain words, and the next step."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from enum import IntEnum, StrEnum
 
 
 class Severity(IntEnum):
-    """How bad, with the values of diagnostic_msgs/DiagnosticStatus."""
+    """The severity, with the values of diagnostic_msgs/DiagnosticStatus."""
 
     WARN = 1
     ERROR = 2
 
 
 class Code(StrEnum):
-    """What kind of finding; scripts look for these, so that they never change."""
+    """The kind of a finding; scripts use these, so they never change."""
 
     NO_PORT = "no-port"
     NOT_A_PORT = "not-a-port"
@@ -62,7 +62,7 @@ class Finding:
 
     @property
     def key(self) -> tuple[Code, str]:
-        """What stays the same while the figures in the text change."""
+        """The identity of the finding, while the figures in its text change."""
         return self.code, self.subject
 
     def __str__(self) -> str:
@@ -71,10 +71,10 @@ class Finding:
 
 
 def error(code: Code, seen: str, next_step: str, subject: str = "", *, reported: bool = False) -> Finding:
-    """Return a finding that keeps messages from flowing."""
+    """Return a finding that stops messages."""
     return Finding(code, Severity.ERROR, seen, next_step, subject, reported)
 
 
 def warning(code: Code, seen: str, next_step: str, subject: str = "", *, reported: bool = False) -> Finding:
-    """Return a finding with which messages still flow."""
+    """Return a finding that does not stop messages."""
     return Finding(code, Severity.WARN, seen, next_step, subject, reported)

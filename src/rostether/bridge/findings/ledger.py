@@ -1,4 +1,4 @@
-"""Remembers which findings were reported: each once, and again when it comes back."""
+"""Stores which findings were reported: each once, and again after it returns."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ class FindingLedger:
     """The reported findings of one board."""
 
     def __init__(self) -> None:
-        self._told: OrderedDict[tuple[Code, str], tuple[Severity, float]] = OrderedDict()
+        self._reported: OrderedDict[tuple[Code, str], tuple[Severity, float]] = OrderedDict()
 
     def news(self, findings: Iterable[Finding], now_s: float) -> list[Finding]:
-        """Return those of the current findings that are to be reported now."""
+        """Return the current findings that should be reported now."""
         news = []
         for finding in findings:
-            severity, seen_s = self._told.get(finding.key, (None, 0.0))
+            severity, seen_s = self._reported.get(finding.key, (None, 0.0))
             if severity is None or now_s - seen_s > FORGET_AFTER_S or finding.severity > severity:
                 news.append(finding)
-            self._told[finding.key] = finding.severity, now_s
-            self._told.move_to_end(finding.key)
-        while len(self._told) > MAX_KEYS:
-            self._told.popitem(last=False)
+            self._reported[finding.key] = finding.severity, now_s
+            self._reported.move_to_end(finding.key)
+        while len(self._reported) > MAX_KEYS:
+            self._reported.popitem(last=False)
         return news
 
     def forget(self, *codes: Code) -> None:
         """Report the next finding of these codes again, because its cause was certainly gone."""
-        for key in [key for key in self._told if key[0] in codes]:
-            del self._told[key]
+        for key in [key for key in self._reported if key[0] in codes]:
+            del self._reported[key]

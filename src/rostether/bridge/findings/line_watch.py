@@ -57,8 +57,9 @@ class LineWatch:
         self.noise = Noise()
         self.loop_speed = LoopSpeed()
         self.oversizes = Oversizes()
+
+        # When the board last logged that a message did not fit its buffer.
         self.too_large_s = float("-inf")
-        """When the board last said that a message did not fit its buffer."""
         self._baud = baud
         self._resets = resets
         self._statistics = statistics
@@ -117,7 +118,7 @@ class LineWatch:
             self._unknown_id = event.topic_id, first_s
 
     def find(self, now_s: float) -> list[Finding]:
-        """Return what is wrong now, the worst first. Called about once a second."""
+        """Return the current findings, the worst first. Called about once a second."""
         damage = None
         if self.was_alive:
             damage = self._damage.find(self._statistics.frames_received, now_s, self._resets.count(now_s))
@@ -139,7 +140,7 @@ class LineWatch:
     def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
         if self.oversizes.handle_discarded(event, self._version, now_s):
             return
-        # What the first frame ends is the rest of a burst that began before the port was opened.
+        # The bytes before the first frame are the rest of a burst from before the port was opened.
         is_alive = self._alive_s is not None and now_s > self._alive_s and self._silence_s is None
         was_text = self.noise.handle_discarded(event, now_s, is_alive=is_alive)
         self._announcements.discarded(event)
@@ -206,7 +207,7 @@ class LineWatch:
 
 
 def absence(noise: Noise, baud: int | None, waited_s: float) -> Finding:
-    """Say why there is no rosserial frame, from what came instead."""
+    """Return why there is no rosserial frame, judged by the bytes that came instead."""
     if not noise.byte_count:
         hint = f", and whether its baud rate is {baud}" if baud else ""
         return error(

@@ -19,7 +19,7 @@ SLOW_LISTENER_S = 0.1
 # A board that only publishes loses nothing; the library's own first example sleeps a second in loop().
 SLOW_TALKER_S = 0.6
 
-# Later than this is late whatever was asked meanwhile.
+# Later than this is late in any case.
 OVERDUE_S = 0.4
 
 TOLERANCE_S = 0.1
@@ -38,15 +38,15 @@ class LoopSpeed:
     """The time requests of one connection."""
 
     def __init__(self) -> None:
+        # Whether the board is known to run our library.
         self.is_ours = False
-        """Whether the board is known to run our library."""
         self._last_s: float | None = None
         self._asked = 0
         self._intervals_s: deque[float] = deque(maxlen=KEPT)
 
     @property
     def late_s(self) -> float | None:
-        """How late the requests mostly are; None while not known."""
+        """The usual delay of the requests; None while unknown."""
         if len(self._intervals_s) < MIN_COUNT:
             return None
         return max(0.0, median(self._intervals_s) - self._period_s)
@@ -69,11 +69,11 @@ class LoopSpeed:
             self._intervals_s.append(interval_s)
 
     def forget(self) -> None:
-        """Note that the board was reset: its next request is not due when it was."""
+        """Record a reset of the board, which changes when its next request is due."""
         self._last_s = None
 
     def find(self, *, is_listener: bool) -> Finding | None:
-        """Judge; `is_listener`: the board has subscribers or services."""
+        """Return the finding; `is_listener`: the board has subscribers or services."""
         late_s = self.late_s
         if late_s is None or late_s < (SLOW_LISTENER_S if is_listener else SLOW_TALKER_S):
             return None

@@ -1,4 +1,4 @@
-"""What came that is no frame: a sketch's own text, a boot loader's, another baud rate's bits."""
+"""Bytes outside frames: text of a sketch or a boot loader, or bits at another baud rate."""
 
 from __future__ import annotations
 
@@ -40,24 +40,24 @@ def is_text(data: bytes) -> bool:
 
 
 def show(data: bytes) -> str:
-    """Format bytes for people: text in quotes, other bytes as numbers."""
+    """Format bytes for users: text in quotes, other bytes as numbers."""
     if is_text(data[:SHOWN_BYTES]) or (data and is_text(data)):
         return repr(data[:SHOWN_BYTES].decode("utf-8", "replace"))
     return data[:16].hex(" ")
 
 
 class Noise:
-    """The bytes of one connection that were not believed."""
+    """The discarded bytes of one connection."""
 
     def __init__(self) -> None:
+        # How many came since the last sign of a rosserial board.
         self.byte_count = 0
-        """How many came since the last sign of a rosserial board."""
+        # How many bytes of text came between frames.
         self.text_count = 0
-        """How many bytes of text came between frames."""
+        # The first of that text.
         self.text = b""
-        """The first of that text."""
+        # The unknown version byte of valid headers.
         self.other_version: int | None = None
-        """The unknown version byte of valid headers."""
         self._first = bytearray()
         self._recent = bytearray()
         self._line = bytearray()
@@ -90,7 +90,7 @@ class Noise:
         return found
 
     def alive(self) -> None:
-        """Note a frame that only a rosserial board sends."""
+        """Record a frame that only a rosserial board sends."""
         self.byte_count = 0
         self._first.clear()
         self._line.clear()
@@ -101,7 +101,7 @@ class Noise:
         return lines[-1].decode("utf-8", "replace").strip()[:SHOWN_BYTES] if lines else None
 
     def _note_text(self, size: int, now_s: float) -> None:
-        """Treat text as printed by the sketch if it has an end of line or comes again and again.
+        """Treat text as printed by the sketch if it has an end of line or repeats.
 
         The rest of a damaged announcement is text too.
         """

@@ -1,4 +1,4 @@
-"""What is wrong with a port before a byte has come: from its facts, or from why it did not open."""
+"""Problems of a port before the first byte: from its facts, or from the error of opening it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.transports.port_holders import Holder
 
 
 def port_findings(facts: PortFacts) -> list[Finding]:
-    """Return why a port cannot be used, or should not now; nothing if all is well so far."""
+    """Return why a port cannot or should not be used now; empty if no problem is known."""
     if not facts.exists:
         return [_no_port(facts)]
     if not facts.is_device:
@@ -44,7 +44,7 @@ def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
 
 
 def cannot_open(failure: BaseException) -> Finding:
-    """Return a failure in its own words."""
+    """Return a failure with its own text."""
     seen, _, step = str(failure).partition("; ")
     return error(Code.CANNOT_OPEN, seen, step or "check the address")
 

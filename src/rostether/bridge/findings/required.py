@@ -20,11 +20,11 @@ class RequiredTopics:
         self._announced: tuple[str, ...] = ()
 
     def forget(self) -> None:
-        """A connection begins: nothing is known to be missing."""
+        """Start a connection: nothing is known to be missing."""
         self._missing = ()
 
     def settled(self, announced: Iterable[str]) -> None:
-        """All that the board announced is known."""
+        """Finish the announcements of the board."""
         if self._required:
             self._announced = tuple(dict.fromkeys(announced))
             there = {self._full_name(name) for name in self._announced}

@@ -1,4 +1,4 @@
-"""A board that starts again and again."""
+"""A board that restarts repeatedly."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Resets:
         self._times: deque[float] = deque(maxlen=1000)
 
     def happened(self, now_s: float) -> None:
-        """Note one."""
+        """Record a reset."""
         self._times.append(now_s)
 
     def count(self, now_s: float) -> int:
@@ -34,7 +34,7 @@ class Resets:
         return len(self._times)
 
     def find(self, now_s: float, crash_line: str | None) -> Finding | None:
-        """Judge; `crash_line` is what the board said of it."""
+        """Return the finding; `crash_line` is the board's own explanation."""
         count = self.count(now_s)
         if count < MIN_RESETS:
             return None
@@ -44,10 +44,10 @@ class Resets:
 
 def reset_loop(seen: str, crash_line: str | None) -> Finding:
     """Return the finding, with the board's own explanation if there is one."""
-    said = f", and printed {crash_line!r}" if crash_line else ""
+    printed = f", and printed {crash_line!r}" if crash_line else ""
     return error(
         Code.RESET_LOOP,
-        f"{seen}{said}",
+        f"{seen}{printed}",
         "power motors and servos from a separate supply (a brown-out resets the board), check for a "
         "watchdog, and use smaller buffers and fewer topics in the sketch (the stack may overwrite the "
         "RAM)",

@@ -1,4 +1,4 @@
-"""How each board is doing, as values: for the lines and tables that people look at."""
+"""The state of each board as values, for lines and tables."""
 
 from __future__ import annotations
 

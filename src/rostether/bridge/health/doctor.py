@@ -61,12 +61,12 @@ class Diagnosis:
 
     @property
     def is_well(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether there is no problem."""
         return not self.findings
 
 
 class Doctor:
-    """Examines links. `say` receives progress texts for the user."""
+    """Examines links. `report_step` receives progress texts for the user."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class Doctor:
         *,
         watch_s: float = WATCH_S,
         answer_s: float = NO_ANSWER_S,
-        say: Callable[[str], object] = lambda _text: None,
+        report_step: Callable[[str], object] = lambda _text: None,
         read_facts: Callable[[str], Awaitable[PortFacts]] | None = None,
         list_ports: Callable[[], Sequence[NamedPort]] = list,
         open_transport: Callable[[Address], Awaitable[Transport]] = open_transport,
@@ -82,13 +82,13 @@ class Doctor:
         self._store = store
         self._watch_s = watch_s
         self._answer_s = answer_s
-        self._say = say
+        self._report_step = report_step
         self._read_facts = read_facts or partial(_read_facts, list_ports)
         self._open = open_transport
         self._loop = asyncio.get_running_loop()
 
     async def examine(self, address: Address) -> Diagnosis:
-        """Examine one link. Raises ConfigError for an address that makes no sense here."""
+        """Examine one link. Raises ConfigError for an unsuitable address."""
         if address.listens:
             return await self._examine_listener(address)
         if isinstance(address, SerialAddress):
@@ -106,7 +106,7 @@ class Doctor:
             return Diagnosis(str(address), tuple(findings), baud=address.baud)
         baud = None if is_pseudo_terminal(address.path) else address.baud
         at = f" at {baud} baud" if baud else ""
-        self._say(f"listening to {address}{at} ...")
+        self._report_step(f"listening to {address}{at} ...")
         try:
             watched = await self._watch(await self._open(address), baud)
         except RostetherError as failure:
@@ -117,9 +117,9 @@ class Doctor:
         return await self._search(address, watched)
 
     async def _search(self, address: SerialAddress, watched: Watched) -> Diagnosis:
-        """Nothing that makes sense came at the address's baud rate: try others."""
+        """Try other baud rates, after no valid data arrived at the address's baud rate."""
         try:
-            self._say("trying other baud rates, for up to half a minute ...")
+            self._report_step("trying other baud rates, for up to half a minute ...")
             # DTR stays as it is from here on, so that the board is not reset each time.
             transport = await self._open(replace(address, reset=False))
             try:
@@ -130,7 +130,7 @@ class Doctor:
             if isinstance(found, NoBoard):
                 findings = (_judge_search(address, watched, found), *watched.findings[1:])
                 return replace(self._diagnosis(address, watched, address.baud), findings=findings)
-            self._say(f"a board answers at {found.baud} baud; watching it ...")
+            self._report_step(f"a board answers at {found.baud} baud; watching it ...")
             right = replace(address, baud=found.baud, reset=False)
             again = await self._watch(await self._open(right), right.baud)
         except TransportError as failure:
@@ -162,7 +162,7 @@ class Doctor:
             return Diagnosis(str(address), (await self._why_not_listening(address, failure),))
         try:
             wait_s = max(self._watch_s, self._answer_s)
-            self._say(f"waiting {wait_s:.0f} s for a board to connect to {listener.address} ...")
+            self._report_step(f"waiting {wait_s:.0f} s for a board to connect to {listener.address} ...")
             try:
                 async with asyncio.timeout(wait_s):
                     transport = await came
@@ -212,7 +212,7 @@ def _needs_search(watched: Watched) -> bool:
 
 
 def _judge_search(address: SerialAddress, watched: Watched, found: NoBoard) -> Finding:
-    """Say what is wrong when no baud rate brought a frame."""
+    """Return the finding if no baud rate gave a frame."""
     first = watched.findings[0]
     if found.text_baud is not None:
         return error(

@@ -22,7 +22,10 @@ from rostether.serde.store import TypeStore
 # What diagnostic tools expect.
 PERIOD_S = 1.0
 
-# Looked at in one go, which takes a millisecond or two: a hundred at once would delay every message.
+# A new subscriber gets its first message within this time.
+GREETING_PERIOD_S = 0.2
+
+# Boards checked at once, which takes a millisecond or two: a hundred at once would delay every message.
 TURN_BOARDS = 4
 
 
@@ -44,24 +47,23 @@ class HealthRound:
         self._clock = clock
         self._publishes = publishes
         self._publications: WeakKeyDictionary[BoardNode, _Publication] = WeakKeyDictionary()
-        self._task: asyncio.Task[None] | None = None
+        self._tasks: list[asyncio.Task[None]] = []
         self._is_broken = False
 
     def start(self) -> None:
-        """Begin."""
-        self._task = asyncio.get_running_loop().create_task(self._run())
+        """Start."""
+        loop = asyncio.get_running_loop()
+        self._tasks = [loop.create_task(self._run())]
+        if self._publishes:
+            self._tasks.append(loop.create_task(self._greet()))
 
     async def close(self) -> None:
         """End. Idempotent."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
         for publication in list(self._publications.values()):
             await publication.close()
-
-    def check_all(self) -> None:
-        """Look at every board, now."""
-        self._look_at_all(self._boards())
 
     def _look_at_all(self, boards: Iterable[Board]) -> None:
         now_s = self._clock()
@@ -80,6 +82,15 @@ class HealthRound:
             for start in starts:
                 await asyncio.sleep(PERIOD_S / len(starts))
                 self._look_at_all(boards[start : start + TURN_BOARDS])
+
+    async def _greet(self) -> None:
+        while True:
+            await asyncio.sleep(GREETING_PERIOD_S)
+            self._look_at_all(board for board in list(self._boards()) if self._has_new_subscriber(board))
+
+    def _has_new_subscriber(self, board: Board) -> bool:
+        publication = self._publications.get(board.node) if board.node is not None else None
+        return publication is not None and publication.has_new_subscriber()
 
     def _look_at(self, board: Board, node: BoardNode, now_s: float) -> None:
         session = board.session
@@ -109,12 +120,19 @@ class _Publication:
         self.writer = StatusWriter()
         self._store = store
         self._publisher: Publisher | None = None
+        self._known_subscribers = 0
         self._opening = asyncio.get_running_loop().create_task(self._open(node))
 
     @property
     def is_wanted(self) -> bool:
         """Whether there is a subscriber."""
         return self._publisher is not None and self._publisher.subscriber_count > 0
+
+    def has_new_subscriber(self) -> bool:
+        """Whether a subscriber came since the last call."""
+        before = self._known_subscribers
+        self._known_subscribers = self._publisher.subscriber_count if self._publisher is not None else 0
+        return self._known_subscribers > before
 
     def publish(self, fields: dict[str, object]) -> None:
         """Publish one message."""

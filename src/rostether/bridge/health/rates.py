@@ -1,4 +1,4 @@
-"""How fast counters grow, seen once a second."""
+"""How fast counters grow, updated once a second."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Key = TypeVar("Key")
 
 
 class Rates(Generic[Key]):
-    """The growth of some counters over the last few looks."""
+    """The growth of counters over the last few updates."""
 
     def __init__(self) -> None:
         self._looks: deque[tuple[float, dict[Key, int]]] = deque()

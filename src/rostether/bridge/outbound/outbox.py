@@ -106,22 +106,22 @@ class Outbox:
     @property
     def queued_bytes(self) -> int:
         """How many bytes wait in the topics' queues."""
-        return sum(lane.queued_bytes for lane in self._ready)
+        return sum(queue.queued_bytes for queue in self._ready)
 
-    def put(self, lane: TopicQueue, payloads: Sequence[bytes]) -> None:
+    def put(self, queue: TopicQueue, payloads: Sequence[bytes]) -> None:
         """Queue messages of one topic; they leave by the end of this turn of the event loop if the link
         takes them."""
         if len(payloads) <= EAGER_MESSAGES and self._is_idle():
-            self._send_now(lane, payloads)
+            self._send_now(queue, payloads)
             return
-        if not lane.payloads:
-            self._ready.append(lane)
-        lane.payloads.extend(payloads)
-        lane.queued_bytes += sum(map(len, payloads)) + FRAME_OVERHEAD_BYTES * len(payloads)
-        if lane.depth is not None and len(lane.payloads) > lane.depth:
-            self._overflow_depth(lane)
-        if lane.queued_bytes > self._limit_bytes:
-            self._overflow(lane)
+        if not queue.payloads:
+            self._ready.append(queue)
+        queue.payloads.extend(payloads)
+        queue.queued_bytes += sum(map(len, payloads)) + FRAME_OVERHEAD_BYTES * len(payloads)
+        if queue.depth is not None and len(queue.payloads) > queue.depth:
+            self._overflow_depth(queue)
+        if queue.queued_bytes > self._limit_bytes:
+            self._overflow(queue)
         if not self._scheduled:
             self._schedule()
 
@@ -134,13 +134,13 @@ class Outbox:
         if not self._scheduled:
             self._schedule()
 
-    def remove(self, lane: TopicQueue) -> None:
+    def remove(self, queue: TopicQueue) -> None:
         """Forget a topic and what waits for it."""
-        if lane in self._ready:
-            self._ready.remove(lane)
-        lane.payloads.clear()
-        lane.queued_bytes = 0
-        lane.set_source(None)
+        if queue in self._ready:
+            self._ready.remove(queue)
+        queue.payloads.clear()
+        queue.queued_bytes = 0
+        queue.set_source(None)
 
     def flush(self) -> None:
         """Write what is due: answers, control traffic, then topics as far as the link takes them."""
@@ -165,8 +165,8 @@ class Outbox:
         if self._drained:
             # Only now: a source may bring more at once, and that must come behind what was just written.
             drained, self._drained = self._drained, []
-            for lane in drained:
-                lane.resume_source()
+            for queue in drained:
+                queue.resume_source()
         if self._ready and not self._scheduled:
             self._schedule()
 
@@ -189,8 +189,8 @@ class Outbox:
         for timer in (self._paced, self._stall_check):
             if timer is not None:
                 timer.cancel()
-        for lane in self._ready:
-            lane.resume_source()
+        for queue in self._ready:
+            queue.resume_source()
         self._ready.clear()
 
     def _is_idle(self) -> bool:
@@ -200,21 +200,20 @@ class Outbox:
             and self._loop.time() - self._flushed_s > EAGER_AFTER_S
         )
 
-    def _send_now(self, lane: TopicQueue, payloads: Sequence[bytes]) -> None:
+    def _send_now(self, queue: TopicQueue, payloads: Sequence[bytes]) -> None:
         self._flushed_s = self._loop.time()
-        frames = self._encode(lane, payloads)
+        frames = self._encode(queue, payloads)
         if frames:
             self.sent_bytes += len(frames)
             self._transport.write(frames)
 
-    def _encode(self, lane: TopicQueue, payloads: Sequence[bytes]) -> bytes:
+    def _encode(self, queue: TopicQueue, payloads: Sequence[bytes]) -> bytes:
         try:
-            frames = self._link.encode_messages(lane.topic_id, payloads)
+            frames = self._link.encode_messages(queue.topic_id, payloads)
         except LocalProtocolError:
             # The board no longer takes the topic, for instance after a reset with another sketch.
-            lane.dropped_count += len(payloads)
+            queue.dropped_count += len(payloads)
             return b""
-        lane.sent_count += len(payloads)
         return frames
 
     def _schedule(self) -> None:
@@ -238,17 +237,17 @@ class Outbox:
     def _take_turns(self, pieces: list[bytes], room_bytes: int) -> None:
         ready = self._ready
         while room_bytes > 0 and ready:
-            lane = ready.popleft()
-            payloads = lane.pop_ready(room_bytes if not ready else min(room_bytes, TURN_BYTES))
-            if lane.payloads:
-                ready.append(lane)
-            frames = self._encode(lane, payloads)
+            queue = ready.popleft()
+            payloads = queue.pop_ready(room_bytes if not ready else min(room_bytes, TURN_BYTES))
+            if queue.payloads:
+                ready.append(queue)
+            frames = self._encode(queue, payloads)
             if not frames:
                 continue
             room_bytes -= len(frames)
             pieces.append(frames)
-            if lane.source_paused and lane.queued_bytes <= self._limit_bytes // 2:
-                self._drained.append(lane)
+            if queue.source_paused and queue.queued_bytes <= self._limit_bytes // 2:
+                self._drained.append(queue)
 
     def _write(self, pieces: list[bytes]) -> None:
         data = pieces[0] if len(pieces) == 1 else b"".join(pieces)
@@ -257,29 +256,29 @@ class Outbox:
             self._pacer.written(len(data), self._loop.time())
         self._transport.write(data)
 
-    def _overflow_depth(self, lane: TopicQueue) -> None:
+    def _overflow_depth(self, queue: TopicQueue) -> None:
         if not self._blocked and self._pacer is None:
             self.flush()
-        if dropped := lane.drop_beyond_depth():
-            self._on_dropped(lane, dropped)
+        if dropped := queue.drop_beyond_depth():
+            self._on_dropped(queue, dropped)
 
-    def _overflow(self, lane: TopicQueue) -> None:
+    def _overflow(self, queue: TopicQueue) -> None:
         if not self._blocked and self._pacer is None:
             self.flush()
-            if lane.queued_bytes <= self._limit_bytes:
+            if queue.queued_bytes <= self._limit_bytes:
                 return
         limit_bytes = self._limit_bytes
-        if self._waits_for_board and not self._stalled and lane.has_source:
-            lane.pause_source()
+        if self._waits_for_board and not self._stalled and queue.has_source:
+            queue.pause_source()
             limit_bytes *= PAUSED_QUEUE_FACTOR
             if self._stall_check is None:
                 self._stall_check = self._loop.call_later(STALL_CHECK_S, self._check_stall)
-        if dropped := lane.drop_oldest(limit_bytes):
-            self._on_dropped(lane, dropped)
+        if dropped := queue.drop_oldest(limit_bytes):
+            self._on_dropped(queue, dropped)
 
     def _check_stall(self) -> None:
         self._stall_check = None
-        if not any(lane.source_paused for lane in self._ready):
+        if not any(queue.source_paused for queue in self._ready):
             return
         now_s = self._loop.time()
         unsent_bytes = self._transport.write_buffer_bytes
@@ -288,7 +287,7 @@ class Outbox:
             self._progress_s = now_s
         elif now_s - self._progress_s >= self._stall_s:
             self._stalled = True
-            for lane in self._ready:
-                lane.resume_source()
+            for queue in self._ready:
+                queue.resume_source()
             return
         self._stall_check = self._loop.call_later(STALL_CHECK_S, self._check_stall)

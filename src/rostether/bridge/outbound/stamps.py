@@ -24,8 +24,9 @@ class Stamps:
 
     def __init__(self, estimate: ClockEstimate, now: Callable[[], Time]) -> None:
         self.estimate = estimate
+
+        # By topic id: where in the payload the stamp is.
         self.offsets: dict[int, int] = {}
-        """By topic id: where in the payload the stamp is."""
         self._now = now
         self._next_s = 0.0
 

@@ -29,7 +29,6 @@ class TopicQueue:
         "dropped_count",
         "payloads",
         "queued_bytes",
-        "sent_count",
         "topic",
         "topic_id",
     )
@@ -40,7 +39,6 @@ class TopicQueue:
         self.depth = depth
         self.payloads: deque[bytes] = deque()
         self.queued_bytes = 0
-        self.sent_count = 0
         self.dropped_count = 0
         self._source: PausableSource | None = None
         self._source_paused = False

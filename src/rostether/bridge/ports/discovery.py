@@ -13,7 +13,7 @@ from rostether.bridge.reporter import Reporter
 from rostether.graph.ports import Level
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.known_boards import KnownBoards
-from rostether.ports.port_choice import Choice, choose, identify
+from rostether.ports.port_policy import PortUse, choose, identify
 from rostether.ports.port_watch import PortWatch
 from rostether.ports.usb_boards import board_of
 from rostether.transports.serial_port import SerialPort
@@ -90,9 +90,9 @@ class Discovery:
     def _consider(self, port: SerialPort) -> None:
         settings = self._devices.settings_of(identify(port))
         choice = choose(port, settings, self._devices.discovery)
-        if choice is Choice.LEAVE:
+        if choice is PortUse.LEAVE:
             return
-        if choice is Choice.OFFER:
+        if choice is PortUse.OFFER:
             self._offer(port)
             return
         found = FoundPort(

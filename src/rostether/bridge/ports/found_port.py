@@ -21,7 +21,7 @@ from rostether.errors import RostetherError, SessionError, TransportError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.ports.known_boards import KnownBoards
-from rostether.ports.port_choice import Choice, identify
+from rostether.ports.port_policy import PortUse, identify
 from rostether.ports.settings import DeviceSettings
 from rostether.rosserial.baud_probe import BoardFound, NoBoard
 from rostether.transports.address import DEFAULT_BAUD, SerialAddress
@@ -55,7 +55,7 @@ class FoundPort:
     def __init__(
         self,
         port: SerialPort,
-        choice: Choice,
+        choice: PortUse,
         settings: DeviceSettings,
         *,
         ports: MachinePorts,
@@ -76,7 +76,7 @@ class FoundPort:
         self._known = known
         self._reporter = reporter
         self._title = f"{port.path} ({port.description})"
-        self._told = ""
+        self._reported = ""
 
     async def run(self) -> None:
         """Keep the port."""
@@ -99,9 +99,9 @@ class FoundPort:
             finally:
                 transport.close()
             await transport.wait_closed()
-            self._say_no_board(found)
+            self._report_no_board(found)
             was_board = self._known.baud_of(self.identity.key) is not None
-            is_expected = was_board or self.choice is Choice.EXPECT
+            is_expected = was_board or self.choice is PortUse.EXPECT
             await self._leave_alone(ask_again.next_delay_s() if is_expected else None)
 
     async def _open(self) -> TunableTransport | None:
@@ -123,16 +123,16 @@ class FoundPort:
         return None
 
     async def _ask(self, transport: TunableTransport) -> BoardFound | NoBoard:
-        if self.choice is Choice.SERVE:
+        if self.choice is PortUse.SERVE:
             return BoardFound(self._first_baud(), 0, b"")
         known_baud = self._known.baud_of(self.identity.key)
         found = await probe_port(
             transport,
             known_baud=known_baud,
-            listens_first=self.choice is Choice.LISTEN and known_baud is None,
+            listens_first=self.choice is PortUse.LISTEN and known_baud is None,
         )
         if isinstance(found, BoardFound):
-            self._told = ""
+            self._reported = ""
             speed = f"{found.baud} baud, " if transport.has_baud else ""
             if self.identity.usb_id is not None:
                 self._known.remember(self.identity.key, found.baud)
@@ -142,7 +142,7 @@ class FoundPort:
         return found
 
     async def _serve_board(self, transport: Transport, baud: int) -> None:
-        if self.choice is Choice.SERVE:
+        if self.choice is PortUse.SERVE:
             self._reporter.line(Level.INFO, f"Connecting to {self._title} at {baud} baud")
         self.is_serving = True
         try:
@@ -173,7 +173,7 @@ class FoundPort:
             name = f"usb_{identity.usb_location}".translate(_NAME_OF_SOCKET)
         return SerialAddress(self.port.path, baud, resets, name=name)
 
-    def _say_no_board(self, found: NoBoard) -> None:
+    def _report_no_board(self, found: NoBoard) -> None:
         what = f"{self._title} does not answer as a rosserial board at any usual speed"
         if found.text_baud is not None:
             text = found.text.decode("ascii", "replace").strip()
@@ -187,8 +187,8 @@ class FoundPort:
 
     def _report(self, level: Level, text: str) -> None:
         """Say a line unless it was the last one of this port."""
-        if text != self._told:
-            self._told = text
+        if text != self._reported:
+            self._reported = text
             self._reporter.line(level, shown_line(text))
 
 

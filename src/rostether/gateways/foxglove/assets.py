@@ -1,6 +1,6 @@
-"""Files of packages that clients show: the meshes and pictures of a robot description.
+"""Files of packages for clients: the meshes and pictures of a robot description.
 
-Only files inside of packages that are found here, hidden ones not among them; nothing is fetched.
+Only files inside packages on this machine, and no hidden ones; nothing is downloaded.
 """
 
 from __future__ import annotations
@@ -12,14 +12,15 @@ from urllib.parse import unquote, urlsplit
 
 from rostether.errors import ConfigError
 
+# Maps the packages' names to their folders.
 FindPackages = Callable[[], Mapping[str, Path]]
-"""Maps the packages' names to their folders."""
 
-_CHUNK_BYTES = 1 << 20  # read at once: some 0.3 ms in which nothing else runs
+# Read at once: some 0.3 ms in which nothing else runs.
+_CHUNK_BYTES = 1 << 20
 
 
 class Assets:
-    """Reads what a client may see."""
+    """Reads the files that clients may see."""
 
     def __init__(self, find_packages: FindPackages, max_bytes: int) -> None:
         self._find_packages = find_packages
@@ -29,7 +30,7 @@ class Assets:
         self._turn = asyncio.Lock()
 
     async def read(self, uri: str) -> bytes:
-        """Return a file's bytes. Raises ConfigError that says why there are none."""
+        """Return a file's bytes. Raises ConfigError with the reason if it cannot."""
         async with self._turn:
             # In a thread: packages are searched on disk.
             path = await asyncio.to_thread(self._locate, uri)
@@ -50,7 +51,7 @@ class Assets:
             parts = urlsplit(uri)
         except ValueError:
             raise ConfigError(f"{uri[:200]!r} is no address of a file") from None
-        # What stands behind ? and # belongs to the name of a file.
+        # Text after ? and # belongs to the name of a file.
         rest = unquote(uri.partition("://")[2])
         if "\0" in rest:
             raise ConfigError("an address with a zero byte is no address of a file")
@@ -95,7 +96,7 @@ class Assets:
 
 
 def _inside(folder: Path, path: Path) -> Path | None:
-    """Return the path, when it leads to a file in the folder, whatever it has of links and `..`."""
+    """Return the path if it leads to a file in the folder, after links and `..` are resolved."""
     try:
         real = path.resolve()
         root = next((root for root in _roots(folder) if real.is_relative_to(root)), None)

@@ -1,4 +1,4 @@
-"""The topics of a graph as channels: which there are, and the definition by which clients read each.
+"""The topics of a graph as channels, each with the definition by which clients decode it.
 
 The definition of an unknown type comes from its publisher. A publisher may also define a known type
 differently: then the channel gets a new id, and clients subscribe again.
@@ -18,16 +18,19 @@ from rostether.gateways.shared_subscriptions import (
     SharedSubscription,
     SharedSubscriptions,
 )
-from rostether.graph.ports import Snapshot, TopicInfo
+from rostether.graph.ports import Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
+# More topics than any graph has; their offer to one client is then some 20 MB.
 MAX_CHANNELS = 20_000
-"""More topics than any graph has; their offer to one client is then some 20 MB."""
 
-_ASKED_AT_ONCE = 16  # topics that are subscribed only to learn their types
-_MEETING_S = 2.0  # for a publisher to tell its type; then the next topic is asked
+# Topics that are subscribed only to learn their types.
+_ASKED_AT_ONCE = 16
+
+# How long to wait for a publisher's type; then the next topic follows.
+_MEETING_S = 2.0
 
 
 class Channels:
@@ -40,7 +43,7 @@ class Channels:
         offered: NameFilter,
         on_offer: Callable[[Sequence[Channel]], None],
         on_end: Callable[[Sequence[Channel]], None],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self.by_id: dict[int, Channel] = {}
         self._store = store
@@ -48,7 +51,7 @@ class Channels:
         self._offered = offered
         self._on_offer = on_offer
         self._on_end = on_end
-        self._tell = tell
+        self._report = report
         self._by_topic: dict[str, Channel] = {}
         self._names: dict[str, str] = {}
         self._learning: dict[str, asyncio.Task[None]] = {}
@@ -57,7 +60,7 @@ class Channels:
         self._next_id = 1
 
     def update(self, snapshot: Snapshot) -> None:
-        """Follow the graph: topics that are published are channels."""
+        """Update the channels: each published topic is a channel."""
         there = {
             info.name: info
             for info in snapshot.topics.values()
@@ -84,35 +87,35 @@ class Channels:
             self._on_offer(new)
 
     def met(self, channel: Channel, connection: PublisherConnection) -> None:
-        """Take what a publisher of a channel says about its type."""
-        told = connection.type
-        if told.md5sum in (channel.type.md5sum, ANY_MD5SUM) or self.by_id.get(channel.id) is not channel:
+        """Handle the type in the connection header of a channel's publisher."""
+        actual = connection.type
+        if actual.md5sum in (channel.type.md5sum, ANY_MD5SUM) or self.by_id.get(channel.id) is not channel:
             return
         if channel.topic in self._learned:
-            # Two publishers disagree: the first is believed, as long as it is there.
+            # Two publishers disagree: the first one counts, as long as it is connected.
             return
-        if not self._is_sound(told):
-            self._tell(
-                f"{channel.topic} is sent as {told.name} of another definition than is known here, which its "
-                "publisher does not tell: give its package with --msg-path or ROS_PACKAGE_PATH"
+        if not self._is_sound(actual):
+            self._report(
+                f"{channel.topic} is sent as {actual.name} of another definition than is known here, which "
+                "its publisher does not send: give its package with --msg-path or ROS_PACKAGE_PATH"
             )
             return
         self._learned.add(channel.topic)
         self._end([channel.topic])
-        self._on_offer([self._add(channel.topic, told)])
+        self._on_offer([self._add(channel.topic, actual)])
 
     async def close(self) -> None:
-        """Learn no more."""
+        """Stop learning types."""
         tasks = list(self._learning.values())
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    def _has_changed(self, topic: TopicInfo) -> bool:
+    def _has_changed(self, topic: TopicEntry) -> bool:
         return topic.type not in (ANY_TYPE, self._names[topic.name])
 
     def known(self, name: str) -> MessageType | None:
-        """Return the type of this name, None if no definition of it is known here."""
+        """Return the type of this name, or None without a definition."""
         try:
             return self._store.registry.message_type(short_type(name))
         except RostetherError:
@@ -132,22 +135,22 @@ class Channels:
             self._on_end(ended)
 
     async def _learn(self, topic: str) -> None:
-        """Listen until a publisher has sent its definition."""
-        told: asyncio.Future[MessageType] = asyncio.get_running_loop().create_future()
+        """Subscribe until a publisher has sent its definition."""
+        actual: asyncio.Future[MessageType] = asyncio.get_running_loop().create_future()
 
         def meet(connection: PublisherConnection) -> None:
-            if not told.done():
-                told.set_result(connection.type)
+            if not actual.done():
+                actual.set_result(connection.type)
 
         share: SharedSubscription | None = None
         try:
             async with self._asked_at_once:
                 share = await self._shared.subscribe(topic, lambda _: None, meet)
-                await asyncio.wait([told], timeout=_MEETING_S)
-            # A publisher that is away may come; until then nothing does.
-            message_type = await told
+                await asyncio.wait([actual], timeout=_MEETING_S)
+            # Without a publisher, no message can arrive either.
+            message_type = await actual
         except RostetherError as error:
-            self._tell(f"{topic} cannot be shown: {error}")
+            self._report(f"{topic} cannot be shown: {error}")
             return
         finally:
             if share is not None:
@@ -156,19 +159,19 @@ class Channels:
             self._learned.add(topic)
             self._on_offer([self._add(topic, message_type)])
         else:
-            self._tell(
+            self._report(
                 f"{topic} cannot be shown: its type {self._names[topic]} is not known, and its publisher "
                 "does not define it; give its package with --msg-path or ROS_PACKAGE_PATH"
             )
         self._learning.pop(topic, None)
 
-    def _is_sound(self, told: MessageType) -> bool:
-        if not told.definition.strip():
+    def _is_sound(self, actual: MessageType) -> bool:
+        if not actual.definition.strip():
             return False
         try:
             learned = Registry(bundled=False)
-            learned.add_full_text(told.name, told.definition)
-            # Clients read by this text; one that says something else than it sends would only show nonsense.
-            return learned.message_type(told.name).md5sum == told.md5sum
+            learned.add_full_text(actual.name, actual.definition)
+            # Clients decode by this text; a text that differs from the data would show nonsense.
+            return learned.message_type(actual.name).md5sum == actual.md5sum
         except RostetherError:
             return False

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as asked
-from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove import server_messages as outgoing
 from rostether.gateways.foxglove.client_parameters import ClientParameters
 from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
 from rostether.gateways.foxglove.client_recordings import ClientRecordings
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
+from rostether.gateways.foxglove.dropped_report import DroppedReport
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import Subscription
 from rostether.gateways.websocket.admission import Rights
@@ -24,13 +25,11 @@ if TYPE_CHECKING:
     from rostether.gateways.foxglove.line import Line
     from rostether.graph.ports import Publisher
 
-MAX_MISTAKES_TOLD = 100
-"""Statuses about a client's own mistakes; one that makes more would only be flooded by the answers."""
+# Statuses about a client's own mistakes; one that makes more would only be flooded by the answers.
+MAX_REPORTED_MISTAKES = 100
 
-_SLOW_STATUS = "slow-client"
-_SLOW_PERIOD_S = 5.0  # how often a client gets the number of lost messages
-
-# What a client that may only view is refused.
+# The refusal for a client that may only view, and what it may not do.
+_VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
 _ACTIONS = (
     asked.Advertise,
     asked.MessageData,
@@ -38,8 +37,10 @@ _ACTIONS = (
     asked.SetParameters,
     asked.StartRecording,
     asked.StopRecording,
+    asked.PlayRecording,
+    asked.PausePlayback,
+    asked.StopPlayback,
 )
-_VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
 
 _CAPABILITY_OF: dict[type, str] = {
     asked.Advertise: "clientPublish",
@@ -53,7 +54,7 @@ _CAPABILITY_OF: dict[type, str] = {
 
 
 class Client:
-    """One connection; `line` carries what is said."""
+    """One client; `line` is its connection."""
 
     def __init__(self, gateway: FoxgloveGateway, line: Line, rights: Rights = Rights.FULL) -> None:
         self.line = line
@@ -68,9 +69,7 @@ class Client:
         self._recordings = ClientRecordings(gateway, self._work, line.send, self.mistake)
         self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
-        self._dropped = 0
-        self._dropped_before = 0
-        self._slow_timer: asyncio.TimerHandle | None = None
+        self._dropped = DroppedReport(line.send)
         self._asleep = 0
         self._handlers: dict[type, Callable[[Any], None]] = {
             asked.Subscribe: self._subscribe,
@@ -89,16 +88,19 @@ class Client:
             asked.ListRecordings: self._recordings.follow,
             asked.StartRecording: self._recordings.start,
             asked.StopRecording: self._recordings.stop,
+            asked.PlayRecording: self._recordings.play,
+            asked.PausePlayback: self._recordings.pause,
+            asked.StopPlayback: self._recordings.stop_playing,
         }
 
-    # the line's side
+    # Events of the connection.
 
     def opened(self) -> None:
-        """Send the list of what there is."""
+        """Send the lists of channels and services."""
         self._gateway.greet(self)
 
     def received(self, message: str | bytes) -> None:
-        """Do what is asked."""
+        """Handle a message."""
         try:
             request = parse_text(message) if isinstance(message, str) else parse_binary(message)
         except RemoteProtocolError as error:
@@ -114,15 +116,12 @@ class Client:
         self._handlers[type(request)](request)
 
     def dropped(self, count: int) -> None:
-        """Tell the client now and then what it lost."""
-        self._dropped += count
-        if self._slow_timer is None:
-            self._tell_dropped()
+        """Report the lost messages to the client, at most once in a while."""
+        self._dropped.add(count)
 
     def closed(self) -> None:
-        """End everything that the client had."""
-        if self._slow_timer is not None:
-            self._slow_timer.cancel()
+        """End everything that belongs to the client."""
+        self._dropped.close()
         self._gateway.forget(self)
         self._recordings.close()
         self._work.cancel()
@@ -135,16 +134,16 @@ class Client:
         self._topics.clear()
         self._parameters.close()
 
-    # the gateway's side
+    # Calls from the gateway.
 
     def status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
-        """Show a line to the people at the client."""
-        self.line.send(told.status(level, text, status_id))
+        """Show a line to the client's user."""
+        self.line.send(outgoing.status(level, text, status_id))
 
     def mistake(self, text: str) -> None:
-        """Tell the client what it did wrong, up to a limit."""
+        """Report a mistake to the client, up to a limit."""
         self._mistakes += 1
-        if self._mistakes <= MAX_MISTAKES_TOLD:
+        if self._mistakes <= MAX_REPORTED_MISTAKES:
             self.status(StatusLevel.ERROR, text)
 
     def channel_ended(self, channel: Channel) -> None:
@@ -159,7 +158,7 @@ class Client:
         for subscription_id, channel_id in request.subscriptions:
             channel = self._gateway.channels.by_id.get(channel_id)
             if channel is None:
-                # Not the client's mistake when the channel has just ended.
+                # It is not a mistake of the client if the channel has just ended.
                 self.mistake(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
                 self.mistake(f"channel {channel_id} or subscription {subscription_id} is subscribed already")
@@ -200,13 +199,13 @@ class Client:
         return DrivenTopic(channel, self.line.peer, teleop, self._report_drive, self.mistake)
 
     def _report_drive(self, state: Mapping[str, Any]) -> None:
-        self.line.send(told.drive(state))
+        self.line.send(outgoing.drive(state))
 
     def _may_publish(self, topic: str) -> bool:
         try:
             return self._gateway.settings.client_topics.includes(self._gateway.graph.resolve(topic))
         except InvalidNameError:
-            # The graph says what is wrong with it.
+            # The graph reports what is wrong with it.
             return True
 
     def _unadvertise(self, request: asked.Unadvertise) -> None:
@@ -235,7 +234,7 @@ class Client:
 
     def _call(self, request: asked.ServiceRequest) -> None:
         def fail(text: str) -> None:
-            self.line.send(told.service_failure(request.service_id, request.call_id, text))
+            self.line.send(outgoing.service_failure(request.service_id, request.call_id, text))
 
         service = self._gateway.services.by_id.get(request.service_id)
         if service is None:
@@ -247,7 +246,7 @@ class Client:
                 service, request.encoding, request.payload, self._gateway.limits.call_timeout_s
             )
             await self.line.send_large(
-                told.service_response(request.service_id, request.call_id, request.encoding, answer)
+                outgoing.service_response(request.service_id, request.call_id, request.encoding, answer)
             )
 
         self._work.ask(call, fail, self._gateway.limits.calls)
@@ -255,21 +254,21 @@ class Client:
     def _watch_graph(self, _: asked.SubscribeConnectionGraph) -> None:
         if not self.wants_connection_graph:
             self.wants_connection_graph = True
-            self.line.send(told.connection_graph_update(self._gateway.connections.whole()))
+            self.line.send(outgoing.connection_graph_update(self._gateway.connections.whole()))
 
     def _unwatch_graph(self, _: asked.UnsubscribeConnectionGraph) -> None:
         self.wants_connection_graph = False
 
     def _fetch(self, request: asked.FetchAsset) -> None:
         async def fetch() -> None:
-            # One at a time: each may be large, and goes to the client before the next is read.
+            # One at a time: each may be large, and is sent before the next is read.
             async with self._fetching:
                 data = await self._gateway.assets.read(request.uri)
-                await self.line.send_large(told.asset(request.request_id, data))
+                await self.line.send_large(outgoing.asset(request.request_id, data))
 
         self._work.ask(
             fetch,
-            lambda text: self.line.send(told.asset_failure(request.request_id, text)),
+            lambda text: self.line.send(outgoing.asset_failure(request.request_id, text)),
             self._gateway.limits.assets,
             "assets",
         )
@@ -278,16 +277,6 @@ class Client:
 
     def _refuse(self, request: object) -> None:
         if isinstance(request, asked.ServiceRequest):
-            self.line.send(told.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
+            self.line.send(outgoing.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
         else:
             self.mistake(_VIEW_ONLY)
-
-    def _tell_dropped(self) -> None:
-        self._slow_timer = None
-        if self._dropped == self._dropped_before:
-            self.line.send(told.remove_status([_SLOW_STATUS]))
-            return
-        self._dropped_before = self._dropped
-        text = f"this client reads too slowly: {self._dropped} messages were left out so far"
-        self.status(StatusLevel.WARNING, text, _SLOW_STATUS)
-        self._slow_timer = asyncio.get_running_loop().call_later(_SLOW_PERIOD_S, self._tell_dropped)

@@ -1,4 +1,4 @@
-"""What Foxglove clients say, as values; `client_parser.py` reads them.
+"""The messages of Foxglove clients as values; `client_parser.py` reads them.
 
 Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 """
@@ -11,21 +11,21 @@ from typing import Any, TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class Subscribe:
-    """Messages of channels are wanted: pairs of an id that the client chose and the channel's."""
+    """Subscribes to channels: pairs of an id that the client chose and the channel's id."""
 
     subscriptions: tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Unsubscribe:
-    """Subscriptions end."""
+    """Ends subscriptions."""
 
     subscription_ids: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ClientChannel:
-    """A topic that a client publishes, under an id that it chose.
+    """A topic that a client publishes, with the id that it chose.
 
     With a `driver`, a name for people, it is driven under a lease.
     """
@@ -40,14 +40,14 @@ class ClientChannel:
 
 @dataclass(frozen=True, slots=True)
 class Advertise:
-    """The client publishes."""
+    """Announces that the client publishes topics."""
 
     channels: tuple[ClientChannel, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Unadvertise:
-    """The client publishes no more."""
+    """Announces that the client stops publishing."""
 
     channel_ids: tuple[int, ...]
 
@@ -62,7 +62,7 @@ class MessageData:
 
 @dataclass(frozen=True, slots=True)
 class ServiceRequest:
-    """A call."""
+    """A service call."""
 
     service_id: int
     call_id: int
@@ -72,7 +72,7 @@ class ServiceRequest:
 
 @dataclass(frozen=True, slots=True)
 class GetParameters:
-    """Values are asked for; no names means all."""
+    """Requests values; no names means all."""
 
     names: tuple[str, ...]
     request_id: str | None
@@ -80,7 +80,7 @@ class GetParameters:
 
 @dataclass(frozen=True, slots=True)
 class GivenParameter:
-    """One value to set, as JSON has it; None unsets."""
+    """One value to set, in JSON; None unsets it."""
 
     name: str
     value: Any
@@ -89,7 +89,7 @@ class GivenParameter:
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Values are set."""
+    """Sets values."""
 
     parameters: tuple[GivenParameter, ...]
     request_id: str | None
@@ -97,31 +97,31 @@ class SetParameters:
 
 @dataclass(frozen=True, slots=True)
 class SubscribeParameters:
-    """Changes of values are wanted."""
+    """Subscribes to changes of values."""
 
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class UnsubscribeParameters:
-    """Changes of values are no longer wanted."""
+    """Unsubscribes from changes of values."""
 
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class SubscribeConnectionGraph:
-    """Who publishes, subscribes and serves is wanted."""
+    """Subscribes to the lists of publishers, subscribers and services."""
 
 
 @dataclass(frozen=True, slots=True)
 class UnsubscribeConnectionGraph:
-    """It is no longer wanted."""
+    """Unsubscribes from these lists."""
 
 
 @dataclass(frozen=True, slots=True)
 class FetchAsset:
-    """A file is wanted."""
+    """Requests a file."""
 
     uri: str
     request_id: int
@@ -129,12 +129,12 @@ class FetchAsset:
 
 @dataclass(frozen=True, slots=True)
 class ListRecordings:
-    """The recordings are wanted, now and when they change; an op of this gateway."""
+    """Requests the recordings, now and when they change; an op of this gateway."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartRecording:
-    """A recording is to begin; no topics means all. An op of this gateway."""
+    """Starts a recording; no topics means all. An op of this gateway."""
 
     topics: tuple[str, ...]
     form: str
@@ -142,7 +142,29 @@ class StartRecording:
 
 @dataclass(frozen=True, slots=True)
 class StopRecording:
-    """The recording is to end; an op of this gateway."""
+    """Ends the recording; an op of this gateway."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlayRecording:
+    """Plays a recording; an op of this gateway. `start_s` is a time of the recording."""
+
+    name: str
+    start_s: float
+    rate: float
+    is_prefixed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PausePlayback:
+    """Pauses or continues the playback; an op of this gateway."""
+
+    is_paused: bool
+
+
+@dataclass(frozen=True, slots=True)
+class StopPlayback:
+    """Ends the playback; an op of this gateway."""
 
 
 ClientMessage: TypeAlias = (
@@ -162,4 +184,7 @@ ClientMessage: TypeAlias = (
     | ListRecordings
     | StartRecording
     | StopRecording
+    | PlayRecording
+    | PausePlayback
+    | StopPlayback
 )

@@ -1,4 +1,4 @@
-"""Parameters as one client reads, sets and watches them."""
+"""The parameters that one client reads, sets and watches."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import client_messages as asked
-from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove import server_messages as outgoing
 from rostether.gateways.foxglove.client_work import ClientWork
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class ClientParameters:
-    """What one client asks about parameters; `send` carries answers, `mistake` what it did wrong."""
+    """Requests of one client; `send` sends the answers, `mistake` reports mistakes."""
 
     def __init__(
         self,
@@ -37,19 +37,19 @@ class ClientParameters:
 
         async def get() -> None:
             values = await self._gateway.parameters.get(request.names)
-            self._send(told.parameter_values(values, request.request_id))
+            self._send(outgoing.parameter_values(values, request.request_id))
 
         self._ask(get, "parameters cannot be read")
 
     def set(self, request: asked.SetParameters) -> None:
-        """Set values, and answer with what they are then if that is asked for."""
+        """Set values, and answer with the new values if requested."""
 
         async def set_them() -> None:
             values, mistakes = await self._gateway.parameters.set(request.parameters)
             for text in mistakes:
                 self._mistake(text)
             if request.request_id is not None:
-                self._send(told.parameter_values(values, request.request_id))
+                self._send(outgoing.parameter_values(values, request.request_id))
 
         self._ask(set_them, "parameters cannot be set")
 
@@ -69,7 +69,7 @@ class ClientParameters:
         self._unwatch_each(request.names or tuple(self._watched))
 
     def close(self) -> None:
-        """Watch nothing any more."""
+        """Stop all watches."""
         self._unwatch_each(tuple(self._watched))
 
     def _ask(self, work: Callable[[], Coroutine[Any, Any, None]], failed: str) -> None:
@@ -103,11 +103,11 @@ class ClientParameters:
                 self._gateway.run(self._gateway.parameters.unwatch(name, self._take_change))
 
     def _take_change(self, described: dict[str, Any]) -> None:
-        # Many are watched, and set, at once: they go in one message.
+        # Many parameters are watched and set at once: one message has them all.
         if not self._changed:
-            asyncio.get_running_loop().call_soon(self._tell_changed)
+            asyncio.get_running_loop().call_soon(self._send_changed)
         self._changed[described["name"]] = described
 
-    def _tell_changed(self) -> None:
+    def _send_changed(self) -> None:
         changed, self._changed = list(self._changed.values()), {}
-        self._send(told.parameter_values(changed))
+        self._send(outgoing.parameter_values(changed))

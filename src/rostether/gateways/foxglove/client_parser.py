@@ -1,4 +1,4 @@
-"""Reads what Foxglove clients say, checked: JSON objects named by `op`, and binary messages behind an opcode.
+"""Parses and checks messages of Foxglove clients: JSON objects by `op`, binary messages by opcode.
 
 Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 """
@@ -22,9 +22,12 @@ from rostether.gateways.foxglove.client_messages import (
     GivenParameter,
     ListRecordings,
     MessageData,
+    PausePlayback,
+    PlayRecording,
     ServiceRequest,
     SetParameters,
     StartRecording,
+    StopPlayback,
     StopRecording,
     Subscribe,
     SubscribeConnectionGraph,
@@ -35,16 +38,18 @@ from rostether.gateways.foxglove.client_messages import (
     UnsubscribeParameters,
 )
 
+# Subscriptions, channels or names in one message; a large system has some thousand topics.
 MAX_ITEMS = 10_000
-"""Subscriptions, channels or names in one message; a large system has some thousand topics."""
 
+# Of a name, an encoding or an id; ROS names are below 256.
 MAX_TEXT_CHARACTERS = 4096
-"""Of a name, an encoding or an id; ROS names are below 256."""
 
 _MESSAGE_DATA, _SERVICE_REQUEST = 0x01, 0x02
 _CHANNEL_ID = struct.Struct("<BI")
 _SERVICE_HEADER = struct.Struct("<BIII")
 _MAX_ID = (1 << 32) - 1
+# Seconds of a recording: a century.
+_MAX_NUMBER = 3.2e9
 
 
 def parse_binary(data: bytes) -> MessageData | ServiceRequest:
@@ -64,7 +69,7 @@ def parse_binary(data: bytes) -> MessageData | ServiceRequest:
 
 
 def parse_text(text: str) -> ClientMessage:
-    """Return a JSON message. Raises RemoteProtocolError that says what is wrong with it."""
+    """Return a JSON message. Raises RemoteProtocolError with the mistake."""
     try:
         message = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -79,7 +84,7 @@ def parse_text(text: str) -> ClientMessage:
 
 
 class _Fields:
-    """The fields of one JSON object, each taken by the type that it must have."""
+    """The fields of one JSON object, each read with its required type."""
 
     def __init__(self, where: str, fields: dict[str, Any]) -> None:
         self._where = where
@@ -102,6 +107,18 @@ class _Fields:
 
     def optional_text(self, name: str) -> str | None:
         return None if self._fields.get(name) is None else self.text(name)
+
+    def number(self, name: str, otherwise: float) -> float:
+        value = self._fields.get(name, otherwise)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= _MAX_NUMBER:
+            raise self._wrong(name, "a number from 0")
+        return float(value)
+
+    def flag(self, name: str, *, default: bool) -> bool:
+        value = self._fields.get(name, default)
+        if not isinstance(value, bool):
+            raise self._wrong(name, "true or false")
+        return value
 
     def texts(self, name: str) -> tuple[str, ...]:
         return tuple(_Fields(self._where, {name: each}).text(name) for each in self._list(name))
@@ -185,5 +202,13 @@ _PARSERS: dict[str, Callable[[_Fields], ClientMessage]] = {
         fields.optional_text("format") or "bag",
     ),
     "stopRecording": lambda _: StopRecording(),
+    "playRecording": lambda fields: PlayRecording(
+        fields.text("name"),
+        fields.number("start", 0.0),
+        fields.number("rate", 1.0),
+        fields.flag("prefixed", default=True),
+    ),
+    "pausePlayback": lambda fields: PausePlayback(fields.flag("paused", default=True)),
+    "stopPlayback": lambda _: StopPlayback(),
     "fetchAsset": lambda fields: FetchAsset(fields.text("uri"), fields.id("requestId")),
 }

@@ -1,4 +1,4 @@
-"""What one client asks about recordings."""
+"""The recording requests of one client."""
 
 from __future__ import annotations
 
@@ -6,20 +6,27 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import server_messages as told
-from rostether.gateways.foxglove.client_messages import ListRecordings, StartRecording, StopRecording
+from rostether.gateways.foxglove import server_messages as outgoing
+from rostether.gateways.foxglove.client_messages import (
+    ListRecordings,
+    PausePlayback,
+    PlayRecording,
+    StartRecording,
+    StopPlayback,
+    StopRecording,
+)
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.recording_control import RecordingControl
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
 
-# Requests of one client at once; a person makes one.
+# Requests of one client at once; a user makes one.
 MAX_REQUESTS = 4
 
 
 class ClientRecordings:
-    """The recordings as one client sees them; `send` sends a message, `mistake` a line."""
+    """The recordings for one client; `send` sends a message, `mistake` reports a line."""
 
     def __init__(
         self,
@@ -43,15 +50,28 @@ class ClientRecordings:
         self._work.ask(reports.report, self._mistake, MAX_REQUESTS, "requests about recordings")
 
     def start(self, request: StartRecording) -> None:
-        """Begin a recording."""
+        """Start a recording."""
         self._change(lambda control: control.start(request.topics, request.form))
 
     def stop(self, _: StopRecording) -> None:
         """End the recording."""
         self._change(lambda control: control.stop())
 
+    def play(self, request: PlayRecording) -> None:
+        """Play a recording."""
+        name, start_s, rate = request.name, request.start_s, request.rate
+        self._change(lambda control: control.play(name, start_s, rate, is_prefixed=request.is_prefixed))
+
+    def pause(self, request: PausePlayback) -> None:
+        """Pause the playback, or continue it."""
+        self._change(lambda control: control.pause(is_paused=request.is_paused))
+
+    def stop_playing(self, _: StopPlayback) -> None:
+        """End the playback."""
+        self._change(lambda control: control.stop_playing())
+
     def close(self) -> None:
-        """Report no more."""
+        """Stop reporting."""
         if self._gateway.recordings is not None:
             self._gateway.recordings.unfollow(self._report)
 
@@ -81,4 +101,4 @@ class ClientRecordings:
         self._mistake("this gateway does not record")
 
     def _report(self, state: Mapping[str, Any]) -> None:
-        self._send(told.recordings(state))
+        self._send(outgoing.recordings(state))

@@ -17,23 +17,25 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
 MAX_EARLY_MESSAGES = 10_000
-MAX_EARLY_BYTES = 32 << 20
-"""What a client sends before the graph has taken its topic: a second of a flood, or two large images."""
 
-MAX_MISTAKES_TOLD = 20  # of one topic; each kind is reported once
+# Messages that a client sends before its topic is advertised: a second of a flood, or two large images.
+MAX_EARLY_BYTES = 32 << 20
+
+# Of one topic; each kind is reported once.
+MAX_REPORTED_MISTAKES = 20
 
 
 class ClientTopic:
-    """One channel of one client; `tell` gets a line for each kind of mistake, once."""
+    """One channel of one client; `report` gets a line for each kind of mistake, once."""
 
-    def __init__(self, channel: ClientChannel, tell: Callable[[str], None]) -> None:
+    def __init__(self, channel: ClientChannel, report: Callable[[str], None]) -> None:
         self.channel = channel
-        self._tell = tell
+        self._report = report
         self._publisher: Publisher | None = None
         self._encode: Callable[[bytes], bytes] | None = None
         self._early: deque[bytes] = deque()
         self._early_bytes = 0
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._opening: asyncio.Task[None] | None = None
 
     def open(self, graph: Graph, store: TypeStore) -> None:
@@ -48,7 +50,7 @@ class ClientTopic:
         try:
             message = self._encode(payload)
         except RostetherError as error:
-            self._tell_once(f"a message on {self.channel.topic} is not published: {error}")
+            self._report_once(f"a message on {self.channel.topic} is not published: {error}")
             return None
         return None if self._publisher.publish_raw([message]) else self._publisher
 
@@ -69,7 +71,7 @@ class ClientTopic:
             message_type = store.registry.message_type(type_name)
             publisher = await graph.advertise(self.channel.topic, message_type)
         except RostetherError as error:
-            self._tell_once(f"{self.channel.topic[:200]} cannot be published: {error}")
+            self._report_once(f"{self.channel.topic[:200]} cannot be published: {error}")
             self._early.clear()
             self._early_bytes = MAX_EARLY_BYTES
             return
@@ -77,30 +79,30 @@ class ClientTopic:
             await wait_for_subscribers(graph, publisher)
         finally:
             self._publisher = publisher
-        # A client that says one thing and leaves is heard, too.
+        # The only message of a client that disconnects at once is published, too.
         while self._early:
             self.publish(self._early.popleft())
 
     def _keep(self, payload: bytes) -> None:
         if len(self._early) >= MAX_EARLY_MESSAGES or self._early_bytes + len(payload) > MAX_EARLY_BYTES:
-            self._tell_once(f"{self.channel.topic[:200]} is not advertised yet: some messages are left out")
+            self._report_once(f"{self.channel.topic[:200]} is not advertised yet: some messages are left out")
             return
         self._early_bytes += len(payload)
         self._early.append(payload)
 
-    def _tell_once(self, text: str) -> None:
-        if text not in self._told and len(self._told) < MAX_MISTAKES_TOLD:
-            self._told.add(text)
-            self._tell(text)
+    def _report_once(self, text: str) -> None:
+        if text not in self._reported and len(self._reported) < MAX_REPORTED_MISTAKES:
+            self._reported.add(text)
+            self._report(text)
 
 
 async def drained(publisher: Publisher) -> None:
-    """Wait until subscribers have caught up, or count as slow."""
+    """Wait until the subscribers have received enough, or count as slow."""
     await publisher.drained(DRAIN_S)
 
 
 def knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
-    """Return types that have the client's one: ours, else as the client defines it."""
+    """Return types that include the client's type: known here, else as the client defines it."""
     try:
         store.registry.message(type_name)
     except UnknownTypeError:
@@ -113,7 +115,7 @@ def knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
 
 
 def encoder(channel: ClientChannel, store: TypeStore, type_name: str) -> Callable[[bytes], bytes]:
-    """Return what checks and converts a client's messages. Raises ConfigError, UnknownTypeError."""
+    """Return a converter of a client's messages that checks them. Raises ConfigError, UnknownTypeError."""
     codec = store.codec(type_name)
     if channel.encoding == JSON_ENCODING:
         return lambda payload: codec.encode(decode_json(codec, payload))

@@ -1,4 +1,4 @@
-"""What one client has under way: tasks that end with it, and a limited number of requests."""
+"""The running work of one client: tasks that end with it, and a limited number of requests."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ClientWork:
         self._requests: Counter[str] = Counter()
 
     def start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        """Let something run; what it raises is reported."""
+        """Run something as a task; its errors are reported."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
         task.add_done_callback(self._finish)

@@ -31,7 +31,7 @@ class ConnectionGraph:
         self._offered: Table = {}
 
     def update(self, snapshot: Snapshot) -> dict[str, Any] | None:
-        """Return what is new for those who know the rest; None when nothing is."""
+        """Return the difference to the last update, or None."""
         published = {each.name: each.publishers for each in snapshot.topics.values() if each.publishers}
         subscribed = {each.name: each.subscribers for each in snapshot.topics.values() if each.subscribers}
         offered = {each.name: each.providers for each in snapshot.services.values() if each.providers}
@@ -44,7 +44,7 @@ class ConnectionGraph:
             _new(self._published, published),
             newly_typed | _new(self._subscribed, subscribed),
             _new(self._offered, offered),
-            # A topic counts as removed on both sides; what one side still has follows in the same message.
+            # A topic is removed on both sides; the same message lists again what one side still has.
             sorted((self._published.keys() | self._subscribed.keys()) - published.keys() - subscribed.keys()),
             sorted(self._offered.keys() - offered.keys()),
         )
@@ -55,7 +55,7 @@ class ConnectionGraph:
         return changes if any(changes.values()) else None
 
     def whole(self) -> dict[str, Any]:
-        """Return everything, for who knows nothing yet."""
+        """Return the whole graph, for a new client."""
         return self._changes(self._published, self._subscribed, self._offered, [], [])
 
     def _changes(

@@ -1,4 +1,4 @@
-"""What a gateway of the dashboard has beside Foxglove's protocol."""
+"""The parts that the dashboard's gateway adds to Foxglove's protocol."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class DashboardParts:
     recordings: RecordingControl | None = None
 
     def metadata(self, rights: Rights) -> dict[str, str]:
-        """Return what a client of these rights learns about the parts."""
+        """Return the metadata about the parts for a client with these rights."""
         features = ["drive"] if self.join_teleop is not None and rights is Rights.FULL else []
         if self.recordings is not None:
             features.append("record")

@@ -1,23 +1,34 @@
-"""Messages of topics on their way to one client: gathered over a turn of the event loop, or waiting.
+"""The messages of topics for one client: collected during a turn of the event loop, or waiting.
 
-They are written past the WebSocket library (see `data_frames.py`); what a client reads too slowly waits in
+They are written past the WebSocket library (see `data_outlet.py`); what a client reads too slowly waits in
 bounded queues, where the oldest is lost first.
 """
 
 from __future__ import annotations
 
 import asyncio
+import struct
 from collections.abc import Callable, Sequence
 
-from rostether.gateways.foxglove.data_frames import add_data_frames
-from rostether.gateways.foxglove.waiting_messages import WaitingMessages
+from rostether.gateways.websocket.topic_queues import TopicQueues
 
+# The whole message in one frame.
+_BINARY = 0x82
+_MESSAGE_DATA = 0x01
+_HEADER_BYTES = 13
+_SHORT = struct.Struct("<BBBIQ")
+_MEDIUM = struct.Struct("<BB2sBIQ")
+_LONG = struct.Struct("<BB8sBIQ")
+
+# A message is sent at once when none was sent for so long; those of a flood are sent together, less often
+# than a screen is drawn: each write costs more than all the rest.
 GATHER_S = 0.01
-"""A message goes at once when none has gone for so long; those of a flood go together, less often than a
-screen is drawn: each write costs more than all the rest."""
 
+# A loop that is busy writes earlier than `GATHER_S`: this is what a socket accepts at once.
 _GATHERED_BYTES = 256 << 10
-_DRAIN_BYTES = 64 << 10  # written at once of what waited: enough for one system call
+
+# Written at once of what waited: enough for one system call.
+_DRAIN_BYTES = 64 << 10
 
 
 class DataOutlet:
@@ -35,8 +46,8 @@ class DataOutlet:
         self._is_flush_due = False
         self._flushed_s = 0.0
         self._is_paused = False
-        self._waiting = WaitingMessages(waiting_bytes)
-        self._told_dropped = 0
+        self._waiting: TopicQueues[int, int] = TopicQueues(waiting_bytes, self._count_drop)
+        self._dropped_count = 0
 
     def end(self) -> None:
         """Write nothing more."""
@@ -45,21 +56,23 @@ class DataOutlet:
         self._pieces_bytes = 0
 
     def pause(self) -> None:
-        """Let messages wait."""
+        """Keep messages waiting."""
         self._is_paused = True
 
     def resume(self) -> None:
-        """Send what waited."""
+        """Send the waiting messages."""
         self._is_paused = False
         self._drain()
 
     def send(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Send messages of a topic, or let them wait."""
+        """Send messages of a topic, or queue them."""
         if not self._is_open:
             return
         if self._is_paused or self._waiting:
             self._waiting.add(subscription_id, time_ns, payloads)
-            self._tell_dropped()
+            if self._dropped_count:
+                self._dropped(self._dropped_count)
+                self._dropped_count = 0
             return
         self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, payloads)
         if self._pieces_bytes > _GATHERED_BYTES:
@@ -68,17 +81,17 @@ class DataOutlet:
             self._is_flush_due = True
             due_s = self._flushed_s + GATHER_S
             if self._loop.time() >= due_s:
-                # What else comes in this turn of the loop goes with it.
+                # Later messages of this turn of the loop are sent together with it.
                 self._loop.call_soon(self._flush_due)
             else:
                 self._loop.call_at(due_s, self._flush_due)
 
     def forget(self, subscription_id: int) -> None:
-        """Drop what waits for a subscription that has ended."""
+        """Discard the waiting messages of a subscription that has ended."""
         self._waiting.forget(subscription_id)
 
     def flush(self) -> None:
-        """Write what was gathered."""
+        """Write the collected messages."""
         pieces = self._pieces
         if not pieces:
             return
@@ -99,8 +112,28 @@ class DataOutlet:
                 self._pieces_bytes += add_data_frames(self._pieces, subscription_id, time_ns, [payload])
             self.flush()
 
-    def _tell_dropped(self) -> None:
-        count = self._waiting.dropped_count - self._told_dropped
-        if count:
-            self._told_dropped += count
-            self._dropped(count)
+    def _count_drop(self, _subscription_id: int) -> None:
+        self._dropped_count += 1
+
+
+def add_data_frames(
+    pieces: list[bytes], subscription_id: int, time_ns: int, payloads: Sequence[bytes]
+) -> int:
+    """Append the frames of payloads to a list of pieces to write; returns their size."""
+    size = 0
+    for payload in payloads:
+        length = len(payload) + _HEADER_BYTES
+        if length < 126:
+            header = _SHORT.pack(_BINARY, length, _MESSAGE_DATA, subscription_id, time_ns)
+        elif length < 65536:
+            header = _MEDIUM.pack(
+                _BINARY, 126, length.to_bytes(2, "big"), _MESSAGE_DATA, subscription_id, time_ns
+            )
+        else:
+            header = _LONG.pack(
+                _BINARY, 127, length.to_bytes(8, "big"), _MESSAGE_DATA, subscription_id, time_ns
+            )
+        pieces.append(header)
+        pieces.append(payload)
+        size += len(header) + len(payload)
+    return size

@@ -26,32 +26,32 @@ class DrivenTopic:
         peer: str,
         teleop: Teleop,
         report: Callable[[dict[str, Any]], None],
-        tell: Callable[[str], None],
+        warn: Callable[[str], None],
     ) -> None:
         self.channel = channel
         self.name = f"{_printable(channel.driver or '')} ({peer})"
         self._teleop = teleop
         self._report = report
-        self._tell = tell
+        self._warn = warn
         self._topic = ""
         self._commands: CommandTopic | None = None
         self._encode: Callable[[bytes], bytes] | None = None
         self._opening: asyncio.Task[None] | None = None
         self._reported: tuple[str, str] | None = None
-        self._told: set[str] = set()
+        self._warned: set[str] = set()
 
     def open(self, graph: Graph, store: TypeStore) -> None:
         """Prepare the topic; errors are reported to the client."""
         self._opening = asyncio.ensure_future(self._open(graph, store))
 
     def publish(self, payload: bytes) -> Publisher | None:
-        """Publish a command, unless somebody else drives. A command that comes too early is dropped."""
+        """Publish a command, unless another client drives. A command before the topic is open is dropped."""
         if self._commands is None or self._encode is None:
             return None
         try:
             may_drive = self._commands.command(self, self._encode(payload))
         except RostetherError as error:
-            self._tell_once(f"a command on {self.channel.topic[:200]} is not published: {error}")
+            self._warn_once(f"a command on {self.channel.topic[:200]} is not published: {error}")
             return None
         if not may_drive:
             self.lease_changed(self._commands.holder)
@@ -67,7 +67,7 @@ class DrivenTopic:
     def ended(self, reason: str) -> None:
         """Report that the topic cannot be driven any more."""
         self._commands = None
-        self._tell(
+        self._warn(
             f"{self.channel.topic[:200]} is not driven any more: the node was shut down ({reason}); "
             "advertise it again"
         )
@@ -91,15 +91,15 @@ class DrivenTopic:
             message_type = store.registry.message_type(type_name)
             commands = await self._teleop.enter(self, topic, message_type, store.codec(type_name))
         except (RostetherError, InvalidNameError) as error:
-            self._tell_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
+            self._warn_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
             return
         self._topic, self._commands, self._encode = topic, commands, encode
         self.lease_changed(commands.holder)
 
-    def _tell_once(self, text: str) -> None:
-        if text not in self._told and len(self._told) < 20:
-            self._told.add(text)
-            self._tell(text)
+    def _warn_once(self, text: str) -> None:
+        if text not in self._warned and len(self._warned) < 20:
+            self._warned.add(text)
+            self._warn(text)
 
 
 def _printable(name: str) -> str:

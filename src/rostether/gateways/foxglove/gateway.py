@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Any
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import server_messages as told
+from rostether.gateways.foxglove import server_messages as outgoing
 from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
@@ -44,15 +44,21 @@ from rostether.serde.store import TypeStore
 _TIME_CAPABILITY = "time"
 # Clients that may only view still read parameters.
 _CAPABILITIES_TO_ACT = ("clientPublish", "services")
-_MAX_SHOWN_STATUSES = 50  # lines that a client that comes later is shown too
-_RETRY_S = 1.0  # for a graph that could not be read
+
+# Lines that later clients also receive.
+_MAX_SHOWN_STATUSES = 50
+
+# For a graph that could not be read.
+_RETRY_S = 1.0
 # Foxglove's own web application, app.foxglove.dev, is what the gateway is for.
 FOXGLOVE_SITE = "foxglove.dev"
-_SERVICE_RESTART = 1012  # the WebSocket's close code that makes clients come back
+
+# The WebSocket close code after which clients reconnect.
+_SERVICE_RESTART = 1012
 
 
 class FoxgloveGateway:
-    """One gateway on one node's membership of a graph, which stays the caller's."""
+    """One gateway on a graph, which the caller closes."""
 
     def __init__(
         self,
@@ -62,7 +68,7 @@ class FoxgloveGateway:
         *,
         find_service_type: FindServiceType | None = None,
         find_packages: FindPackages | None = None,
-        tell: Callable[[Level, str], None] | None = None,
+        report: Callable[[Level, str], None] | None = None,
         dashboard: DashboardParts | None = None,
     ) -> None:
         self._parts = parts = dashboard or DashboardParts()
@@ -80,10 +86,10 @@ class FoxgloveGateway:
         self.parameters = Parameters(graph, settings.parameters)
         self.connections = ConnectionGraph(self.channels.known)
         self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
-        self.clock = SimClock(graph, self.shared, self._tell_time, self._restart_clients)
+        self.clock = SimClock(graph, self.shared, self._send_time, self._restart_clients)
         self.teleop = Teleop(parts.join_teleop) if parts.join_teleop is not None else None
         self.recordings = RecordingReports(parts.recordings) if parts.recordings is not None else None
-        self._tell = tell or (lambda level, text: None)
+        self._report = report or (lambda level, text: None)
         self._server = WebSocketServer(
             settings.label,
             settings,
@@ -91,7 +97,7 @@ class FoxgloveGateway:
             self._open_client,
             self._warn,
             viewer_site=FOXGLOVE_SITE,
-            subprotocols=told.SUBPROTOCOLS,
+            subprotocols=outgoing.SUBPROTOCOLS,
             site=parts.site,
         )
         self._clients: dict[Client, None] = {}
@@ -105,12 +111,12 @@ class FoxgloveGateway:
 
     @property
     def port(self) -> int:
-        """The port that is listened on; zero before the start."""
+        """The port it listens on; zero before the start."""
         return self._server.port
 
     @property
     def url(self) -> str:
-        """What to type into Foxglove's dialog."""
+        """The URL for Foxglove's dialog."""
         return self._server.url(everywhere=socket.gethostname())
 
     @property
@@ -120,7 +126,7 @@ class FoxgloveGateway:
 
     @property
     def connection_count(self) -> int:
-        """How many connections are open, also those that are not clients."""
+        """How many connections are open, including those that are not clients."""
         return self._server.connection_count
 
     async def start(self) -> None:
@@ -136,7 +142,7 @@ class FoxgloveGateway:
             raise
 
     async def close(self) -> None:
-        """Close all connections, and leave nothing on the graph."""
+        """Close all connections, and end everything on the graph."""
         self._is_closing = True
         self._server.close()
         for task in (self._following, self._leaving):
@@ -168,10 +174,10 @@ class FoxgloveGateway:
     ) -> None:
         await self.close()
 
-    # for clients
+    # Calls from clients.
 
     def greet(self, client: Client) -> None:
-        """Tell a new client everything."""
+        """Send the current state to a new client."""
         self._clients[client] = None
         capabilities = [
             each
@@ -182,10 +188,10 @@ class FoxgloveGateway:
             capabilities.append(_TIME_CAPABILITY)
         send = client.line.send
         send(
-            told.server_info(
+            outgoing.server_info(
                 name=self.settings.name,
                 capabilities=capabilities,
-                # A client that comes back finds everything again: ids are those of this run.
+                # A client that reconnects can use its ids again: they are valid during this run.
                 session_id=self._session_id,
                 metadata={
                     "ROS_DISTRO": "noetic",
@@ -195,19 +201,19 @@ class FoxgloveGateway:
                 },
             )
         )
-        # The protocol wants one in each connection; it may be empty.
-        send(told.advertise(self.channels.by_id.values()))
+        # The protocol requires one in each connection; it may be empty.
+        send(outgoing.advertise(self.channels.by_id.values()))
         if self.services.by_id and "services" in capabilities:
-            send(told.advertise_services(self.services.by_id.values()))
+            send(outgoing.advertise_services(self.services.by_id.values()))
         for text in self._statuses.values():
             send(text)
 
     def forget(self, client: Client) -> None:
-        """Take a client's leave."""
+        """Remove a client that has disconnected."""
         self._clients.pop(client, None)
 
     def run(self, work: Coroutine[Any, Any, None]) -> None:
-        """Let something end that a client or a channel leaves behind; errors of the graph are not its."""
+        """Run the cleanup after a client or a channel; errors of the graph are ignored."""
         task = asyncio.ensure_future(_contained(work))
         self._work.add(task)
         task.add_done_callback(self._work.discard)
@@ -215,7 +221,7 @@ class FoxgloveGateway:
     # within
 
     def _warn(self, text: str) -> None:
-        self._tell(Level.WARN, f"{self.settings.label}: {text}")
+        self._report(Level.WARN, f"{self.settings.label}: {text}")
 
     def _open_client(self, connection: Connection) -> Line:
         line = Line(connection, self.limits)
@@ -231,7 +237,7 @@ class FoxgloveGateway:
                     self.channels.update(snapshot)
                     self.services.update(snapshot)
                     if (changes := self.connections.update(snapshot)) is not None:
-                        message = told.connection_graph_update(changes)
+                        message = outgoing.connection_graph_update(changes)
                         for client in self._clients:
                             if client.wants_connection_graph:
                                 client.line.send(message)
@@ -253,36 +259,36 @@ class FoxgloveGateway:
 
     def _offer_channels(self, channels: Sequence[Channel]) -> None:
         if self._clients:
-            self._broadcast(told.advertise(channels))
+            self._broadcast(outgoing.advertise(channels))
 
     def _end_channels(self, channels: Sequence[Channel]) -> None:
         for client in list(self._clients):
             for channel in channels:
                 client.channel_ended(channel)
-        self._broadcast(told.unadvertise(channel.id for channel in channels))
+        self._broadcast(outgoing.unadvertise(channel.id for channel in channels))
 
     def _offer_services(self, services: Sequence[OfferedService]) -> None:
         if self._clients and "services" in self.settings.capabilities:
-            self._broadcast(told.advertise_services(services))
+            self._broadcast(outgoing.advertise_services(services))
 
     def _end_services(self, services: Sequence[OfferedService]) -> None:
         if self._clients and "services" in self.settings.capabilities:
-            self._broadcast(told.unadvertise_services(service.id for service in services))
+            self._broadcast(outgoing.unadvertise_services(service.id for service in services))
 
     def _warn_clients(self, text: str) -> None:
         if text in self._statuses or len(self._statuses) >= _MAX_SHOWN_STATUSES:
             return
         self._warn(text)
-        message = self._statuses[text] = told.status(
+        message = self._statuses[text] = outgoing.status(
             StatusLevel.WARNING, text, f"warning-{len(self._statuses)}"
         )
         self._broadcast(message)
 
-    def _tell_time(self, time_ns: int) -> None:
-        self._broadcast(told.time(time_ns))
+    def _send_time(self, time_ns: int) -> None:
+        self._broadcast(outgoing.time(time_ns))
 
     def _restart_clients(self) -> None:
-        # Which clock there is, is said once in a connection.
+        # A connection learns only once which clock is used.
         self._session_id = str(time.time_ns())
         for client in list(self._clients):
             client.line.close(_SERVICE_RESTART, "the clock is another one now")
@@ -296,5 +302,5 @@ async def _contained(work: Coroutine[Any, Any, None]) -> None:
     try:
         await work
     except RostetherError:
-        # The graph is away, and forgets by itself.
+        # The graph is gone, and with it all endpoints.
         return

@@ -23,7 +23,7 @@ _NANOSECONDS = ("nsec", "nsecs", "nanosec")
 
 
 def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
-    """Return what `Codec.encode` takes. Raises SerializationError."""
+    """Return the argument of `Codec.encode`. Raises SerializationError."""
     try:
         value = json.loads(data.decode("utf-8", "replace") or "{}")
     except (ValueError, RecursionError) as error:

@@ -1,4 +1,4 @@
-"""What a gateway for Foxglove bounds, each with its reason."""
+"""The limits of a gateway for Foxglove, each with its reason."""
 
 from __future__ import annotations
 
@@ -11,50 +11,50 @@ from rostether.gateways.websocket.settings import ConnectionLimits
 class FoxgloveLimits:
     """Bounds of one gateway and its clients."""
 
+    # A class in front of one robot; each may cost `waiting_bytes`.
     clients: int = 64
-    """A class in front of one robot; each may cost `waiting_bytes`."""
 
+    # Connections beside clients: a page asks for some ten files at once, a few pages are loaded together.
     others: int = 32
-    """Connections beside clients: a page asks for some ten files at once, a few pages are loaded together."""
 
+    # The largest message of a client: an image or map that it publishes.
     message_bytes: int = 16 << 20
-    """Of what a client sends: a large image or map that it publishes."""
 
+    # For each slow client: some five camera images, or seconds of everything else.
     waiting_bytes: int = 32 << 20
-    """For each slow client: some five camera images, or seconds of everything else."""
 
+    # Unread answers of a client; beyond it the client is disconnected. Large ones wait for their turn.
     control_bytes: int = 32 << 20
-    """Answers that a client does not read; then it is given up. Large ones wait for their turn."""
 
+    # The largest meshes that robots have are some ten megabytes.
     asset_bytes: int = 64 << 20
-    """The largest meshes that robots have are some ten megabytes."""
 
+    # Service calls and parameter requests of one client at once, as Foxglove's own server takes.
     calls: int = 32
-    """Service calls and parameter requests of one client at once, as Foxglove's own server takes."""
 
+    # Requests of one client at once, read one after another: all meshes of a robot's description.
     assets: int = 1024
-    """Asked for by one client at once, read one after another: all meshes of a robot's description."""
 
+    # Of one client: more topics than any graph has.
     subscriptions: int = 4096
-    """Of one client: more topics than any graph has."""
 
+    # Topics that one client publishes.
     client_channels: int = 256
-    """Topics that one client publishes."""
 
+    # Of one client; on ROS 2 each is asked for.
     watched_parameters: int = 1024
-    """Of one client; on ROS 2 each is asked for."""
 
+    # The time until a connection must request a WebSocket or a file.
     handshake_s: float = 10.0
-    """Until a connection must have said that it is a WebSocket."""
 
+    # A client that reads nothing and does not answer until the next ping is disconnected.
     ping_period_s: float = 20.0
-    """A client that has not answered until the next ping, and reads nothing, is gone."""
 
+    # Longer than a user waits for a service; Foxglove itself has no limit.
     call_timeout_s: float = 60.0
-    """A service that takes longer than a person waits; Foxglove itself has no limit."""
 
+    # For an answer about parameters; a ROS 2 node that hangs must not delay all.
     parameters_timeout_s: float = 10.0
-    """For an answer about parameters; a node that hangs on ROS 2 must not hold up all."""
 
     def of_connections(self, unsent_bytes: int) -> ConnectionLimits:
         """Return the limits of the WebSocket server; `unsent_bytes` is what the socket of a client holds."""

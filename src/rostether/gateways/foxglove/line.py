@@ -1,4 +1,4 @@
-"""What is sent to one Foxglove client: answers in order, and messages of topics beside them.
+"""The messages to one Foxglove client: answers in order, and messages of topics beside them.
 
 Messages of topics are written past the WebSocket library (see `data_outlet.py`).
 """
@@ -13,7 +13,7 @@ from rostether.gateways.foxglove.data_outlet import DataOutlet
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.websocket.connection import Connection
 
-# 50 ms of what a fast network takes; then messages wait in queues where they can be dropped.
+# 50 ms of a fast network; beyond it messages wait in queues where they can be dropped.
 HIGH_WATER_BYTES = 1 << 20
 
 
@@ -21,7 +21,7 @@ class LineUser(Protocol):
     """Receives the events of one connection."""
 
     def received(self, message: str | bytes) -> None:
-        """A whole message came."""
+        """A complete message arrived."""
 
     def dropped(self, count: int) -> None:
         """This number of further messages was lost because the client reads slowly."""
@@ -44,18 +44,18 @@ class Line:
         self._large_turn = asyncio.Lock()
         self._large_bytes = 0
 
-    # the connection's side
+    # Events of the connection.
 
     def received(self, message: str | bytes) -> None:
-        """Hand a message on."""
+        """Pass a message on."""
         self.user.received(message)
 
     def paused(self) -> None:
-        """Let messages of topics wait."""
+        """Keep messages of topics waiting."""
         self._data.pause()
 
     def resumed(self) -> None:
-        """Send what waited."""
+        """Send the waiting messages."""
         self._large_bytes = 0
         self._data.resume()
 
@@ -64,7 +64,7 @@ class Line:
         self._data.end()
         self.user.closed()
 
-    # the client's side
+    # Calls from the client.
 
     @property
     def peer(self) -> str:
@@ -72,7 +72,7 @@ class Line:
         return self._connection.peer
 
     def pause_reading(self) -> None:
-        """Read no more, so that the client waits."""
+        """Stop reading, so that the client waits."""
         self._connection.pause_reading()
 
     def resume_reading(self) -> None:
@@ -80,26 +80,26 @@ class Line:
         self._connection.resume_reading()
 
     def send(self, message: str | bytes) -> None:
-        """Send an answer or an announcement; a client that does not read them is cut off."""
-        # What was gathered is older.
+        """Send an answer or an announcement; a client that does not read them is disconnected."""
+        # The collected messages are older.
         self._data.flush()
         self._connection.send(message)
         if self._connection.unsent_bytes > self._limits.control_bytes + HIGH_WATER_BYTES + self._large_bytes:
             self.abort()
 
     async def send_large(self, message: bytes) -> None:
-        """Send an answer of any size, as soon as the client has read the one before."""
+        """Send an answer of any size, after the client has read the previous one."""
         async with self._large_turn:
             await self._connection.has_room.wait()
             self._large_bytes = len(message)
             self.send(message)
 
     def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Send messages of a topic, or let them wait."""
+        """Send messages of a topic, or queue them."""
         self._data.send(subscription_id, time_ns, payloads)
 
     def forget(self, subscription_id: int) -> None:
-        """Drop what waits for a subscription that has ended."""
+        """Discard the waiting messages of a subscription that has ended."""
         self._data.forget(subscription_id)
 
     def close(self, code: int, reason: str) -> None:

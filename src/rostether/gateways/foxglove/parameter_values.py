@@ -1,4 +1,4 @@
-"""Parameters as the protocol has them: a name, a JSON value, and a type where JSON leaves it open.
+"""Parameters in the protocol: a name, a JSON value, and a type if JSON does not determine it.
 
 `byte_array` is base64, `float64` and `float64_array` are numbers that may look whole. JSON has no NaN and no
 infinity: they are sent as texts, which a set takes back as floats where the parameter is one.
@@ -16,15 +16,15 @@ from rostether.gateways.foxglove.client_messages import GivenParameter
 from rostether.graph.ports import ParamValue
 from rostether.serde.plain_form import clean_text
 
+# The depth of nested mappings and lists: deeper than in use, and far below Python's limit.
 MAX_DEPTH = 64
-"""Of mappings and lists within each other: deeper than anybody writes, and far from what Python can nest."""
 
 _SPECIAL = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
 _FLOAT, _FLOATS, _BYTES = "float64", "float64_array", "byte_array"
 
 
 def describe(name: str, value: ParamValue) -> dict[str, Any]:
-    """Return a parameter as clients get it; one that is unset has no value."""
+    """Return a parameter for clients; an unset one has no value."""
     if value is None:
         return {"name": name}
     described: dict[str, Any] = {"name": name, "value": _plain(value)}
@@ -42,7 +42,7 @@ def describe(name: str, value: ParamValue) -> dict[str, Any]:
 
 
 def given_value(given: GivenParameter, before: ParamValue) -> ParamValue:
-    """Return the value to set; a whole number given to what is a float stays one. Raises ConfigError."""
+    """Return the value to set; a whole number for a float parameter becomes a float. Raises ConfigError."""
     value = given.value
     if given.type == _FLOAT or (given.type is None and isinstance(before, float)):
         return _float(given.name, value)

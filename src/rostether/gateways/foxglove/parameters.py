@@ -1,4 +1,4 @@
-"""Parameters of a graph for clients: got, set, and watched once however many clients watch."""
+"""Parameters of a graph for clients: read, set, and watched once for all clients."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from rostether.gateways.foxglove.parameter_values import describe, given_value
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.graph.ports import Graph, ParamValue, Watch
 
+# In one answer; a large robot has some thousand.
 MAX_PARAMETERS = 20_000
-"""In one answer; a large robot has some thousand."""
 
 _ASKED_AT_ONCE = 16
 
@@ -45,7 +45,7 @@ class Parameters:
         return sorted(known + rest, key=lambda each: str(each["name"]))
 
     async def set(self, given: Iterable[GivenParameter]) -> tuple[list[dict[str, Any]], list[str]]:
-        """Set or unset parameters; returns what they are then, and a line for each that could not be set."""
+        """Set or unset parameters; returns the new values, and a line for each that could not be set."""
         now: list[dict[str, Any]] = []
         mistakes: list[str] = []
         for each in given:
@@ -86,7 +86,7 @@ class Parameters:
             raise
 
     async def unwatch(self, name: str, on_change: Callable[[dict[str, Any]], None]) -> None:
-        """Call back no more. Idempotent."""
+        """Stop calling back. Idempotent."""
         watched = self._watched.get(name)
         if watched is None or on_change not in watched.listeners:
             return
@@ -96,7 +96,7 @@ class Parameters:
             await watched.close()
 
     async def close(self) -> None:
-        """Watch no more."""
+        """Stop all watches."""
         watched, self._watched = list(self._watched.values()), {}
         await asyncio.gather(*(each.close() for each in watched))
 
@@ -134,7 +134,7 @@ class Parameters:
 
 
 class _Watched:
-    """One parameter that somebody watches."""
+    """One watched parameter."""
 
     def __init__(self, name: str) -> None:
         self.listeners: list[Callable[[dict[str, Any]], None]] = []

@@ -1,4 +1,4 @@
-"""Recording on a client's demand: what a gateway asks of the recorder, and reports to its clients."""
+"""Recording on a client's request: the gateway's Protocol of a recorder, and reports to clients."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any, Protocol
 
 from rostether.errors import RostetherError
 
-# While a recording runs, its size is reported so often.
+# How often the size of a running recording is reported.
 PERIOD_S = 1.0
 
 
 class RecordingControl(Protocol):
-    """Records the graph into a folder, one recording at a time."""
+    """Records the graph into a folder, and plays from it; one recording at a time."""
 
     @property
     def is_active(self) -> bool:
@@ -26,8 +26,21 @@ class RecordingControl(Protocol):
     async def stop(self) -> None:
         """End the recording, and close its file. Raises RostetherError."""
 
+    @property
+    def is_playing(self) -> bool:
+        """Whether a recording is played or paused."""
+
+    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
+        """Play a recording from a time, under its own names or below a prefix. Raises RostetherError."""
+
+    async def pause(self, *, is_paused: bool) -> None:
+        """Pause the playback, or continue it. Raises RostetherError."""
+
+    async def stop_playing(self) -> None:
+        """End the playback, if there is one."""
+
     async def state(self) -> Mapping[str, Any]:
-        """Return the running recording and the finished files, as JSON has them."""
+        """Return what is recorded and played, and the finished files, for JSON."""
 
 
 class RecordingReports:
@@ -39,19 +52,19 @@ class RecordingReports:
         self._task: asyncio.Task[None] | None = None
 
     def follow(self, report: Callable[[Mapping[str, Any]], None]) -> None:
-        """Report from now on."""
+        """Start to report to a client."""
         self._followers[report] = None
 
     def unfollow(self, report: Callable[[Mapping[str, Any]], None]) -> None:
-        """Report no more."""
+        """Stop reporting to a client."""
         self._followers.pop(report, None)
 
     async def report(self) -> None:
-        """Report now, and again and again while a recording runs."""
+        """Report now, and repeatedly while a recording runs."""
         state = await self.control.state()
         for report in list(self._followers):
             report(state)
-        if self.control.is_active and (self._task is None or self._task.done()):
+        if self._changes and (self._task is None or self._task.done()):
             self._task = asyncio.ensure_future(self._keep_reporting())
 
     async def close(self) -> None:
@@ -60,16 +73,21 @@ class RecordingReports:
         if self._task is not None:
             self._task.cancel()
             await asyncio.wait([self._task])
+        await self.control.stop_playing()
         if self.control.is_active:
             with contextlib.suppress(RostetherError):
                 await self.control.stop()
 
+    @property
+    def _changes(self) -> bool:
+        return self.control.is_active or self.control.is_playing
+
     async def _keep_reporting(self) -> None:
-        is_active = True
-        while is_active:
+        changes = True
+        while changes:
             await asyncio.sleep(PERIOD_S)
             # Once more after its end.
-            is_active = self.control.is_active
+            changes = self._changes
             try:
                 state = await self.control.state()
             except RostetherError as error:

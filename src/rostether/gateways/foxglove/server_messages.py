@@ -1,4 +1,4 @@
-"""What a Foxglove server says: JSON objects named by `op`, and binary messages that begin with an opcode.
+"""The messages of a Foxglove server: JSON objects with an `op`, and binary messages with an opcode.
 
 Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 Integers in binary messages are little endian.
@@ -15,25 +15,28 @@ from typing import Any
 
 from rostether.msgdef.interface import MessageType, ServiceType
 
+# The subprotocols of today's Foxglove and of older clients; the messages are the same.
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
-"""What today's Foxglove asks for, and what clients before it do; the messages are the same."""
 
 ROS1_ENCODING = "ros1"
 JSON_ENCODING = "json"
 SCHEMA_ENCODING = "ros1msg"
 
-MESSAGE_DATA = 0x01
 _TIME = struct.Struct("<BQ")
 _SERVICE_RESPONSE = struct.Struct("<BIII")
 _ASSET_RESPONSE = struct.Struct("<BIBI")
 _TIME_OPCODE, _SERVICE_RESPONSE_OPCODE, _ASSET_RESPONSE_OPCODE = 0x02, 0x03, 0x04
 _ASSET_FOUND, _ASSET_FAILED = 0, 1
-_ENCODED = frozenset({"clientPublish", "services"})  # what clients send encoded messages for
-_MAX_TEXT_CHARACTERS = 2000  # of a line for people
+
+# The capabilities for which clients send encoded messages.
+_ENCODED = frozenset({"clientPublish", "services"})
+
+# The length of a line for users.
+_MAX_TEXT_CHARACTERS = 2000
 
 
 class StatusLevel(IntEnum):
-    """How grave a status message is."""
+    """The severity of a status message."""
 
     INFO = 0
     WARNING = 1
@@ -75,7 +78,7 @@ def server_info(
 
 
 def status(level: StatusLevel, text: str, status_id: str | None = None) -> str:
-    """Return a line for people; one with an id replaces the one before and can be removed."""
+    """Return a line for users; a line with an id replaces the previous one and can be removed."""
     message: dict[str, Any] = {"op": "status", "level": int(level), "message": _one_line(text)}
     if status_id is not None:
         message["id"] = status_id
@@ -83,7 +86,7 @@ def status(level: StatusLevel, text: str, status_id: str | None = None) -> str:
 
 
 def remove_status(status_ids: Iterable[str]) -> str:
-    """Return what takes status messages back."""
+    """Return the removal of status messages."""
     return _json({"op": "removeStatus", "statusIds": list(status_ids)})
 
 
@@ -104,7 +107,7 @@ def advertise(channels: Iterable[Channel]) -> str:
 
 
 def unadvertise(channel_ids: Iterable[int]) -> str:
-    """Return that channels are gone; subscriptions to them end."""
+    """Return the end of channels; subscriptions to them end."""
     return _json({"op": "unadvertise", "channelIds": list(channel_ids)})
 
 
@@ -124,7 +127,7 @@ def advertise_services(services: Iterable[OfferedService]) -> str:
 
 
 def unadvertise_services(service_ids: Iterable[int]) -> str:
-    """Return that services are gone."""
+    """Return the end of services."""
     return _json({"op": "unadvertiseServices", "serviceIds": list(service_ids)})
 
 
@@ -137,7 +140,7 @@ def parameter_values(parameters: Sequence[Mapping[str, Any]], request_id: str | 
 
 
 def connection_graph_update(changes: Mapping[str, Any]) -> str:
-    """Return what is new in the graph, see `connection_graph.py`."""
+    """Return the changes of the graph, see `connection_graph.py`."""
     return _json({"op": "connectionGraphUpdate", **changes})
 
 
@@ -147,7 +150,7 @@ def drive(state: Mapping[str, Any]) -> str:
 
 
 def recordings(state: Mapping[str, Any]) -> str:
-    """Return what is recorded, see `recording_control.py`; an op of this gateway."""
+    """Return the recordings, see `recording_control.py`; an op of this gateway."""
     return _json({"op": "recordings", **state})
 
 
@@ -171,18 +174,18 @@ def time(time_ns: int) -> bytes:
 
 
 def asset(request_id: int, data: bytes) -> bytes:
-    """Return a file that was asked for."""
+    """Return a requested file."""
     return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FOUND, 0) + data
 
 
 def asset_failure(request_id: int, text: str) -> bytes:
-    """Return why a file cannot be had."""
+    """Return why a file is not available."""
     reason = _one_line(text).encode("utf-8", "replace")
     return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FAILED, len(reason)) + reason
 
 
 def _one_line(text: str) -> str:
-    # What a client named may have lines of its own, and any length.
+    # Names from clients may contain line breaks, and have any length.
     return " ".join(text.splitlines())[:_MAX_TEXT_CHARACTERS]
 
 

@@ -15,15 +15,16 @@ from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore
 
+# Finds the type of a service that the graph does not list, by asking its server. Raises RostetherError.
 FindServiceType: TypeAlias = Callable[[str], Awaitable[str]]
-"""Tells the type of a service whose graph does not list it, by asking its server. Raises RostetherError."""
 
+# More than any graph has: a ROS 1 node of roscpp has two, one of ROS 2 seven.
 MAX_SERVICES = 20_000
-"""More than any graph has: a ROS 1 node of roscpp has two, one of ROS 2 seven."""
 
 _ASKED_AT_ONCE = 8
+
+# A node that has just registered may not answer yet; a node that is gone never does.
 _RETRY_S = (1.0, 2.0, 5.0, 10.0, 30.0)
-"""A node that has just registered may not answer yet; one that is gone never does."""
 
 
 class Services:
@@ -46,14 +47,14 @@ class Services:
         self._on_offer = on_offer
         self._on_end = on_end
         self._by_name: dict[str, OfferedService] = {}
-        # What offers each: a server that is started again may have another type.
+        # The providers of each: a restarted server may have another type.
         self._providers: dict[str, tuple[tuple[str, ...], str]] = {}
         self._asking: dict[str, asyncio.Task[None]] = {}
         self._asked_at_once = asyncio.Semaphore(_ASKED_AT_ONCE)
         self._next_id = 1
 
     def update(self, snapshot: Snapshot) -> None:
-        """Follow the graph."""
+        """Update the services."""
         there = {
             service.name: (service.providers, service.type)
             for service in snapshot.services.values()
@@ -100,7 +101,7 @@ class Services:
         return answer
 
     async def close(self) -> None:
-        """Ask no more."""
+        """Stop asking for types."""
         tasks = list(self._asking.values())
         for task in tasks:
             task.cancel()

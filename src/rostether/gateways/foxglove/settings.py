@@ -10,9 +10,10 @@ from rostether.errors import ConfigError
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.websocket.settings import ServerSettings
 
+# The default port of Foxglove.
 DEFAULT_PORT = 8765
-"""The default port of Foxglove."""
 
+# What clients may do besides reading topics; the time is also sent if it is simulated.
 CAPABILITIES = (
     "clientPublish",
     "parameters",
@@ -21,18 +22,17 @@ CAPABILITIES = (
     "connectionGraph",
     "assets",
 )
-"""What clients may do besides reading topics; the time is also sent if it is simulated."""
 
 
 @dataclass(frozen=True, slots=True)
 class NameFilter:
-    """Names that are offered: those that any of the patterns matches as a whole; None is every name."""
+    """The offered names: those that a pattern matches as a whole; None offers every name."""
 
     patterns: tuple[re.Pattern[str], ...] | None = None
 
     @classmethod
     def of(cls, expressions: Iterable[str], source: str) -> NameFilter:
-        """Compile regular expressions; `source` is who gave them. Raises ConfigError."""
+        """Compile regular expressions; `source` names their origin. Raises ConfigError."""
         try:
             return cls(tuple(re.compile(each) for each in expressions))
         except re.error as error:

@@ -1,4 +1,4 @@
-"""The time that messages are stamped with for clients: the wall clock, or /clock under /use_sim_time."""
+"""The time stamps of messages for clients: the wall clock, or /clock under /use_sim_time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _log = logging.getLogger("rostether.gateways")
 
 
 class SimClock:
-    """Follows /use_sim_time and /clock; `on_time` gets each time, `on_change` is for another clock."""
+    """Follows /use_sim_time and /clock; `on_time` gets each time, `on_change` reports another clock."""
 
     def __init__(
         self,
@@ -29,8 +29,8 @@ class SimClock:
         on_time: Callable[[int], None],
         on_change: Callable[[], None],
     ) -> None:
+        # Whether the time comes from /clock.
         self.is_simulated = False
-        """Whether the time comes from /clock."""
         self._graph = graph
         self._shared = shared
         self._on_time = on_time
@@ -41,7 +41,7 @@ class SimClock:
         self._following: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Look which clock it is, and keep looking."""
+        """Find out which clock is used, and watch for changes."""
         try:
             self._watch = await self._graph.watch_param(_USE_SIM_TIME, self._take_choice)
         except RostetherError:
@@ -53,7 +53,7 @@ class SimClock:
         return self._time_ns if self.is_simulated else time.time_ns()
 
     async def close(self) -> None:
-        """Follow no more."""
+        """Stop following."""
         if self._watch is not None:
             await self._watch.close()
         self.is_simulated = False
@@ -77,7 +77,7 @@ class SimClock:
         self._on_change()
 
     async def _follow(self) -> None:
-        """Be subscribed to /clock while it counts."""
+        """Subscribe to /clock while it is used."""
         if self.is_simulated and self._share is None:
             try:
                 self._share = await self._shared.subscribe(_CLOCK_TOPIC, self._take)

@@ -19,7 +19,7 @@ from rostether.msgdef.interface import ANY_MD5SUM
 
 
 class Subscription:
-    """Hands a topic's messages to a line as they are; `tell` gets a line when the graph refuses."""
+    """Passes a topic's messages to a line unchanged; `report` gets a line if the graph refuses."""
 
     def __init__(
         self,
@@ -39,9 +39,9 @@ class Subscription:
         self._opening: asyncio.Task[None] | None = None
         self._is_closed = False
 
-    def open(self, shared: SharedSubscriptions, tell: Callable[[str], None]) -> None:
+    def open(self, shared: SharedSubscriptions, report: Callable[[str], None]) -> None:
         """Subscribe on the graph, unless another client has."""
-        self._opening = asyncio.ensure_future(self._open(shared, tell))
+        self._opening = asyncio.ensure_future(self._open(shared, report))
 
     async def close(self) -> None:
         """Unsubscribe; nothing is sent from now on."""
@@ -52,16 +52,16 @@ class Subscription:
         if self._share is not None:
             await self._share.close()
 
-    async def _open(self, shared: SharedSubscriptions, tell: Callable[[str], None]) -> None:
+    async def _open(self, shared: SharedSubscriptions, report: Callable[[str], None]) -> None:
         try:
             self._share = await shared.subscribe(self.channel.topic, self._take, self._meet)
         except RostetherError as error:
-            tell(f"{self.channel.topic} cannot be subscribed: {error}")
+            report(f"{self.channel.topic} cannot be subscribed: {error}")
 
     def _meet(self, connection: PublisherConnection) -> None:
         self._channels.met(self.channel, connection)
 
     def _take(self, batch: Batch) -> None:
-        # What is of another type than the channel's definition says would be read as nonsense.
+        # Messages of another type than the channel's definition would be decoded as nonsense.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
             self._line.send_data(self.id, self._now_ns(), batch.payloads)

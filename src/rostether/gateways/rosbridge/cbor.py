@@ -18,9 +18,10 @@ from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import clean_text
 
+# Types of one gateway whose functions are kept; definitions come from peers.
 _MAX_FORMS: Final = 512
-"""Types of one gateway whose functions are kept; definitions come from peers."""
 
+# By `struct` format; uint8[] is a byte string, and flags have no tag.
 _TYPED_ARRAY_TAGS: Final = {
     "H": 69,
     "I": 70,
@@ -32,7 +33,6 @@ _TYPED_ARRAY_TAGS: Final = {
     "f": 85,
     "d": 86,
 }
-"""By `struct` format; uint8[] is a byte string, and flags have no tag."""
 
 
 class CborForm:

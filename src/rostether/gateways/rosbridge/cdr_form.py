@@ -1,4 +1,4 @@
-"""What clients that ask for raw messages get on a ROS 2 graph: CDR, and ROS 2's own definitions."""
+"""Raw messages for clients on a ROS 2 graph: CDR, with ROS 2's own definitions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.ros2.types.type_support import Ros2Types
 
 
 class CdrForm:
-    """Says the graph port's messages in ROS 2's form; `registry` is what the gateway has its types from."""
+    """Converts the graph port's messages to ROS 2's form; `registry` is the gateway's source of types."""
 
     def __init__(self, registry: Registry) -> None:
         self._types = (

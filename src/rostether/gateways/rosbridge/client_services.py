@@ -20,8 +20,8 @@ from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
 from rostether.gateways.rosbridge.type_names import short_type
 
+# Answers that the gateway computes for one client at once: a page that requests all must not delay others.
 MAX_LOCAL_CALLS = 2
-"""What the gateway works out for one client at once: a page that asks for all must not hold up others."""
 
 Send = Callable[[dict[str, Any], Wish], None]
 
@@ -29,20 +29,20 @@ Send = Callable[[dict[str, Any], Wish], None]
 class ClientServices:
     """What one client does with services. Methods raise RostetherError for what cannot be done."""
 
-    def __init__(self, around: GatewayContext, send: Send) -> None:
-        self._around = around
+    def __init__(self, context: GatewayContext, send: Send) -> None:
+        self._context = context
         self._send = send
         self._calls: dict[asyncio.Task[None], int] = {}
         self._call_bytes = 0
         self._local_calls = asyncio.Semaphore(MAX_LOCAL_CALLS)
 
     def call(self, request: Request) -> None:
-        """Call a service; the answer is sent when it is there, whatever else the client does meanwhile."""
+        """Call a service; the answer is sent when it arrives, independently of other requests."""
         service, wish = request.word("service"), Wish.read(request)
         timeout_s = request.number("timeout", 0) or None
         is_too_large = self._calls and self._call_bytes + request.size_bytes > MAX_QUEUED_BYTES
         if len(self._calls) >= MAX_CALLS or is_too_large:
-            # Not held up until one ends: what else the client says may stop a robot.
+            # Refused rather than delayed: the client's next message may stop a robot.
             most = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
             reason = f"this client has {most} calls under way: {service} is not called"
             self._send(_response(request, service) | {"values": reason, "result": False}, wish)
@@ -54,37 +54,37 @@ class ClientServices:
 
     async def advertise(self, request: Request) -> str:
         """Offer a service that the client answers; returns a warning, empty if there is none."""
-        name = self._around.graph.resolve(request.word("service"))
+        name = self._context.graph.resolve(request.word("service"))
         self._check_glob(name)
-        if len(self._around.offered.of(self)) >= MAX_SERVICES:
+        if len(self._context.offered.of(self)) >= MAX_SERVICES:
             raise RemoteProtocolError(f"advertise_service: at most {MAX_SERVICES} are allowed")
-        service_type = self._around.store.registry.service_type(short_type(request.word("type")))
+        service_type = self._context.store.registry.service_type(short_type(request.word("type")))
         send = self._send
         service = OfferedService(
-            name, service_type, self, self._around.forms, lambda fields: send(fields, Wish())
+            name, service_type, self, self._context.forms, lambda fields: send(fields, Wish())
         )
-        old = await self._around.offered.offer(service)
+        old = await self._context.offered.offer(service)
         if old is not None and old.owner is not self:
             return f"advertise_service: {name} was offered by another client, which offers it no more"
         return ""
 
     async def unadvertise(self, request: Request) -> None:
-        """Offer a service no more."""
+        """Stop offering a service."""
         service = self._own(request)
-        await self._around.offered.withdraw(service, "was unadvertised while it was called")
+        await self._context.offered.withdraw(service, "was unadvertised while it was called")
 
     def answer(self, request: Request) -> None:
-        """Take the client's answer to a call."""
+        """Handle the client's answer to a call."""
         result = request.fields.get("result", True)
         self._own(request).answer(request.id, request.fields.get("values", {}), is_done=bool(result))
 
     async def close(self) -> None:
-        """Give up calls, and offer nothing any more."""
+        """Cancel calls, and stop offering services."""
         for call in self._calls:
             call.cancel()
         withdrawals = (
-            self._around.offered.withdraw(each, "has lost the client that offers it")
-            for each in self._around.offered.of(self)
+            self._context.offered.withdraw(each, "has lost the client that offers it")
+            for each in self._context.offered.of(self)
         )
         await asyncio.gather(*withdrawals, *self._calls, return_exceptions=True)
 
@@ -104,34 +104,34 @@ class ClientServices:
         self._send(answer, wish)
 
     async def _values(self, service: str, request: Request) -> dict[str, Any]:
-        around = self._around
+        context = self._context
         try:
-            name = around.graph.resolve(service)
+            name = context.graph.resolve(service)
         except InvalidNameError as error:
             raise RemoteProtocolError(f"call_service: {error}") from None
         self._check_glob(name)
-        local = around.local_services.find(name) if around.local_services is not None else None
+        local = context.local_services.find(name) if context.local_services is not None else None
         if local is not None:
             async with self._local_calls:
                 return await local(request.fields.get("args"))
-        service_type = await around.service_types.find(name)
+        service_type = await context.service_types.find(name)
         args = self._by_name(service_type.request.name, request.fields.get("args"))
-        payload = around.forms.from_json(service_type.request.name, args)
-        # The call may take long, and what it was made of twenty times the room of its JSON.
+        payload = context.forms.from_json(service_type.request.name, args)
+        # The call may take long, and the parsed request twenty times the memory of its JSON.
         del args
         request.fields.clear()
         try:
-            answer = await around.graph.call_service(name, service_type, payload)
+            answer = await context.graph.call_service(name, service_type, payload)
         except RostetherError:
-            around.service_types.forget(name)
+            context.service_types.forget(name)
             raise
-        return around.forms.to_json(service_type.response.name, answer)
+        return context.forms.to_json(service_type.response.name, answer)
 
     def _by_name(self, type_name: str, args: Any) -> Any:
         """Return a request by its fields' names: clients may give a list in their order, or one value."""
         if args is None or isinstance(args, dict):
             return args or {}
-        names = [name for name, _ in self._around.store.codec(type_name).message_class._fields]
+        names = [name for name, _ in self._context.store.codec(type_name).message_class._fields]
         values = args if isinstance(args, list) else [args]
         if len(values) > len(names):
             raise RemoteProtocolError(
@@ -140,14 +140,14 @@ class ClientServices:
         return dict(zip(names, values, strict=False))
 
     def _own(self, request: Request) -> OfferedService:
-        name = self._around.graph.resolve(request.word("service"))
-        service = self._around.offered.find(name, self)
+        name = self._context.graph.resolve(request.word("service"))
+        service = self._context.offered.find(name, self)
         if service is None:
             raise UnknownNameError(f"{request.op}: this client does not offer {name}")
         return service
 
     def _check_glob(self, name: str) -> None:
-        if not matches(name, self._around.settings.services_glob):
+        if not matches(name, self._context.settings.services_glob):
             raise AccessDeniedError(f"{name} is not among the services that this server lets clients use")
 
 

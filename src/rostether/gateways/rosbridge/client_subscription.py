@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from rostether.errors import RemoteProtocolError, RostetherError
-from rostether.gateways.rosbridge.outbox import Outbox, TopicQueue
+from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.rosbridge.status import show
@@ -22,11 +22,11 @@ from rostether.gateways.rosbridge.type_names import short_type
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
 from rostether.msgdef.interface import ANY_TYPE
 
+# Smaller pieces would be nearly all frame, and a large message millions of them.
 MIN_FRAGMENT_BYTES = 32
-"""Smaller pieces would be nearly all frame, and a large message millions of them."""
 
+# Ids under which one client may subscribe one topic.
 MAX_REQUESTS = 100
-"""Ids under which one client may subscribe one topic."""
 
 _MS = 1e-3
 
@@ -82,15 +82,21 @@ def merge(wishes: list[Wish]) -> Wish:
 
 
 class ClientSubscription:
-    """A topic that a client listens to; `topic` is the name as the client wrote it, and reads it."""
+    """A topic that a client subscribes; `topic` is the name as the client wrote it."""
 
-    def __init__(self, topic: str, outbox: Outbox, tell_error: Callable[[str], None]) -> None:
+    def __init__(
+        self, topic: str, outbox: Outbox[ClientSubscription], report_mistake: Callable[[str], None]
+    ) -> None:
         self.topic = topic
         self.wish = Wish()
-        self.queue = TopicQueue(MAX_QUEUED_MESSAGES, self)
+        self.dropped_count = 0
+        # How many of them were reported to the client, and when it may receive the next report.
+        self.reported_count = 0
+        self.next_report_s = 0.0
+        self.queue_length = MAX_QUEUED_MESSAGES
         self.share: SharedSubscription | None = None
         self._outbox = outbox
-        self._tell_error = tell_error
+        self._report_mistake = report_mistake
         self._wishes: dict[object, Wish] = {}
         self._type = ""
         self._refused: set[str] = set()
@@ -99,7 +105,7 @@ class ClientSubscription:
         self._timer: asyncio.TimerHandle | None = None
 
     def want(self, request_id: object, wish: Wish, type_name: str) -> None:
-        """Take one more wish, or another under the same id. Raises RemoteProtocolError."""
+        """Add a wish, or replace the one of the same id. Raises RemoteProtocolError."""
         if len(self._wishes) >= MAX_REQUESTS and request_id not in self._wishes:
             raise RemoteProtocolError(
                 f"{self.topic} is subscribed {MAX_REQUESTS} times: unsubscribe some ids"
@@ -110,7 +116,7 @@ class ClientSubscription:
         self._settle()
 
     def want_no_more(self, request_id: object) -> bool:
-        """Forget the wish of an id, all without one; returns whether any is left."""
+        """Remove the wish of an id (default: all); returns whether any is left."""
         if request_id is None:
             self._wishes.clear()
         else:
@@ -120,37 +126,39 @@ class ClientSubscription:
         return bool(self._wishes)
 
     def enqueue(self, batch: Batch) -> None:
-        """Queue what has come, as far as the client wants it."""
+        """Queue the messages that the client wants."""
         if not self._fits(batch.connection):
             return
-        if not self.wish.throttle_s:
-            for index in range(len(batch.payloads)):
-                self._outbox.put(self.queue, batch, index)
-            return
         for index in range(len(batch.payloads)):
-            self._throttle(batch, index)
+            if self.wish.throttle_s:
+                self._throttle(batch, index)
+            else:
+                self._put(batch, index)
 
     def refuse(self, connection: PublisherConnection, reason: RostetherError | str) -> None:
-        """Tell once for each type why its messages are not sent."""
+        """Report once for each type why its messages are not sent."""
         if connection.type.name not in self._refused and len(self._refused) < MAX_REQUESTS:
             self._refused.add(connection.type.name)
-            self._tell_error(f"subscribe: {self.topic}: {reason}")
+            self._report_mistake(f"subscribe: {self.topic}: {reason}")
 
     async def close(self) -> None:
-        """Take no more, and forget what waits. Idempotent."""
+        """End the subscription, and discard what waits. Idempotent."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
         self._held.clear()
-        self._outbox.discard(self.queue)
+        self._outbox.discard(self)
         if self.share is not None:
             await self.share.close()
 
+    def _put(self, batch: Batch, index: int) -> None:
+        self._outbox.put(self, batch, index, self.queue_length)
+
     def _settle(self) -> None:
         self.wish = merge(list(self._wishes.values()))
-        # Zero is no queue in the protocol: what a slow line has not taken then waits within our own bounds.
-        self.queue.length = min(self.wish.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
-        self._held = deque(self._held, maxlen=self.queue.length)
+        # Zero is no queue in the protocol: messages for a slow client then wait within our own bounds.
+        self.queue_length = min(self.wish.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
+        self._held = deque(self._held, maxlen=self.queue_length)
 
     def _fits(self, connection: PublisherConnection) -> bool:
         if not self._type or connection.type.name == ANY_TYPE:
@@ -164,15 +172,15 @@ class ClientSubscription:
         now_s = asyncio.get_running_loop().time()
         if self.wish.queue_length:
             if len(self._held) == self._held.maxlen:
-                self.queue.dropped_count += 1
+                self.dropped_count += 1
             self._held.append((batch, index))
             self._release()
         elif now_s >= self._next_s:
             self._step(now_s)
-            self._outbox.put(self.queue, batch, index)
+            self._put(batch, index)
 
     def _release(self) -> None:
-        """Hand on what is held and due, and come back for the rest."""
+        """Pass on the held messages that are due, and schedule the rest."""
         loop = asyncio.get_running_loop()
         if self._timer is not None and not self._timer.cancelled():
             if self._timer.when() > loop.time():
@@ -182,7 +190,7 @@ class ClientSubscription:
             return
         if loop.time() >= self._next_s:
             self._step(loop.time())
-            self._outbox.put(self.queue, *self._held.popleft())
+            self._put(*self._held.popleft())
         if self._held:
             self._timer = loop.call_at(self._next_s, self._timed)
 
@@ -191,7 +199,7 @@ class ClientSubscription:
         self._release()
 
     def _step(self, now_s: float) -> None:
-        # A message that is a little late must not make the next one, in time again, come too soon.
+        # A message that is a little late must not make the next one, in time again, arrive too soon.
         throttle_s = self.wish.throttle_s
         is_in_step = now_s - self._next_s < throttle_s / 2
         self._next_s = (self._next_s if is_in_step else now_s) + throttle_s

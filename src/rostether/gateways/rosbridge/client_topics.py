@@ -1,4 +1,4 @@
-"""The topics of one client: what it advertises and publishes, and what it listens to."""
+"""The topics of one client: those that it publishes, and those that it subscribes."""
 
 from __future__ import annotations
 
@@ -22,17 +22,22 @@ _NOTHING: dict[str, Any] = {}
 class ClientTopics:
     """What one client does with topics. Every method raises RostetherError for what cannot be done."""
 
-    def __init__(self, around: GatewayContext, outbox: Outbox, tell_error: Callable[[str], None]) -> None:
-        self._around = around
+    def __init__(
+        self,
+        context: GatewayContext,
+        outbox: Outbox[ClientSubscription],
+        report_mistake: Callable[[str], None],
+    ) -> None:
+        self._context = context
         self._outbox = outbox
-        self._tell_error = tell_error
+        self._report_mistake = report_mistake
         self._publications: dict[str, Publication] = {}
         self._subscriptions: dict[str, ClientSubscription] = {}
 
     async def advertise(self, request: Request) -> None:
         """Announce that the client will publish a topic."""
         topic, type_name = request.word("topic"), request.word("type")
-        message_type = self._around.store.registry.message_type(short_type(type_name))
+        message_type = self._context.store.registry.message_type(short_type(type_name))
         known = self._publications.get(topic)
         latch = request.flag("latch")
         if known is not None and known.type == message_type and known.is_latching >= latch:
@@ -40,12 +45,12 @@ class ClientTopics:
         await self._advertise(topic, message_type, latch=latch)
 
     async def unadvertise(self, request: Request) -> None:
-        """Take an announcement back; subscribers stay connected for a while, in case it comes again."""
+        """End an announcement; subscribers stay connected for a while, in case it is repeated."""
         topic = request.word("topic")
         publication = self._publications.pop(topic, None)
         if publication is None:
             raise UnknownNameError(f"unadvertise: this client does not advertise {topic}")
-        self._around.linger(publication)
+        self._context.linger(publication)
 
     async def publish(self, request: Request) -> None:
         """Publish a message; a topic that was not advertised must exist."""
@@ -55,10 +60,10 @@ class ClientTopics:
             message_type = await self._type_of(topic)
             publication = await self._advertise(topic, message_type, latch=request.flag("latch"))
         message = request.fields.get("msg", _NOTHING)
-        await publication.publish([self._around.forms.from_json(publication.type.name, message)])
+        await publication.publish([self._context.forms.from_json(publication.type.name, message)])
 
     async def subscribe(self, request: Request) -> None:
-        """Listen to a topic, whether or not it exists already."""
+        """Subscribe a topic, whether or not it exists already."""
         topic = request.word("topic")
         wish = Wish.read(request)
         type_name = request.optional_word("type")
@@ -69,18 +74,18 @@ class ClientTopics:
         self._check_glob(topic)
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise RemoteProtocolError(f"subscribe: at most {MAX_SUBSCRIPTIONS} are allowed; unsubscribe some")
-        subscription = ClientSubscription(topic, self._outbox, self._tell_error)
+        subscription = ClientSubscription(topic, self._outbox, self._report_mistake)
         subscription.want(request.id, wish, type_name)
         self._subscriptions[topic] = subscription
         try:
-            subscription.share = await self._around.shared.subscribe(topic, subscription.enqueue)
+            subscription.share = await self._context.shared.subscribe(topic, subscription.enqueue)
         except BaseException:
             del self._subscriptions[topic]
             await subscription.close()
             raise
 
     async def unsubscribe(self, request: Request) -> None:
-        """Listen no more; without an id to none of the client's subscriptions of the topic."""
+        """Unsubscribe an id; without an id, all of the client's subscriptions of the topic."""
         topic = request.word("topic")
         subscription = self._subscriptions.get(topic)
         if subscription is None:
@@ -92,7 +97,7 @@ class ClientTopics:
     async def close(self) -> None:
         """End everything; publications linger."""
         for publication in self._publications.values():
-            self._around.linger(publication)
+            self._context.linger(publication)
         self._publications.clear()
         subscriptions = list(self._subscriptions.values())
         self._subscriptions.clear()
@@ -105,31 +110,31 @@ class ClientTopics:
         old = self._publications.pop(topic, None)
         if old is not None:
             await old.close()
-        graph = self._around.graph
+        graph = self._context.graph
         await self._check_type(topic, message_type)
         try:
             publication = await Publication.open(graph, topic, message_type, latch=latch)
         except TypeMismatchError:
-            # A page that was loaded again may have changed its mind.
-            if not await self._around.end_lingering(graph.resolve(topic)):
+            # A reloaded page may choose another type.
+            if not await self._context.end_lingering(graph.resolve(topic)):
                 raise
             publication = await Publication.open(graph, topic, message_type, latch=latch)
         self._publications[topic] = publication
         return publication
 
     async def _type_of(self, topic: str) -> MessageType:
-        name = self._around.graph.resolve(topic)
-        known = (await self._around.graph.snapshot()).topics.get(name)
+        name = self._context.graph.resolve(topic)
+        known = (await self._context.graph.snapshot()).topics.get(name)
         if known is None or known.type == ANY_TYPE:
             raise UnknownNameError(f"publish: {topic} has no type yet: advertise it first")
-        return self._around.store.registry.message_type(short_type(known.type))
+        return self._context.store.registry.message_type(short_type(known.type))
 
     async def _check_type(self, topic: str, message_type: MessageType) -> None:
         """Refuse a type that differs from the one other nodes use.
 
         They would not receive the messages, and a ROS 1 master would report the new type to all nodes.
         """
-        graph = self._around.graph
+        graph = self._context.graph
         known = (await graph.snapshot()).topics.get(graph.resolve(topic))
         if (
             known is None
@@ -137,10 +142,10 @@ class ClientTopics:
             or not {*known.publishers, *known.subscribers} - {graph.node_name}
         ):
             return
-        # Several types on one ROS 2 topic stand with a space between them.
+        # Several types on one ROS 2 topic are separated by spaces.
         if short_type(message_type.name) not in map(short_type, known.type.split()):
             raise TypeMismatchError(f"advertise: {topic} is {known.type}, not {message_type.name}")
 
     def _check_glob(self, topic: str) -> None:
-        if not matches(self._around.graph.resolve(topic), self._around.settings.topics_glob):
+        if not matches(self._context.graph.resolve(topic), self._context.settings.topics_glob):
             raise AccessDeniedError(f"{topic} is not among the topics that this server lets clients use")

@@ -12,11 +12,11 @@ from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
 
+# Pieces of one message: the largest message in pieces of a hundred characters.
 MAX_FRAGMENTS: Final = 100_000
-"""Pieces of one message: the largest message in pieces of a hundred characters."""
 
+# Incomplete messages of one client; beyond it the oldest is discarded.
 MAX_UNFINISHED: Final = 32
-"""Messages that one client may have on their way at once; then the oldest is given up."""
 
 
 def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
@@ -29,8 +29,8 @@ def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
         yield json.dumps(fields, separators=(",", ":"))
 
 
+# Waiting pieces of all messages: each takes some hundred bytes, empty ones too.
 MAX_UNFINISHED_PIECES: Final = 2 * MAX_FRAGMENTS
-"""Pieces that wait for others, of all messages: each takes some hundred bytes, empty ones too."""
 
 
 class _Unfinished:
@@ -41,7 +41,7 @@ class _Unfinished:
 
 
 class Defragmenter:
-    """Joins what one client sends; `max_bytes` bounds what is unfinished, of which the oldest goes first."""
+    """Joins a client's fragments; beyond `max_bytes` the oldest incomplete message is discarded."""
 
     def __init__(self, max_bytes: int) -> None:
         self._max_bytes = max_bytes
@@ -59,13 +59,13 @@ class Defragmenter:
             raise RemoteProtocolError(
                 f"fragment: num counts from 0 and stays below total, which is {MAX_FRAGMENTS} at most"
             )
-        # A message that goes on is the newest.
+        # A message that continues is the newest.
         known = self._unfinished.get(message_id)
         if known is not None and known.total != total:
             self._forget(message_id)
         whole = self._unfinished.pop(message_id, None) or _Unfinished(total)
         self._unfinished[message_id] = whole
-        # A piece that comes twice counts once.
+        # A repeated piece counts once.
         self._pieces += number not in whole.pieces
         grown = len(data) - len(whole.pieces.get(number, ""))
         whole.pieces[number] = data

@@ -1,4 +1,4 @@
-"""What all clients of a rosbridge server have in common."""
+"""The objects that all clients of a rosbridge server share."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.publication import Publication
     from rostether.gateways.rosbridge.service_types import ServiceTypes
 
+# As in rosbridge, a topic stays advertised so long after its client has left: pages are reloaded.
 LINGER_S = 10.0
-"""As long as rosbridge keeps a topic advertised that its client has left: pages are loaded again."""
 
+# Publications that linger at once; the oldest end early.
 MAX_LINGERING = 1000
-"""Publications that linger at once; the oldest end early."""
 
-Tell: TypeAlias = Callable[[Level, str], None]
+Report: TypeAlias = Callable[[Level, str], None]
 
 
 class LocalServices(Protocol):
-    """Services that the gateway answers itself, without the graph: those of rosapi."""
+    """The services that the gateway itself answers, without the graph: those of rosapi."""
 
     def find(self, service: str) -> Callable[[Any], Awaitable[dict[str, Any]]] | None:
-        """Return what answers a service, by its full name; it takes and returns values of JSON."""
+        """Return the handler of a service by its full name; it takes and returns values of JSON."""
 
 
 class GatewayContext:
@@ -48,7 +48,7 @@ class GatewayContext:
         service_types: ServiceTypes,
         offered: OfferedServices,
         local_services: LocalServices | None,
-        tell: Tell,
+        report: Report,
     ) -> None:
         self.graph = graph
         self.store = store
@@ -58,12 +58,12 @@ class GatewayContext:
         self.service_types = service_types
         self.offered = offered
         self.local_services = local_services
-        self.tell = tell
+        self.report = report
         self._lingering: dict[Publication, asyncio.TimerHandle] = {}
         self._ending: set[asyncio.Task[None]] = set()
 
     def linger(self, publication: Publication) -> None:
-        """Keep a publication for a moment before it ends."""
+        """End a publication after a while."""
         while len(self._lingering) >= MAX_LINGERING:
             oldest = next(iter(self._lingering))
             self._lingering[oldest].cancel()
@@ -72,7 +72,7 @@ class GatewayContext:
         self._lingering[publication] = timer
 
     async def end_lingering(self, topic: str) -> bool:
-        """End at once what lingers of a topic, by its full name; returns whether anything did."""
+        """End a lingering publication of a topic at once, by its full name; returns whether there was one."""
         found = [each for each in self._lingering if each.topic == topic]
         for publication in found:
             self._lingering.pop(publication).cancel()
@@ -80,7 +80,7 @@ class GatewayContext:
         return bool(found)
 
     async def close(self) -> None:
-        """End what lingers."""
+        """End all lingering publications."""
         for publication, timer in list(self._lingering.items()):
             timer.cancel()
             self._end(publication)
@@ -97,5 +97,5 @@ async def _close(publication: Publication) -> None:
     try:
         await publication.close()
     except RostetherError:
-        # The graph is away; it forgets the publication by itself.
+        # The graph is gone, and with it the publication.
         return

@@ -28,12 +28,12 @@ from rostether.serde.values import Message
 
 WriteText: TypeAlias = Callable[[Message], str]
 
+# The values in one format; nested types with more get their own function.
 _MAX_INLINE: Final = 256
-"""Values of one format; types below it that have more get a function of their own."""
 
 
 class NotFiniteError(Exception):
-    """A message has a float that JSON cannot say, or floats too large to add up."""
+    """A message has a float that JSON does not support, or floats too large to add up."""
 
 
 def compile_text(tree: Struct, leaves: Leaves) -> WriteText:

@@ -1,4 +1,4 @@
-"""Messages in the forms that clients get and give, made once however many clients get the same."""
+"""Messages in the forms of clients, made once for all clients that receive the same form."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class MessageForms:
-    """Between payloads and what stands in messages of the protocol; `now` is the graph's time."""
+    """Converts between payloads and the protocol's messages; `now` is the graph's time."""
 
     def __init__(self, store: TypeStore, style: Style, now: Callable[[], Time]) -> None:
         self._store = store
@@ -38,7 +38,7 @@ class MessageForms:
         return self._json.from_json(self._store.codec(type_name), value, self._now())
 
     def published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
-        """Return the message that tells a client of one message of a topic.
+        """Return the protocol's message with one message of a topic.
 
         Raises SerializationError, and what `PublisherConnection.codec` raises.
         """

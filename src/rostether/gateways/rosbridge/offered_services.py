@@ -14,12 +14,12 @@ from rostether.gateways.rosbridge.settings import MAX_CALLS
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.msgdef.interface import ServiceType
 
+# Turns of the loop that an answer takes from a client's handler to the caller.
 _TURNS_TO_ANSWER = 4
-"""Turns of the loop that an answer takes from a client's handler to its caller's line."""
 
 
 class OfferedService:
-    """One service that a client answers; `send` puts a message into the client's line."""
+    """One service that a client answers; `send` queues a message for the client."""
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class OfferedService:
         self._waiting: dict[str, asyncio.Future[bytes]] = {}
 
     async def handle(self, request: bytes) -> bytes:
-        """Hand a call to the client and wait for its answer. Raises ServiceCallError."""
+        """Pass a call to the client and wait for its answer. Raises ServiceCallError."""
         if len(self._waiting) >= MAX_CALLS:
             raise ServiceCallError(f"the client that offers {self.name} has {MAX_CALLS} calls unanswered")
         call_id = f"service_request:{self.name}:{next(self._numbers)}"
@@ -53,7 +53,7 @@ class OfferedService:
             del self._waiting[call_id]
 
     def answer(self, call_id: object, values: Any, *, is_done: bool) -> None:
-        """Take the client's answer. Raises UnknownNameError, SerializationError."""
+        """Handle the client's answer. Raises UnknownNameError, SerializationError."""
         waiting = self._waiting.get(call_id) if isinstance(call_id, str) else None
         if waiting is None or waiting.done():
             raise UnknownNameError(
@@ -70,7 +70,7 @@ class OfferedService:
             raise
 
     async def close(self, reason: str) -> None:
-        """Offer it no more; calls that wait fail."""
+        """Stop offering it; waiting calls fail."""
         failing = [waiting for waiting in self._waiting.values() if not waiting.done()]
         for waiting in failing:
             waiting.set_exception(ServiceCallError(f"service {self.name} {reason}"))
@@ -82,12 +82,12 @@ class OfferedService:
 
 
 class OfferedServices:
-    """All services that clients offer; the last to offer one has it: a page that was loaded again."""
+    """All services that clients offer; the last client to offer one provides it: a reloaded page."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._services: dict[str, OfferedService] = {}
-        # Who takes a name over must find the one before it whole, or gone.
+        # A new provider of a name must find the previous one complete, or removed.
         self._lock = asyncio.Lock()
 
     def of(self, owner: object) -> list[OfferedService]:
@@ -100,7 +100,7 @@ class OfferedServices:
         return service if service is not None and service.owner is owner else None
 
     async def offer(self, service: OfferedService) -> OfferedService | None:
-        """Offer a service; returns the one that it takes the place of. Raises GraphError."""
+        """Offer a service; returns the one that it replaces. Raises GraphError."""
         async with self._lock:
             old = self._services.pop(service.name, None)
             if old is not None:
@@ -110,7 +110,7 @@ class OfferedServices:
         return old
 
     async def withdraw(self, service: OfferedService, reason: str) -> None:
-        """Offer a service no more."""
+        """Stop offering a service."""
         if self._services.get(service.name) is service:
             del self._services[service.name]
         await service.close(reason)

@@ -1,4 +1,4 @@
-"""The operations of the rosbridge protocol: what each message of a client asks for."""
+"""The operations of the rosbridge protocol, each with its handler."""
 
 from __future__ import annotations
 
@@ -38,6 +38,12 @@ OPERATIONS: dict[str, Operation] = {
     "advertise_service": _advertise_service,
     "unadvertise_service": lambda session, request: session.services.unadvertise(request),
     "service_response": lambda session, request: session.services.answer(request),
+    "send_action_goal": lambda session, request: session.actions.send_goal(request),
+    "cancel_action_goal": lambda session, request: session.actions.cancel_goal(request),
+    "advertise_action": lambda session, request: session.actions.advertise(request),
+    "unadvertise_action": lambda session, request: session.actions.unadvertise(request),
+    "action_feedback": lambda session, request: session.actions.feedback(request),
+    "action_result": lambda session, request: session.actions.result(request),
     "fragment": lambda session, request: session.handle_fragment(request),
     "png": lambda session, request: session.handle_png(request),
     "set_level": _set_level,

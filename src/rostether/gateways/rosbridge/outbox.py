@@ -1,7 +1,7 @@
-"""What waits to be sent to one client: answers first come, first served, and messages of topics.
+"""The queues of one client: its answers first, then the messages of its topics in turn.
 
 A topic that comes faster than its client reads loses its oldest messages, counted; a client that does not
-read the answers that it asked for is given up. Messages are put into words when they leave: what is dropped
+read the answers that it asked for is disconnected. Messages are encoded when they are sent: a dropped one
 costs nothing.
 """
 
@@ -10,59 +10,47 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Generic, Protocol, TypeAlias, TypeVar
 
 from rostether.gateways.shared_subscriptions import Batch
+from rostether.gateways.websocket.topic_queues import TopicQueues
 
 Frame: TypeAlias = str | bytes
 
+# Statuses that wait; a client that sends mistakes faster than it reads the answers misses some.
 MAX_STATUSES = 100
-"""Statuses that wait; who sends mistakes faster than it reads the answers misses some."""
 
 
-class TopicQueue:
-    """The messages of one topic that wait for one client; `owner` is the subscription that wants them."""
+class Receiver(Protocol):
+    """A subscription of the client; `dropped_count` are its messages that were lost."""
 
-    def __init__(self, length: int, owner: Any = None) -> None:
-        self.owner = owner
-        self.length = max(length, 1)
-        self.waiting: deque[tuple[Batch, int]] = deque()
-        self.dropped_count = 0
-        self.told_count = 0
-        """How many of the dropped messages were reported to the client."""
-        self.tell_at_s = 0.0
-        self.places = 0
-        """How often it stands in its client's line."""
+    dropped_count: int
+
+
+ReceiverT = TypeVar("ReceiverT", bound=Receiver)
 
 
 @dataclass(frozen=True, slots=True)
-class Due:
-    """One message that is to be sent now."""
+class Due(Generic[ReceiverT]):
+    """One message to send now: the payload of `batch` at `index`."""
 
-    queue: TopicQueue
+    receiver: ReceiverT
     batch: Batch
     index: int
 
 
-class Outbox:
+class Outbox(Generic[ReceiverT]):
     """The bounded queues of one client."""
 
     def __init__(self, max_topic_bytes: int, max_control_bytes: int) -> None:
+        # Whether the client has left too many answers unread; then nothing more is kept.
         self.is_overflowing = False
-        """Whether the client has left its answers unread for so long that nothing more is kept."""
-        self._max_topic_bytes = max_topic_bytes
         self._max_control_bytes = max_control_bytes
         self._control_bytes = 0
-        self._topic_bytes = 0
         self._statuses = 0
-        # In order of arrival; a topic stands in it as often as it has messages waiting.
-        self._line: deque[TopicQueue | tuple[Frame, bool]] = deque()
+        self._answers: deque[tuple[Frame, bool]] = deque()
+        self._topics = TopicQueues[ReceiverT, tuple[Batch, int]](max_topic_bytes, _count_drop)
         self._news = asyncio.Event()
-
-    @property
-    def topic_bytes(self) -> int:
-        """The payloads of topics that wait."""
-        return self._topic_bytes
 
     def answer(self, frame: Frame, *, is_status: bool = False) -> None:
         """Queue an answer."""
@@ -70,57 +58,42 @@ class Outbox:
             if self._statuses >= MAX_STATUSES:
                 return
             self._statuses += 1
+        self._news.set()
         if self._control_bytes + len(frame) > self._max_control_bytes and self._control_bytes:
             self.is_overflowing = True
-            self._news.set()
             return
         self._control_bytes += len(frame)
-        self._line.append((frame, is_status))
+        self._answers.append((frame, is_status))
+
+    def put(self, receiver: ReceiverT, batch: Batch, index: int, max_messages: int) -> None:
+        """Queue a topic's message; its oldest beyond `max_messages` are dropped."""
+        self._topics.add(receiver, (batch, index), [batch.payloads[index]], max_messages=max_messages)
         self._news.set()
 
-    def put(self, queue: TopicQueue, batch: Batch, index: int) -> None:
-        """Queue a topic's message; the topic's oldest ones go where there is no room."""
-        size = len(batch.payloads[index])
-        waiting = queue.waiting
-        waiting.append((batch, index))
-        self._topic_bytes += size
-        while len(waiting) > 1 and (len(waiting) > queue.length or self._topic_bytes > self._max_topic_bytes):
-            old, old_index = waiting.popleft()
-            self._topic_bytes -= len(old.payloads[old_index])
-            queue.dropped_count += 1
-        # The places of those that went are taken by those behind them.
-        if queue.places < len(waiting):
-            queue.places += 1
-            self._line.append(queue)
-        self._news.set()
-
-    def discard(self, queue: TopicQueue) -> None:
-        """Forget what waits of a topic."""
-        for batch, index in queue.waiting:
-            self._topic_bytes -= len(batch.payloads[index])
-        queue.waiting.clear()
-        queue.places = 0
-        self._line = deque(each for each in self._line if each is not queue)
+    def discard(self, receiver: ReceiverT) -> None:
+        """Discard what waits of a topic."""
+        self._topics.forget(receiver)
 
     async def wait(self) -> None:
         """Wait until there may be something to send."""
-        if not self._line and not self.is_overflowing:
+        if not (self._answers or self._topics or self.is_overflowing):
             self._news.clear()
             await self._news.wait()
 
-    def next(self) -> Frame | Due | None:
-        """Return what is to be sent next; None when there is nothing now, or the client is to be given up."""
-        while self._line and not self.is_overflowing:
-            head = self._line.popleft()
-            if isinstance(head, tuple):
-                frame, is_status = head
-                self._control_bytes -= len(frame)
-                self._statuses -= is_status
-                return frame
-            head.places -= 1
-            # One large message may have pushed out several.
-            if head.waiting:
-                batch, index = head.waiting.popleft()
-                self._topic_bytes -= len(batch.payloads[index])
-                return Due(head, batch, index)
+    def next(self) -> Frame | Due[ReceiverT] | None:
+        """Return what to send next; None if there is nothing now, or the client is to be disconnected."""
+        if self.is_overflowing:
+            return None
+        if self._answers:
+            frame, is_status = self._answers.popleft()
+            self._control_bytes -= len(frame)
+            self._statuses -= is_status
+            return frame
+        if self._topics:
+            receiver, (batch, index), _ = self._topics.pop()
+            return Due(receiver, batch, index)
         return None
+
+
+def _count_drop(receiver: Receiver) -> None:
+    receiver.dropped_count += 1

@@ -1,4 +1,4 @@
-"""Texts in PNG pictures: rosbridge's oldest way to compress, which its `png` operation holds in base64.
+"""Texts in PNG pictures: rosbridge's oldest compression, with the picture in base64.
 
 The text's bytes stand as the pixels of a picture of three bytes a pixel, about as wide as high, the rest
 filled with line ends (source: rosbridge_suite's protocol and behaviour). Pictures that come in may be grey,
@@ -17,12 +17,16 @@ from typing import Final
 from rostether.errors import RemoteProtocolError
 
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
-_BYTES_A_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}  # grey, colour, each with transparency
-_COLOR: Final = 2
-MAX_FILTERED_BYTES: Final = 1 << 18
-"""Rows are unfiltered byte by byte, a tenth of a second for these; who packs texts needs no row filters."""
 
-_LEVEL: Final = 1  # three times as fast as the usual 6, a tenth larger: boards wait meanwhile
+# Grey, colour, each with transparency.
+_BYTES_A_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}
+_COLOR: Final = 2
+
+# Rows are unfiltered byte by byte, a tenth of a second for these; packed texts need no row filters.
+MAX_FILTERED_BYTES: Final = 1 << 18
+
+# Three times as fast as the usual 6, a tenth larger: boards wait meanwhile.
+_LEVEL: Final = 1
 
 
 def pack_png(text: str) -> str:

@@ -9,8 +9,8 @@ from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import MessageType
 
+# What waits meanwhile; a client that sends more at first may lose the oldest.
 MAX_FIRST_BYTES = 4 << 20
-"""What waits meanwhile; a client that begins with more floods, and may lose its beginning."""
 
 
 class Publication:
@@ -36,7 +36,7 @@ class Publication:
         return publication
 
     async def publish(self, payloads: Sequence[bytes]) -> None:
-        """Publish; who floods subscribers that would keep up otherwise is held up a little."""
+        """Publish; a client that floods its subscribers is slowed down a little."""
         if self._first is not None:
             self._first += payloads
             self._first_bytes += sum(map(len, payloads))
@@ -47,7 +47,7 @@ class Publication:
             await self._publisher.drained(DRAIN_S)
 
     async def close(self) -> None:
-        """Say what is left, and unadvertise. Idempotent."""
+        """Publish what waits, and unadvertise. Idempotent."""
         if self._opening is not None:
             self._opening.cancel()
         self._speak()

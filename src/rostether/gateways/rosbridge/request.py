@@ -1,4 +1,4 @@
-"""One message of a client: its fields, each asked for with the type that it must have."""
+"""One message of a client: its fields, each read with its required type."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any, Final
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.rosbridge.status import show
 
+# Names and ids: thousands are kept, and the whole graph sees them; those in use are below 150.
 MAX_WORD_CHARACTERS: Final = 512
-"""Names and ids: they are kept by the thousand, and shown to the whole graph; those in use are below 150."""
 
 
 class Request:
@@ -24,32 +24,32 @@ class Request:
 
     @property
     def id(self) -> object:
-        """The client's own id of the message; None where it gave none or nothing that can be one.
+        """The client's own id of the message; None without a valid one.
 
-        Raises RemoteProtocolError for one that is too long to be kept.
+        Raises RemoteProtocolError if it is too long.
         """
         found = self.fields.get("id")
         if isinstance(found, str):
             self._check_length("id", found)
-        # NaN comes in with Python's reader of JSON, and would go out as what is none.
+        # Python's JSON reader accepts NaN, and would write invalid JSON.
         is_one = isinstance(found, str | int) or (isinstance(found, float) and math.isfinite(found))
         return found if is_one else None
 
     def text(self, name: str) -> str:
-        """Return a field that must be there and be a text. Raises RemoteProtocolError."""
+        """Return a required text field. Raises RemoteProtocolError."""
         value = self.fields.get(name)
         if not isinstance(value, str):
             raise self._wrong(name, "a text")
         return value
 
     def word(self, name: str) -> str:
-        """Return a text that names something. Raises RemoteProtocolError, also if it is too long."""
+        """Return a name or id. Raises RemoteProtocolError, also if it is too long."""
         value = self.text(name)
         self._check_length(name, value)
         return value
 
     def optional_word(self, name: str) -> str:
-        """Return a word, empty where it is missing or null. Raises RemoteProtocolError."""
+        """Return a name or id, empty if it is missing or null. Raises RemoteProtocolError."""
         return "" if self.fields.get(name) is None else self.word(name)
 
     def number(self, name: str, default: float) -> float:
@@ -70,7 +70,7 @@ class Request:
         return int(self.number(name, default))
 
     def flag(self, name: str) -> bool:
-        """Return a boolean, False where it is missing. Raises RemoteProtocolError."""
+        """Return a boolean, False if it is missing. Raises RemoteProtocolError."""
         value = self.fields.get(name, False)
         if value is not None and not isinstance(value, bool | int):
             raise self._wrong(name, "true or false")
@@ -87,8 +87,8 @@ class Request:
         return RemoteProtocolError(f"{subject}field '{name}' wants {wanted}, got {got}")
 
 
+# For larger frames, garbage collection may take longer than parsing.
 _LARGE_BYTES: Final = 64 << 10
-"""From here on looking for garbage among what a frame holds may take longer than reading it."""
 
 
 def read_request(data: str | bytes) -> Request:
@@ -105,7 +105,7 @@ def read_request(data: str | bytes) -> Request:
 
 
 def _parsed(data: str | bytes) -> Any:
-    """Return what JSON holds, of which nothing is garbage yet: no time is spent to look for it."""
+    """Return parsed JSON; without garbage collection, as none of it is garbage yet."""
     if len(data) < _LARGE_BYTES or not gc.isenabled():
         return json.loads(data)
     gc.disable()

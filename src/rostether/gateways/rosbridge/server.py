@@ -10,7 +10,7 @@ import asyncio
 import contextlib
 
 from rostether.errors import RostetherError
-from rostether.gateways.rosbridge.gateway_context import GatewayContext, LocalServices, Tell
+from rostether.gateways.rosbridge.gateway_context import GatewayContext, LocalServices, Report
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
@@ -34,12 +34,12 @@ from rostether.graph.ports import Graph, Level, Publisher
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
+# The topic on which rosbridge publishes the number of its clients.
 CLIENT_COUNT = "client_count"
-"""The topic on which rosbridge publishes the number of its clients."""
 
 
 class RosbridgeServer:
-    """A rosbridge server on one node of a graph; the graph stays its owner's."""
+    """A rosbridge server on one node of a graph, which the caller closes."""
 
     def __init__(
         self,
@@ -51,11 +51,11 @@ class RosbridgeServer:
         shared: SharedSubscriptions | None = None,
         ask_service_type: AskServer | None = None,
         local_services: LocalServices | None = None,
-        tell: Tell = lambda level, text: None,
+        report: Report = lambda level, text: None,
     ) -> None:
         settings = settings or RosbridgeSettings()
-        self._tell = tell
-        self._around = GatewayContext(
+        self._report = report
+        self._context = GatewayContext(
             graph,
             store,
             settings,
@@ -64,7 +64,7 @@ class RosbridgeServer:
             service_types=ServiceTypes(graph, store, ask_service_type),
             offered=OfferedServices(graph),
             local_services=local_services,
-            tell=tell,
+            report=report,
         )
         self._clients: dict[Session, asyncio.Task[None]] = {}
         self._count_publisher: Publisher | None = None
@@ -82,7 +82,7 @@ class RosbridgeServer:
                 pings=PINGS,
             ),
             self._open_session,
-            lambda text: tell(Level.WARN, f"rosbridge: {text}"),
+            lambda text: report(Level.WARN, f"rosbridge: {text}"),
             path=settings.path,
             # Clients may also give it in their first message.
             wants_token_first=False,
@@ -96,7 +96,7 @@ class RosbridgeServer:
 
     @property
     def uri(self) -> str:
-        """What a client on this machine connects to."""
+        """The URI for clients on this machine."""
         return self._server.url()
 
     @property
@@ -106,18 +106,18 @@ class RosbridgeServer:
 
     async def start(self) -> None:
         """Listen. Raises TransportOpenError, ConfigError."""
-        await definitions_searched(self._around.store.registry)
+        await definitions_searched(self._context.store.registry)
         await self._server.start()
-        registry = self._around.store.registry
+        registry = self._context.store.registry
         with contextlib.suppress(RostetherError):
-            self._count_publisher = await self._around.graph.advertise(
+            self._count_publisher = await self._context.graph.advertise(
                 CLIENT_COUNT, registry.message_type("std_msgs/Int32"), latch=True
             )
         self._publish_count()
         self._leaving = asyncio.ensure_future(self._end_with_node())
 
     async def wait_ended(self) -> None:
-        """Wait until it listens no more: closed, or its node was shut down."""
+        """Wait until it stops listening: it was closed, or its node was shut down."""
         await self._ended.wait()
 
     async def close(self) -> None:
@@ -128,8 +128,8 @@ class RosbridgeServer:
         await self._close()
 
     async def _end_with_node(self) -> None:
-        reason = await self._around.graph.wait_closed()
-        self._tell(Level.WARN, f"rosbridge: its node was shut down ({reason}); it serves no more")
+        reason = await self._context.graph.wait_closed()
+        self._report(Level.WARN, f"rosbridge: its node was shut down ({reason}); it serves no more")
         await self._close()
 
     async def _close(self) -> None:
@@ -137,8 +137,8 @@ class RosbridgeServer:
         await self._server.hang_up()
         if self._clients:
             await asyncio.wait(list(self._clients.values()))
-        await self._around.close()
-        await self._around.shared.close()
+        await self._context.close()
+        await self._context.shared.close()
         if self._count_publisher is not None:
             await self._count_publisher.close()
             self._count_publisher = None
@@ -146,7 +146,7 @@ class RosbridgeServer:
 
     def _open_session(self, connection: Connection) -> MessageStream:
         stream = MessageStream(connection)
-        session = Session(stream, self._around, self._server.admission.token, connection.peer)
+        session = Session(stream, self._context, self._server.admission.token, connection.peer)
         is_known = not self._server.admission.token.is_wanted or self._server.admission.has_token(
             connection.path, connection.headers
         )
@@ -167,7 +167,7 @@ class RosbridgeServer:
 
     def _changed(self, text: str) -> None:
         count = len(self._clients)
-        self._tell(Level.INFO, f"{text} ({count} client{'' if count == 1 else 's'})")
+        self._report(Level.INFO, f"{text} ({count} client{'' if count == 1 else 's'})")
         self._publish_count()
 
     def _publish_count(self) -> None:

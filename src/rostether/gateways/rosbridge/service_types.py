@@ -1,4 +1,4 @@
-"""Which type a service has: clients call by name alone, and a ROS 1 master does not know."""
+"""The types of services: clients call by name alone, and a ROS 1 master does not know the types."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.serde.store import TypeStore
 
+# Takes a service's name and returns the name of its type. Raises RostetherError.
 AskServer: TypeAlias = Callable[[str], Awaitable[str]]
-"""Takes a service's name and returns the name of its type. Raises RostetherError."""
 
+# A page that calls often asks the server once; a new type after a restart is seen soon.
 REMEMBERED_S = 5.0
-"""A page that calls often asks the server once; one that comes back as another type is seen soon."""
 
+# Names of services come from clients.
 MAX_REMEMBERED = 1000
-"""Names of services come from clients."""
 
 
 class ServiceTypes:
-    """Types of the graph's services, remembered for a moment."""
+    """Types of the graph's services, kept for a moment."""
 
     def __init__(self, graph: Graph, store: TypeStore, ask_server: AskServer | None = None) -> None:
         self._graph = graph
@@ -45,7 +45,7 @@ class ServiceTypes:
         return service_type
 
     def forget(self, service: str) -> None:
-        """Ask again the next time: a call has failed."""
+        """Forget a type after a failed call."""
         self._known.pop(service, None)
 
     async def _name(self, service: str) -> str:

@@ -1,4 +1,4 @@
-"""One client: its messages are carried out in their order, and what is for it is sent as fast as it reads."""
+"""One client: its requests are handled in order, and messages are sent as fast as it reads."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.clean_line import clean_line
+from rostether.gateways.rosbridge.client_actions import ClientActions
 from rostether.gateways.rosbridge.client_services import ClientServices
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Wish
 from rostether.gateways.rosbridge.client_topics import ClientTopics
 from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
 from rostether.gateways.rosbridge.operations import OPERATIONS
-from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox, TopicQueue
+from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.request import Request, read_request
-from rostether.gateways.rosbridge.rosauth import authenticates
 from rostether.gateways.rosbridge.settings import (
     GREETING_LIMIT_S,
     MAX_CONTROL_BYTES,
@@ -36,35 +36,46 @@ from rostether.graph.ports import Level
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.gateway_context import GatewayContext
 
-TOLD_EVERY_S = 5.0
-"""How often the client and the log receive a report that a topic is too fast for the client."""
 
+import hashlib
+
+from rostether.gateways.websocket.admission import is_same_secret
+
+# How old a MAC may be, as in rosauth: a MAC that was overheard cannot be used later.
+MAX_CLOCK_OFFSET_S = 5.0
+
+# How often the client and the log receive a report that a topic is too fast for the client.
+REPORT_INTERVAL_S = 5.0
+
+# Frames are written together up to this size: for small messages, system calls cost most.
 MAX_WRITE_BYTES = 64 << 10
-"""Frames are written together up to this size: system calls are what small messages cost most."""
 
+# Different mistakes of one client in the log; a program that makes more receives statuses.
 MAX_LOGGED = 10
-"""Different mistakes of one client that stand in the log; a program that makes more reads its statuses."""
 
+# A message in a picture in fragments; deeper nesting is nonsense.
 MAX_DEPTH = 3
-"""A message in a picture in fragments; more is nonsense."""
 
+# RFC 6455's code for a policy violation.
 CLOSE_POLICY = 1008
-"""RFC 6455's code for a policy violation."""
 
 
 class Session:
-    """One connection from its greeting to its end."""
+    """One connection from its authentication to its end."""
 
-    def __init__(self, connection: MessageStream, around: GatewayContext, token: Token, name: str) -> None:
+    def __init__(self, connection: MessageStream, context: GatewayContext, token: Token, name: str) -> None:
         self.level = DEFAULT_LEVEL
         self.name = name
         self._connection = connection
-        self._around = around
+        self._context = context
         self._token = token
-        self._outbox = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
-        self.topics: ClientTopics = ClientTopics(around, self._outbox, lambda text: self._mistake(text, None))
-        self.services: ClientServices = ClientServices(around, self._send)
-        self._fragments = Defragmenter(around.settings.max_message_bytes)
+        self._outbox: Outbox[ClientSubscription] = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
+        self.topics: ClientTopics = ClientTopics(
+            context, self._outbox, lambda text: self._mistake(text, None)
+        )
+        self.services: ClientServices = ClientServices(context, self._send)
+        self.actions: ClientActions = ClientActions(context, self._send)
+        self._fragments = Defragmenter(context.settings.max_message_bytes)
         self._fragment_ids = count()
         self._depth = 0
         self._logged: set[str] = set()
@@ -80,22 +91,22 @@ class Session:
             sending.cancel()
             await asyncio.wait([sending])
             with contextlib.suppress(RostetherError):
-                await asyncio.gather(self.topics.close(), self.services.close())
+                await asyncio.gather(self.topics.close(), self.services.close(), self.actions.close())
 
     def status(self, level: StatusLevel, text: str, request_id: object = None) -> None:
-        """Tell the client something, if it wants to know."""
+        """Send a status to the client, if it wants the level."""
         if level <= self.level:
             self._outbox.answer(status_message(level, text, request_id), is_status=True)
 
     async def handle_fragment(self, request: Request) -> None:
-        """Take one piece of a message; the last one carries it out."""
+        """Handle one piece of a message; after the last one, handle the message."""
         whole = self._fragments.add(request.fields)
         if whole is not None:
             await self._unpacked(whole)
 
     async def handle_png(self, request: Request) -> None:
-        """Carry out a message that is packed into a picture."""
-        await self._unpacked(unpack_png(request.text("data"), self._around.settings.max_message_bytes))
+        """Handle a message that is packed into a picture."""
+        await self._unpacked(unpack_png(request.text("data"), self._context.settings.max_message_bytes))
 
     async def _unpacked(self, text: str) -> None:
         if self._depth >= MAX_DEPTH:
@@ -107,7 +118,7 @@ class Session:
             self._depth -= 1
 
     async def _greeted(self) -> bool:
-        """Wait for the `auth` that must come first."""
+        """Wait for the `auth` message, which must be the first."""
         fields: dict[str, Any] = {}
         with contextlib.suppress(TimeoutError, RemoteProtocolError):
             async with asyncio.timeout(GREETING_LIMIT_S):
@@ -120,7 +131,7 @@ class Session:
         reason = "this server wants a token: connect to ?token=TOKEN, or send the op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
         self._connection.close(CLOSE_POLICY, reason)
-        self._around.tell(
+        self._context.report(
             Level.WARN, f"rosbridge: {self.name} has not given the token; its connection was closed"
         )
         return False
@@ -163,7 +174,7 @@ class Session:
         if len(self._logged) < MAX_LOGGED and text not in self._logged:
             self._logged.add(text)
             last = "; further errors are sent only to the client" if len(self._logged) == MAX_LOGGED else ""
-            self._around.tell(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
+            self._context.report(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
 
     def _send(self, fields: dict[str, Any], wish: Wish) -> None:
         text = write_json(fields)
@@ -173,7 +184,7 @@ class Session:
             self._outbox.answer(frame)
 
     def _pieces(self, frame: Frame, wish: Wish) -> list[Frame]:
-        size = wish.fragment_bytes or self._around.settings.fragment_bytes
+        size = wish.fragment_bytes or self._context.settings.fragment_bytes
         if size is None or isinstance(frame, bytes) or len(frame) <= size:
             return [frame]
         return list(split_fragments(frame, size, str(next(self._fragment_ids))))
@@ -183,10 +194,10 @@ class Session:
             await self._outbox.wait()
             await self._connection.send(*self._next_frames())
             await asyncio.sleep(0)
-        self._around.tell(
+        self._context.report(
             Level.WARN, f"rosbridge: {self.name} does not read its answers; its connection was closed"
         )
-        # Closing in order would wait for what it does not read.
+        # An orderly close would wait for data that it does not read.
         self._connection.abort()
 
     def _next_frames(self) -> list[Frame]:
@@ -209,29 +220,48 @@ class Session:
             report_error(f"sending to {self.name}", error)
             self._connection.abort()
 
-    def _frames(self, due: Due) -> list[Frame]:
-        subscription: ClientSubscription = due.queue.owner
+    def _frames(self, due: Due[ClientSubscription]) -> list[Frame]:
+        subscription = due.receiver
         wish = subscription.wish
         try:
-            frame = self._around.forms.published(subscription.topic, due.batch, due.index, wish.compression)
+            frame = self._context.forms.published(subscription.topic, due.batch, due.index, wish.compression)
         except RostetherError as error:
             subscription.refuse(due.batch.connection, error)
             return []
         frames = self._pieces(frame, wish)
-        self._tell_losses(due.queue, subscription.topic)
+        self._report_losses(subscription)
         return frames
 
-    def _tell_losses(self, queue: TopicQueue, topic: str) -> None:
-        lost = queue.dropped_count - queue.told_count
+    def _report_losses(self, subscription: ClientSubscription) -> None:
+        lost = subscription.dropped_count - subscription.reported_count
         now_s = asyncio.get_running_loop().time()
-        if not lost or now_s < queue.tell_at_s:
+        if not lost or now_s < subscription.next_report_s:
             return
-        queue.told_count += lost
-        queue.tell_at_s = now_s + TOLD_EVERY_S
-        messages = "message" if lost == 1 else "messages"
+        subscription.reported_count += lost
+        subscription.next_report_s = now_s + REPORT_INTERVAL_S
+        topic, messages = subscription.topic, "message" if lost == 1 else "messages"
         self.status(
             StatusLevel.WARNING, f"{topic} comes faster than this client reads: {lost} {messages} lost"
         )
-        self._around.tell(
+        self._context.report(
             Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {lost} {messages} lost"
         )
+
+
+def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:
+    """Return whether an `auth` message is valid: with the token itself, or rosauth's MAC made with it."""
+    given = fields.get("token")
+    if isinstance(given, str):
+        return token.is_same(given)
+    names = ("client", "dest", "rand", "t", "level", "end")
+    mac, parts = fields.get("mac"), [fields.get(name) for name in names]
+    if not isinstance(mac, str) or not all(isinstance(part, str | int | float) for part in parts):
+        return False
+    try:
+        sent_s, end_s = float(fields["t"]), float(fields["end"])
+    except (ValueError, OverflowError):
+        return False
+    text = token.secret + "".join(map(str, parts))
+    expected = hashlib.sha512(text.encode("utf-8", "surrogatepass")).hexdigest()
+    is_fresh = abs(now_s - sent_s) <= MAX_CLOCK_OFFSET_S and end_s > now_s
+    return is_same_secret(mac.lower(), expected) and is_fresh

@@ -1,4 +1,4 @@
-"""What may be set of a rosbridge server, and the limits that hold for every client."""
+"""The settings of a rosbridge server, and the limits of every client."""
 
 from __future__ import annotations
 
@@ -7,58 +7,65 @@ from fnmatch import fnmatchcase
 
 from rostether.gateways.websocket.settings import ServerSettings
 
+# The port of roslibjs' examples and of every page made for rosbridge.
 DEFAULT_PORT = 9090
-"""Where roslibjs' examples and every page made for rosbridge look for it."""
 
+# rosbridge's own default. It applies before parsing, and to joined fragments.
 DEFAULT_MAX_MESSAGE_BYTES = 10_000_000
-"""rosbridge's own default. It holds before anything is parsed, and for what fragments make together."""
 
+# Pages and programs of a large laboratory; each costs a descriptor and some 100 kB.
 MAX_CLIENTS = 1024
-"""Pages and programs of a large laboratory; each costs a descriptor and some 100 kB."""
 
+# Connections before their request; websockets gives each ten seconds for it.
 MAX_GREETING = 256
-"""Connections that have not said what they want yet; websockets gives each ten seconds for that."""
 
+# Topics of one client: a page that shows a whole robot has some hundred.
 MAX_SUBSCRIPTIONS = 1000
-"""Topics of one client: a page that shows a whole robot has some hundred."""
 
+# Topics that one client advertises; each is known to the whole graph.
 MAX_PUBLICATIONS = 1000
-"""Topics that one client advertises; each is known to the whole graph."""
 
+# Services that one client offers; each is known to the whole graph.
 MAX_SERVICES = 200
-"""Services that one client offers; each is known to the whole graph."""
 
+# Service calls of one client in flight, and as many of others that it has not answered yet.
 MAX_CALLS = 1024
-"""Service calls of one client in flight, and as many of others that it has not answered yet."""
 
+# Goals of one client under way.
+MAX_GOALS = 100
+
+# Actions that one client offers; each is three services and two topics of the graph.
+MAX_ACTIONS = 50
+
+# The waiting messages of one topic without a queue length: 10 s of a sensor at 100 Hz.
 MAX_QUEUED_MESSAGES = 1000
-"""What waits of one topic for a client that names no queue length: 10 s of a sensor at 100 Hz."""
 
+# All waiting messages of one client, not yet in JSON: a few camera images.
 MAX_QUEUED_BYTES = 16 << 20
-"""What waits for one client altogether, not yet in JSON: a few camera images."""
 
+# The waiting answers of one client: it requested each, and has hung if they pile up.
 MAX_CONTROL_BYTES = 64 << 20
-"""Answers that wait for a client that does not read: it asked for each, and has hung if they pile up."""
 
+# How long a graph may take to advertise or subscribe before an error is reported.
 OPERATION_LIMIT_S = 10.0
-"""How long a graph may take to advertise or subscribe before an error is reported."""
 
+# A client that has not authenticated by then is disconnected.
 GREETING_LIMIT_S = 10.0
-"""Who has not authenticated by then frees the place."""
 
 PING_PERIOD_S = 20.0
+
+# A client that answers none of them is gone. A slow client answers late, after it has read earlier data.
 PINGS = 3
-"""A client that answers none of them is gone. A slow one answers late, behind what was sent before."""
 
+# What the socket holds for a slow client; the rest waits in queues that drop their oldest messages.
 UNSENT_BYTES = 32 << 10
-"""What the socket holds for a slow client; the rest waits in queues that drop their oldest messages."""
 
+# How long one client's work may delay others, including boards.
 TURN_S = 0.005
-"""How long one client's work may keep others, boards among them, waiting."""
 
 
 def matches(name: str, globs: tuple[str, ...] | None) -> bool:
-    """Return whether a name is among the globs; None is all names."""
+    """Return whether a name matches a glob; None matches all names."""
     return globs is None or any(fnmatchcase(name, each) for each in globs)
 
 

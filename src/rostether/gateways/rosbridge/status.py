@@ -1,4 +1,4 @@
-"""Statuses: what a rosbridge server tells its client of mistakes and losses, as loud as the client wants."""
+"""Statuses: a rosbridge server's reports of mistakes and losses, at the level that the client wants."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.errors import RemoteProtocolError
 
 
 class StatusLevel(IntEnum):
-    """Levels of statuses, the worst lowest: a client gets those up to the one that it has set."""
+    """Levels of statuses, the worst is the lowest: a client receives those up to its level."""
 
     NONE = 0
     ERROR = 1
@@ -27,15 +27,15 @@ class StatusLevel(IntEnum):
             raise RemoteProtocolError(f"level wants one of {names}, got {show(text)}") from None
 
 
+# Losses are reported unless a client wants only errors; the protocol's text says `error`.
 DEFAULT_LEVEL = StatusLevel.WARNING
-"""Losses are reported unless a client wants only errors; the protocol's text says `error`."""
 
 _MAX_SHOWN = 80
 _SHOWN_DEPTH = 3
 
 
 def status_message(level: StatusLevel, text: str, request_id: object = None) -> str:
-    """Return a status as it is sent; `request_id` is the id of the message that it answers."""
+    """Return a status message; `request_id` is the id of the request."""
     fields: dict[str, object] = {"op": "status", "level": level.name.lower(), "msg": text}
     if request_id is not None:
         fields["id"] = request_id
@@ -43,7 +43,7 @@ def status_message(level: StatusLevel, text: str, request_id: object = None) -> 
 
 
 def show(value: object) -> str:
-    """Return what a client sent as an error repeats it: short, on one line."""
+    """Return a client's value for an error: short, on one line."""
     # The repr of millions of values would take a second, in which no other client is served.
     text = repr(_beginning(value, _SHOWN_DEPTH)).replace("Ellipsis", "...")
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
@@ -53,7 +53,7 @@ def _beginning(value: object, depth: int) -> object:
     if isinstance(value, str | bytes):
         return value[: _MAX_SHOWN + 1]
     if isinstance(value, list):
-        # A value takes two characters at least.
+        # A value takes at least two characters.
         return [_beginning(each, depth - 1) for each in value[:_MAX_SHOWN]] if depth else [...]
     if isinstance(value, dict):
         items = islice(value.items(), _MAX_SHOWN)

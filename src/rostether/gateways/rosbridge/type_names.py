@@ -1,4 +1,4 @@
-"""Names of types as clients of either ROS write them."""
+"""Names of types in the spelling of either ROS."""
 
 from __future__ import annotations
 

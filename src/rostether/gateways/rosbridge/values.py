@@ -1,4 +1,4 @@
-"""ROS messages in rosbridge's JSON, out and in.
+"""ROS messages in rosbridge's JSON, in both directions.
 
 As rosbridge has them: uint8[] and char[] are base64, times and durations `{"secs": ..., "nsecs": ...}` (of a
 ROS 2 graph `{"sec": ..., "nanosec": ...}`), numbers that JSON does not know (NaN, infinities) null. Bytes of
@@ -21,33 +21,33 @@ from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import clean_text
 
+# Types of one gateway whose functions are kept; definitions come from peers.
 _MAX_FORMS: Final = 512
-"""Types of one gateway whose functions are kept; definitions come from peers."""
 
 
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
 class Style(Enum):
-    """Whose words a client gets: names of times, and the field that only one ROS's header has."""
+    """The field names of either ROS: names of times, and the header field of only one ROS."""
 
     ROS1 = 1
     ROS2 = 2
 
 
 def stamp_reader(style: Style) -> Any:
-    """Return what makes a dict of a time or duration."""
+    """Return a function that makes a dict of a time or duration."""
     if style is Style.ROS1:
         return _ros1_stamp
     return _ros2_stamp
 
 
+# Fields that a style's clients do not know.
 OMITTED: Final = {Style.ROS1: frozenset[str](), Style.ROS2: frozenset({"std_msgs/Header.seq"})}
-"""Fields that a style's clients do not know."""
 
 
 class JsonForm:
-    """Messages of all types as values for JSON, and back; `style` is how they are worded."""
+    """Converts messages of all types to JSON values and back; `style` chooses the field names."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
         self.style = style
@@ -69,7 +69,7 @@ class JsonForm:
             return write_json(self.to_json(codec, payload))
 
     def to_json(self, codec: Codec, payload: bytes) -> dict[str, Any]:
-        """Return a payload as values that `write_json` takes. Raises SerializationError."""
+        """Return a payload as values for `write_json`. Raises SerializationError."""
         message = codec.decode(payload)
         read = self._readers.get(codec)
         if read is None:
@@ -79,7 +79,7 @@ class JsonForm:
         return read(message)
 
     def from_json(self, codec: Codec, value: object, now: Time) -> bytes:
-        """Return the payload of a value that came as JSON.
+        """Return the payload of a JSON value.
 
         Missing fields are zero; stamps of headers that are missing, and times that are "now", become `now`.
         Raises SerializationError naming the field that does not fit.

@@ -18,11 +18,12 @@ from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message
 
 HEADER: Final = "std_msgs/Header"
-ROS2_TIME: Final = "builtin_interfaces/Time"
-"""What a time is where definitions are ROS 2's own."""
 
+# The type of times in ROS 2's own definitions.
+ROS2_TIME: Final = "builtin_interfaces/Time"
+
+# Messages and texts in the arrays of one message, a path of many hours: more would hold up all others.
 MAX_ELEMENTS: Final = 1 << 18
-"""Messages and texts in the arrays of one message, a path of many hours: more would hold up all others."""
 
 _MAX_SHOWN: Final = 40
 _FLOATS: Final = frozenset({float, int})
@@ -52,7 +53,7 @@ class _MisfitError(Exception):
         self._got = got
 
     def within(self, step: str) -> None:
-        """Put a step before the path."""
+        """Add a step to the front of the path."""
         self.path = step + self.path if not self.path or self.path[0] == "[" else f"{step}.{self.path}"
 
     def sentence(self, type_name: str) -> str:
@@ -147,7 +148,7 @@ class _Reader:
 
 
 def _decoded(text: str) -> bytes:
-    """Return what base64 holds. Raises ValueError, for data URLs too: their head would become garbage."""
+    """Return decoded base64. Raises ValueError, also for data URLs: their head would become garbage."""
     try:
         return a2b_base64(text, strict_mode=True)
     except ValueError:
@@ -224,7 +225,7 @@ def _sound_text(text: str) -> str:
 
 
 def _show(value: object) -> str:
-    """Return a value as an error repeats it: short, so that the error stays one line."""
+    """Return a value for an error: short, so that the error stays one line."""
     text = "null" if value is None else repr(value)[: _MAX_SHOWN + 1] if _is_short(value) else _kind(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."
 

@@ -1,4 +1,4 @@
-"""Writes the Python source that turns a message into what JSON or CBOR can hold: one function a type.
+"""Writes the Python source that turns a message into values of JSON or CBOR: one function a type.
 
 For geometry_msgs/TwistStamped it comes out as:
 
@@ -23,7 +23,7 @@ ReadValues: TypeAlias = Callable[[Message], dict[str, Any]]
 
 @dataclass(frozen=True, slots=True)
 class Leaves:
-    """What a form makes of the values that are no messages; `numbers` gets the element's `struct` format.
+    """Converts the values that are not messages; `numbers` gets the element's `struct` format.
 
     `omitted` are fields, as `package/Name.field`, that the form leaves out.
     """

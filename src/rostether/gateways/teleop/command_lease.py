@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 
+# Pages command 20 times a second; after two that are missing and half a third, the robot must stop.
 KEEP_S = 0.125
-"""Pages command 20 times a second; after two that are missing and half a third, the robot must stop."""
 
+# Lifting a finger for a moment does not pass the robot to another client.
 HOLD_S = 1.0
-"""A finger that lifts for a moment does not give the robot to another client."""
 
 
 class CommandLease:

@@ -1,4 +1,4 @@
-"""Messages that drive a robot: their stop, and their limits of speed and acceleration; without I/O."""
+"""Messages that drive a robot: stop, and limits of speed and acceleration; without I/O."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LINEAR, ANGULAR, SPEED = "linear", "angular", "speed"
 class DriveLimits:
     """Limits of what is published; each is also a parameter of the node.
 
-    `linear` is in m/s, `angular` in rad/s, `speed` in the unit of the command, the others in that unit each
+    `linear` is in m/s, `angular` in rad/s, `speed` in the unit of the command, the others in that unit per
     second. The defaults are a walking pace.
     """
 
@@ -30,7 +30,7 @@ class DriveLimits:
 
     @classmethod
     def of(cls, values: Mapping[str, object]) -> DriveLimits:
-        """Read parameters; those that are missing or no positive number keep their default."""
+        """Read parameters; those that are missing or not positive keep their default."""
         known = {
             each.name: float(value)
             for each in fields(cls)
@@ -41,7 +41,7 @@ class DriveLimits:
         return cls(**known)
 
     def most(self, kind: str) -> tuple[float, float]:
-        """Return the limits of a kind of value: the value itself, and its change each second."""
+        """Return the limits of a kind of value: the value itself, and its change per second."""
         return getattr(self, f"max_{kind}"), getattr(self, f"max_{kind}_acceleration")
 
 
@@ -71,13 +71,13 @@ class DriveCommands:
         self._published_s = -math.inf
 
     def is_stop(self, message: Message) -> bool:
-        """Return whether a message moves nothing."""
+        """Return whether a message is a stop."""
         return all(_read(message, path) == 0 for _, paths in self._vectors for path in paths)
 
     def limit(self, message: Message, now_s: float) -> bool:
         """Limit a message in place; returns whether it is a stop. Raises SerializationError.
 
-        Only what speeds the robot up is limited: a slower command and a stop hold at once.
+        Only acceleration is limited: a slower command and a stop take effect at once.
         """
         wanted = [[_read(message, path) for path in paths] for _, paths in self._vectors]
         if not all(math.isfinite(value) for vector in wanted for value in vector):
@@ -99,7 +99,7 @@ class DriveCommands:
         return all(value == 0 for vector in self._published for value in vector)
 
     def stop(self, message: Message) -> None:
-        """Make a message a stop, in place."""
+        """Change a message to a stop, in place."""
         for index, (_, paths) in enumerate(self._vectors):
             self._published[index] = [0.0] * len(paths)
             for path in paths:
@@ -107,7 +107,7 @@ class DriveCommands:
 
 
 def _approach(old: float, wanted: float, step: float) -> float:
-    # Towards zero at once, then at most a step away from it.
+    # To zero at once, then at most one step away from it.
     start = old if old * wanted > 0 else 0.0
     if abs(wanted) <= abs(start) + step:
         return wanted

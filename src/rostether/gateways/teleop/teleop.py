@@ -27,10 +27,10 @@ class Driver(Hashable, Protocol):
     name: str
 
     def lease_changed(self, holder: str) -> None:
-        """Report who drives now; empty: no client."""
+        """Report the name of the current driver; empty: no client."""
 
     def ended(self, reason: str) -> None:
-        """Report that the topic cannot be driven any more, and why."""
+        """Report that the topic can no longer be driven, and why."""
 
 
 class CommandTopic:
@@ -54,7 +54,7 @@ class CommandTopic:
 
     @property
     def holder(self) -> str:
-        """The name of who drives now; empty: no client."""
+        """The name of the current driver; empty: no client."""
         return self._holder.name if self._holder is not None else ""
 
     def command(self, driver: Driver, payload: bytes) -> bool:
@@ -72,7 +72,7 @@ class CommandTopic:
         return True
 
     def leave(self, driver: Driver) -> None:
-        """Forget a driver, and stop the robot if it was moving it."""
+        """Remove a driver, and stop the robot if this driver moved it."""
         self.users.discard(driver)
         if self._lease.release(driver):
             self._stop()
@@ -127,7 +127,7 @@ class CommandTopic:
         due_s = self._lease.due_s
         if self._timer is not None:
             if due_s is not None and self._timer.when() <= due_s:
-                # It looks again when it rings: cheaper than a new timer for each command.
+                # The timer checks the deadline when it fires: cheaper than a new timer for each command.
                 return
             self._timer.cancel()
             self._timer = None
@@ -169,7 +169,7 @@ class Teleop:
             return found
 
     async def leave(self, driver: Driver, topic: str) -> None:
-        """End what a driver had of a topic; the topic ends with its last driver."""
+        """Remove a driver from a topic; the topic ends with its last driver."""
         async with self._turn:
             found = self._topics.get(topic)
             if found is None:

@@ -1,6 +1,6 @@
 """Who may connect to a gateway: which web pages, and which clients have the token.
 
-Any page that a browser shows may open a WebSocket to this machine, loopback or not; only the `Origin` that
+Any page in a browser may open a WebSocket to this machine, even on loopback; only the `Origin` that
 browsers send names the page. Programs send none.
 """
 
@@ -29,7 +29,7 @@ class PageRule:
 
     `origins` are pages that the user named, such as `https://panel.example` (`*`: all), `own_names` this
     machine's names. A gateway for a viewer names the viewer's own `viewer_site`: its pages may connect too,
-    and so may the viewer that this machine serves, to any machine.
+    and the viewer that this machine serves may connect to any machine.
     """
 
     origins: Sequence[str] = ()
@@ -54,11 +54,11 @@ class PageRule:
         name = page.hostname or ""
         if name in _LOOPBACK_NAMES and server in _LOOPBACK_NAMES:
             return True
-        # A name that somebody else's name server resolves to us must not count as ours.
+        # A name that a foreign name server resolves to this machine must not count as its name.
         return bool(name) and name == server and self.own_names.include(name)
 
     def admits_host(self, host: str) -> bool:
-        """Return whether this Host may ask for a page: a name of this machine, or of an allowed page."""
+        """Return whether pages are served for this Host: a name of this machine, or of an allowed page."""
         if not host or ANY_PAGE in self.origins or self.own_names.include(host):
             return True
         return any(urlsplit(origin).netloc == host for origin in self.origins)
@@ -73,19 +73,19 @@ class PageRule:
 
 
 def is_of_program(origin: str | None) -> bool:
-    """Return whether an Origin is of no web page: it is missing, or of a scheme such as `file:`."""
+    """Return whether an Origin is not a web page: it is missing, or has a scheme such as `file:`."""
     return origin is None or (":" in origin and not origin.startswith(("http:", "https:")))
 
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """The secret that clients must present; with an empty one no client is asked."""
+    """The secret that clients must present; an empty one admits every client."""
 
     secret: str = field(default="", repr=False)
 
     @property
     def is_wanted(self) -> bool:
-        """Whether clients must say who they are."""
+        """Whether clients need the token."""
         return bool(self.secret)
 
     def is_carried_by(self, path: str, authorization: str) -> bool:
@@ -96,15 +96,15 @@ class Token:
         return self.is_same(parse_qs(path.partition("?")[2]).get("token", [""])[0])
 
     def is_same(self, given: str) -> bool:
-        """Return whether a text is the secret, in a time that says nothing of it."""
+        """Return whether a text is the secret, in constant time."""
         return is_same_secret(given, self.secret)
 
 
 class Headers(Protocol):
-    """What is asked of a request's headers."""
+    """The read access to a request's headers."""
 
     def get_all(self, key: str, /) -> list[str]:
-        """Return all values that a header was given."""
+        """Return all values of a header."""
 
 
 def single_header(headers: Headers, name: str) -> str | None:
@@ -129,7 +129,7 @@ def _is_carried(token: Token, path: str, headers: Headers) -> bool:
 
 
 def is_same_secret(given: str, wanted: str) -> bool:
-    """Return whether two texts are equal, in a time that does not depend on where they differ."""
+    """Return whether two texts are equal, in a time independent of their first difference."""
     return hmac.compare_digest(
         given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
     )
@@ -163,11 +163,11 @@ class Admission:
         self._wants_token_first = wants_token_first
 
     def has_token(self, path: str, headers: Headers) -> bool:
-        """Return whether a request carries the token; a server without one has none to carry."""
+        """Return whether a request has the token; False if the server has none."""
         return _is_carried(self.token, path, headers)
 
     def rights(self, path: str, headers: Headers) -> Rights:
-        """Return what the client of a request may do, if it is not refused."""
+        """Return the rights of a client whose request is not refused."""
         return Rights.FULL if not self.token.is_wanted or self.has_token(path, headers) else Rights.VIEW
 
     def _has_view_token(self, path: str, headers: Headers) -> bool:
@@ -192,7 +192,7 @@ class Admission:
     def page_refusal(self, headers: Headers) -> str | None:
         """Return why a plain request for a file is refused, None when it is not.
 
-        Files are no secret, so they need no token: the page brings it when it connects.
+        Files are not secret, so they need no token: the page sends it when it connects.
         """
         host = single_header(headers, "Host") or ""
         return None if self._pages.admits_host(host) else foreign_host(host)
@@ -200,7 +200,7 @@ class Admission:
     def download_refusal(self, path: str, headers: Headers) -> str | None:
         """Return why a request for a recording is refused, None when it is not.
 
-        Unlike the page, recordings need a token where there is one, and no page of others may ask for them.
+        Unlike the page, recordings need the token if one is set, and pages of other sites are refused.
         """
         if (reason := self.page_refusal(headers)) is not None:
             return reason

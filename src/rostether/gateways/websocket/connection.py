@@ -1,6 +1,6 @@
-"""One connection of a WebSocket server: handshake or plain request, messages in and out, pings, and its end.
+"""One connection of a WebSocket server: handshake or plain request, messages, pings, and close.
 
-The WebSocket protocol itself is that of the library websockets, without I/O.
+The library websockets implements the protocol, without I/O.
 """
 
 from __future__ import annotations
@@ -25,13 +25,14 @@ from rostether.gateways.websocket.site import Reply, Site, refusal
 if TYPE_CHECKING:
     from rostether.gateways.websocket.server import WebSocketServer
 
-# For a client to answer that the connection ends; then it is cut.
+# The time for a client to answer a close; then the connection is aborted.
 _CLOSE_S = 5.0
 
-# A phone on a weak network reads the largest file of the page in this time.
+# Long enough for a phone on a weak network to read the largest file of the page.
 _FILE_S = 30.0
 
-_CHUNK_BYTES = 256 << 10  # of a download, read by one call
+# The part of a download that one call reads.
+_CHUNK_BYTES = 256 << 10
 
 _ORDERLY = (CloseCode.NORMAL_CLOSURE, CloseCode.GOING_AWAY, CloseCode.NO_STATUS_RCVD)
 
@@ -40,26 +41,27 @@ class ConnectionUser(Protocol):
     """Receives the events of one WebSocket."""
 
     def received(self, message: str | bytes) -> None:
-        """A whole message came."""
+        """Handle a whole message."""
 
     def paused(self) -> None:
-        """The client reads slowly: what is sent from now on waits in the process."""
+        """Pause: the client reads slowly, and further messages wait in the process."""
 
     def resumed(self) -> None:
-        """The client has read most of what was sent."""
+        """Resume: the client has read most of the sent data."""
 
     def closed(self) -> None:
-        """The connection has ended."""
+        """Handle the end of the connection."""
 
 
 class Connection(asyncio.Protocol):
-    """One connection; it has a user from the end of the handshake."""
+    """One connection; it gets a user when the handshake ends."""
 
     def __init__(self, server: WebSocketServer) -> None:
         self.path = "/"
         self.headers = Headers()
+
+        # Set when the client has read most of the sent data, and when the connection has ended.
         self.has_room = asyncio.Event()
-        """Whether the client has read most of what was sent; set, too, when the connection has ended."""
         self.has_room.set()
         self._server = server
         self._limits = server.limits
@@ -85,12 +87,12 @@ class Connection(asyncio.Protocol):
     @property
     def is_open(self) -> bool:
         """Whether messages can be sent."""
-        # A false frame in the chunk of the request ends what we send, but the state becomes open.
+        # An invalid frame in the chunk of the request ends sending, but the state becomes open.
         return self._is_shaken and self._websocket.state is OPEN and not self._websocket.eof_sent
 
     @property
     def unsent_bytes(self) -> int:
-        """What the socket has not taken yet."""
+        """The bytes that the socket has not accepted yet."""
         return self._transport.get_write_buffer_size() if self._transport is not None else 0
 
     @property
@@ -100,7 +102,7 @@ class Connection(asyncio.Protocol):
 
     @property
     def fault(self) -> str:
-        """What the client did wrong, if we have ended the connection for it."""
+        """The client's error, if the server closed the connection because of it."""
         sent = self._websocket.close_sent
         return "" if sent is None or sent.code in _ORDERLY else sent.reason or str(sent.code)
 
@@ -125,7 +127,7 @@ class Connection(asyncio.Protocol):
         self._handle_events()
 
     def eof_received(self) -> bool:
-        """Handle the end of what the client sends."""
+        """Handle the end of the client's data."""
         if self._download is not None:
             # TLS has no half-closed connections.
             return self._transport is not None and self._transport.can_write_eof()
@@ -189,12 +191,12 @@ class Connection(asyncio.Protocol):
     def write(self, frames: bytes) -> None:
         """Write whole frames that were made by hand."""
         if self.is_open and self._transport is not None:
-            # Not writelines: in Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never pauses us
+            # Not writelines: in Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never pauses the writer
             # (CVE-2024-12254).
             self._transport.write(frames)
 
     def close(self, code: int = CloseCode.GOING_AWAY, reason: str = "") -> None:
-        """End the connection in order, and cut it if the client does not answer."""
+        """Close the connection, and abort it if the client does not answer."""
         if not self.is_open:
             if not self._is_ending:
                 self.abort()
@@ -205,7 +207,7 @@ class Connection(asyncio.Protocol):
         self._set_timer(_CLOSE_S, self.abort)
 
     def abort(self) -> None:
-        """Cut the connection."""
+        """Abort the connection."""
         if self._transport is not None:
             self._transport.abort()
 
@@ -219,7 +221,7 @@ class Connection(asyncio.Protocol):
                 self._handle_frame(event)
         self._write_protocol()
         if self._websocket.close_expected() and not self._is_ending:
-            # The client gets the reason (RFC 6455, 7.4), then one side closes; data extends nothing.
+            # The client gets the reason (RFC 6455, 7.4), then one side closes; data does not extend the time.
             self._is_ending = True
             self._set_timer(_CLOSE_S, self.abort)
 
@@ -243,7 +245,7 @@ class Connection(asyncio.Protocol):
 
     def _serve_file(self, request: Request) -> None:
         assert self._server.site is not None
-        # Before websockets 17 only GET comes here, and requests have no method.
+        # Before websockets 17, only GET reaches this point, and requests have no method.
         method = getattr(request, "method", "GET")
         is_download = self._server.site.is_download(method, request.path)
         refused = self._server.download_refusal if is_download else self._server.page_refusal
@@ -268,11 +270,11 @@ class Connection(asyncio.Protocol):
             with file:
                 while chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES):
                     self._transport.write(chunk)
-                    # A client that reads nothing for so long is gone.
+                    # A client that reads nothing for this time is gone.
                     self._set_timer(_FILE_S, self.abort)
                     await self.has_room.wait()
         self._set_timer(_FILE_S, self.abort)
-        # What was written is sent before.
+        # The transport sends written data first.
         self._transport.close()
 
     def _handle_frame(self, frame: Frame) -> None:
@@ -302,14 +304,14 @@ class Connection(asyncio.Protocol):
         if data := b"".join(pieces):
             self._transport.write(data)
         if b"" in pieces:
-            # TLS cannot close one half; what was written is sent before.
+            # TLS has no half-close; the transport sends written data first.
             if self._transport.can_write_eof():
                 self._transport.write_eof()
             else:
                 self._transport.close()
 
     def _ping(self) -> None:
-        # A client that still reads is there, even if its answer comes late. A client whose data is not read
+        # A client that still reads is alive, even if its pong is late. A client whose data is not read
         # here cannot answer.
         is_there = self._is_moving() or not self._is_reading
         if self._unanswered_pings >= self._limits.pings and not is_there:
@@ -344,5 +346,5 @@ def _response(reply: Reply) -> Response:
 
 
 def _choose_subprotocol(protocol: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
-    # A client that names none is one written by hand for this very protocol.
+    # A client without a subprotocol is accepted: it was written for this protocol.
     return next((each for each in protocol.available_subprotocols or () if each in offered), None)

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from rostether.gateways.clean_line import clean_line
 from rostether.transports.allow_list import AllowList
 
+# A page that may not connect retries every second; one log line in this time is enough.
 QUIET_S = 10.0
-"""A page that may not connect retries every second; one log line in this time is enough."""
 
+# Reasons logged in that time: a refused client may cause a different one with each connection.
 MAX_REASONS = 5
-"""Reasons logged in that time: a refused client may cause a different one with each connection."""
 
 
 class ConnectionLimiter:
@@ -21,14 +21,14 @@ class ConnectionLimiter:
     `allow` are the networks that may connect (none: all networks); `most` is the maximum of connections.
     """
 
-    def __init__(self, allow: Sequence[str], most: int, tell: Callable[[str], None]) -> None:
+    def __init__(self, allow: Sequence[str], most: int, report: Callable[[str], None]) -> None:
         self.open_count = 0
         self._allow = AllowList(allow)
         self._most = most
-        self._tell = tell
-        self._told: set[str] = set()
-        self._told_until_s = 0.0
-        self._unsaid = 0
+        self._report = report
+        self._reported: set[str] = set()
+        self._reported_until_s = 0.0
+        self._omitted_count = 0
 
     def admit(self, transport: asyncio.BaseTransport) -> bool:
         """Return whether a new connection is admitted, and count it; the caller reports its end."""
@@ -40,22 +40,22 @@ class ConnectionLimiter:
         return True
 
     def release(self) -> None:
-        """Free the place of a connection that was let in."""
+        """Free the place of an admitted connection."""
         self.open_count -= 1
 
     def report_refusal(self, transport: asyncio.BaseTransport, reason: str) -> None:
-        """Say that a connection was refused, unless that was said of one just now."""
+        """Report a refused connection, unless the rate limit of reports is reached."""
         now_s = asyncio.get_running_loop().time()
-        if now_s >= self._told_until_s:
-            self._told.clear()
-            self._told_until_s = now_s + QUIET_S
-        if reason in self._told or len(self._told) >= MAX_REASONS:
-            self._unsaid += 1
+        if now_s >= self._reported_until_s:
+            self._reported.clear()
+            self._reported_until_s = now_s + QUIET_S
+        if reason in self._reported or len(self._reported) >= MAX_REASONS:
+            self._omitted_count += 1
             return
-        self._told.add(reason)
-        more = f" ({self._unsaid} more since the last such line)" if self._unsaid else ""
-        self._tell(f"refused {peer_name(transport)}: {clean_line(reason)}{more}")
-        self._unsaid = 0
+        self._reported.add(reason)
+        more = f" ({self._omitted_count} more since the last such line)" if self._omitted_count else ""
+        self._report(f"refused {peer_name(transport)}: {clean_line(reason)}{more}")
+        self._omitted_count = 0
 
     def _refusal(self, transport: asyncio.BaseTransport) -> str:
         peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
@@ -69,7 +69,7 @@ class ConnectionLimiter:
 
 
 def peer_name(transport: asyncio.BaseTransport) -> str:
-    """Return a peer as people read it."""
+    """Return a peer's address for people."""
     address = transport.get_extra_info("peername")
     if not address:
         return "a client"

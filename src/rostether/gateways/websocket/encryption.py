@@ -8,7 +8,7 @@ from rostether.errors import ConfigError
 
 
 def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:
-    """Return what a listener encrypts with, None without a certificate; the key may stand in its file.
+    """Return the TLS context of a listener, None without a certificate; one file may contain both.
 
     Raises ConfigError naming the files that cannot be used.
     """

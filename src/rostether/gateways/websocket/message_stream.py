@@ -1,4 +1,4 @@
-"""The messages of one connection, for a vocabulary that carries out one after another."""
+"""The messages of one connection, for a protocol that handles one at a time."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from collections.abc import AsyncIterator
 
 from rostether.gateways.websocket.connection import Connection
 
-# Read ahead of one client; then its socket fills, and it is slowed down.
+# Messages read ahead from one client; beyond this, its socket fills and slows it down.
 MAX_WAITING = 16
 
 
 class MessageStream:
-    """What a connection receives, to be waited for; iterating ends with the connection."""
+    """An asynchronous iterator over received messages; it ends with the connection."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -23,7 +23,7 @@ class MessageStream:
         self._news = asyncio.Event()
 
     def received(self, message: str | bytes) -> None:
-        """Keep a message."""
+        """Queue a message."""
         self._messages.append(message)
         self._news.set()
         if len(self._messages) >= MAX_WAITING and not self._is_paused:
@@ -34,10 +34,10 @@ class MessageStream:
         """Nothing to do: `send` waits."""
 
     def resumed(self) -> None:
-        """Nothing to do: `send` goes on."""
+        """Nothing to do: `send` continues."""
 
     def closed(self) -> None:
-        """End the stream, behind what was received."""
+        """End the stream after the received messages."""
         self._is_closed = True
         self._news.set()
 
@@ -59,7 +59,7 @@ class MessageStream:
             yield message
 
     async def send(self, *messages: str | bytes) -> None:
-        """Send messages with one call of the system, and wait until the client has read most of them."""
+        """Send messages with one system call, and wait until the client has read most of them."""
         self._connection.send(*messages)
         await self._connection.has_room.wait()
 

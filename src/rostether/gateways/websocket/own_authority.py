@@ -1,6 +1,6 @@
-"""Certificates for a robot's own web pages, signed by an authority that this machine makes for itself.
+"""Certificates for a robot's own web pages, signed by a certificate authority of this machine.
 
-A device that installs the authority's certificate trusts the page of this machine, and no other site: the
+A device that installs the authority's certificate trusts only the pages of this machine: the
 authority may only sign for this machine's names and addresses, and for addresses of local networks.
 """
 
@@ -57,7 +57,7 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
 
     Args:
         folder: Holds the authority as well; only this user can read the keys.
-        names: Names and addresses by which the page is opened, beside those that are found.
+        names: Names and addresses of the page, in addition to those that are found.
 
     Raises ConfigError naming what to install, or the file that cannot be written.
     """
@@ -235,7 +235,7 @@ def _write_key(file: Path, key: EllipticCurvePrivateKey) -> None:
 
     text = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     file.unlink(missing_ok=True)
-    # Other users must not read it, not even for a moment.
+    # Other users must never be able to read it.
     with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
         opened.write(text)
 

@@ -24,7 +24,7 @@ from rostether.transports.sockets import system_bind_errors
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
 
-# For clients to answer that the server ends.
+# The time for clients to answer a close when the server ends.
 HANG_UP_S = 2.0
 
 
@@ -32,16 +32,16 @@ class WebSocketServer:
     """Listens for connections.
 
     Args:
-        name: What messages for people begin with, such as `foxglove`.
+        name: The prefix of messages for people, such as `foxglove`.
         settings: Where to listen, and who may connect.
-        limits: What is bounded.
+        limits: The bounds of the server and its connections.
         open_user: Makes the user of a WebSocket whose handshake is done.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
         viewer_site: A web site whose pages may connect, as well as the viewer that this machine serves.
         path: The only path that is served; empty: all.
-        wants_token_first: Whether a handshake without the token is refused, instead of asked later.
+        wants_token_first: Whether a handshake without the token is refused, not checked later.
         subprotocols: The WebSocket subprotocols, the best first.
-        deflates: Whether messages are compressed for clients that can read it.
+        deflates: Whether messages are compressed for clients that support it.
         site: Files that are served by plain GET.
     """
 
@@ -85,22 +85,22 @@ class WebSocketServer:
 
     @property
     def port(self) -> int:
-        """The port that is listened on; zero before the start."""
+        """The listening port; zero before the start."""
         sockets = self._servers[0].sockets if self._servers else ()
         return int(sockets[0].getsockname()[1]) if sockets else 0
 
     @property
     def hosts(self) -> list[str]:
-        """The addresses that are listened on."""
+        """The listening addresses."""
         return [each.getsockname()[0] for server in self._servers for each in server.sockets]
 
     @property
     def connection_count(self) -> int:
-        """How many connections are open, also those that are not WebSockets."""
+        """How many connections are open, including plain requests."""
         return len(self._connections)
 
     def url(self, everywhere: str = DEFAULT_HOST) -> str:
-        """Return what clients connect to; `everywhere` stands for all addresses of this machine."""
+        """Return the URI for clients; `everywhere` replaces an address that means all addresses."""
         scheme = "wss" if self._settings.certificate else "ws"
         host = everywhere if self._settings.host in _EVERYWHERE else self._settings.host
         return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
@@ -132,7 +132,7 @@ class WebSocketServer:
             server.close()
 
     async def hang_up(self, timeout_s: float = HANG_UP_S) -> None:
-        """End all connections in order, and cut those that do not answer in time."""
+        """Close all connections, and abort those that do not answer in time."""
         for connection in list(self._connections):
             connection.close()
         try:

@@ -1,4 +1,4 @@
-"""Where a WebSocket server listens, who may use it, and what it bounds."""
+"""Where a WebSocket server listens, who may use it, and its limits."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ DEFAULT_HOST = "localhost"
 
 @dataclass(frozen=True, slots=True)
 class ConnectionLimits:
-    """Bounds of one server and its connections, whatever they say."""
+    """Limits of one server and its connections."""
 
+    # Open WebSockets.
     clients: int
-    """WebSockets that are open at once."""
 
+    # Other connections: unfinished handshakes, and requests for files.
     others: int
-    """Connections beside them: handshakes that are not finished, and requests for files."""
 
+    # The size of one message of a client.
     message_bytes: int
-    """Of one message of a client."""
 
+    # Data that waits in the socket for a slow client before its user must pause.
     unsent_bytes: int
-    """Held by the socket for a client that reads slowly, before its user has to wait."""
 
+    # The time for a connection to send its request.
     handshake_s: float = 10.0
-    """Until a connection must have sent its request."""
 
     ping_period_s: float = 20.0
 
+    # A client that leaves this number of pings unanswered, and reads nothing, is gone.
     pings: int = 1
-    """A client that left this number unanswered, and reads nothing, is gone."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,11 +25,11 @@ DOWNLOADS = "/recordings/"
 TILES = "/tiles/"
 _TILE = re.compile(r"/tiles/(\d{1,2})/(\d{1,9})/(\d{1,9})")
 
-# The dashboard has about ten files with one megabyte; a folder beyond these limits is another folder.
+# The dashboard has about ten files with one megabyte; a folder beyond these limits is the wrong one.
 MAX_FILES = 1000
 MAX_BYTES = 64 << 20
 
-# Scripts, styles and pictures of this page alone; connections to this server alone; no frame around it.
+# Only scripts, styles and pictures of this page; only connections to this server; no embedding in frames.
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self' ws: wss:; worker-src 'self' blob:; manifest-src 'self'; "
@@ -60,7 +60,7 @@ _TYPES = {
 
 
 class RequestHeaders(Protocol):
-    """What is asked of a request's headers."""
+    """The read access to a request's headers."""
 
     def get_all(self, key: str, /) -> list[str]:
         """Return all values of a header."""
@@ -78,7 +78,7 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class SiteFile:
-    """One file: its content, compressed too where that is smaller, and the tag of its version."""
+    """One file: its content, also compressed if that is smaller, and the tag of its version."""
 
     content_type: str
     content: bytes
@@ -99,7 +99,7 @@ class SiteFile:
 
 
 class Downloads(Protocol):
-    """Files that are too large for memory, and that only clients with the token get."""
+    """Files that are too large for memory; they need the token."""
 
     def find(self, name: str) -> Path | None:
         """Return the file of a name, None if there is none; may read a folder."""
@@ -185,7 +185,7 @@ class Site:
         return Reply(HTTPStatus.OK, headers, b"", len(tile)), io.BytesIO(tile)
 
     def reply(self, method: str, path: str, headers: RequestHeaders) -> Reply:
-        """Return the response to a request that asks for no WebSocket."""
+        """Return the response to a plain request."""
         if method not in ("GET", "HEAD"):
             return refusal(
                 HTTPStatus.METHOD_NOT_ALLOWED, "only GET and HEAD are allowed", ("Allow", "GET, HEAD")
@@ -205,7 +205,7 @@ class Site:
 
 
 def refusal(status: HTTPStatus, text: str, *more: tuple[str, str], is_head: bool = False) -> Reply:
-    """Return a response that says in one line why there is no file."""
+    """Return a response with one line that explains why there is no file."""
     body = f"{text}\n".encode("utf-8", "replace")
     headers = (*_ALWAYS, ("Content-Type", "text/plain; charset=utf-8"), *more)
     return Reply(status, headers, b"" if is_head else body, len(body))

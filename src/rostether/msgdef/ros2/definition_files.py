@@ -19,6 +19,7 @@ from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_
 
 BUNDLED_FOLDER = Path(__file__).with_name("share")
 BUNDLED_DISTRO = "jazzy"
+_ROS1_DISTROS = frozenset({"kinetic", "lunar", "melodic", "noetic"})
 # Distribution -> folders to look in before the bundled distribution's own, first wins.
 _OVERLAYS: Mapping[str, tuple[str, ...]] = {
     "foxy": ("humble", "iron"),
@@ -44,6 +45,12 @@ class Declared(Enum):
     UNSAID = auto()
 
 
+def named_distro(environ: Mapping[str, str]) -> str:
+    """Return the ROS 2 distribution that the variables name; empty if none, as after sourcing ROS 1."""
+    name = environ.get("ROS_DISTRO", "").strip() if environ.get("ROS_VERSION", "2") == "2" else ""
+    return "" if name in _ROS1_DISTROS else name
+
+
 def install_prefixes(environ: Mapping[str, str]) -> list[Path]:
     """Return the folders that AMENT_PREFIX_PATH and COLCON_PREFIX_PATH name, in order, each once."""
     parts = [part for name in _PREFIX_VARIABLES for part in environ.get(name, "").split(os.pathsep) if part]
@@ -60,18 +67,14 @@ class InstalledPackages:
     """The definitions below some install prefixes; folders are listed when first asked for."""
 
     def __init__(self, prefixes: Iterable[Path]) -> None:
-        self._prefixes = list(prefixes)
+        self.prefixes = list(prefixes)
         self._roots: dict[str, list[Path]] | None = None
         self._is_searched = False
         self._listings: dict[tuple[str, Kind], dict[str, Path]] = {}
 
     def packages(self) -> list[str]:
         """Return all packages that have definitions."""
-        return [
-            name
-            for name in self._all_roots()
-            if any([self.of(name, Kind.MESSAGE), self.of(name, Kind.SERVICE)])
-        ]
+        return [name for name in self._all_roots() if any(self.of(name, kind) for kind in Kind)]
 
     def of(self, package: str, kind: Kind) -> Mapping[str, Path]:
         """Return a package's files of one kind by type name; earlier prefixes win."""
@@ -88,7 +91,7 @@ class InstalledPackages:
     @property
     def is_searched(self) -> bool:
         """Whether all folders have been listed."""
-        return self._is_searched or not self._prefixes
+        return self._is_searched or not self.prefixes
 
     def search(self) -> None:
         """List all folders now. It may take seconds."""
@@ -102,7 +105,7 @@ class InstalledPackages:
     def _all_roots(self) -> dict[str, list[Path]]:
         if self._roots is None:
             roots: dict[str, list[Path]] = {}
-            for prefix in self._prefixes:
+            for prefix in self.prefixes:
                 # colcon's own prefix holds one further prefix a package, unless it installs them merged.
                 for share in (prefix / "share", *sorted(prefix.glob("*/share"))):
                     for name in _subfolders(share):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TypeAlias
 
 from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
 from rostether.msgdef.definition_files import Kind, PackageFiles, find_definitions, read_definition
+from rostether.msgdef.ros2.action_parts import ActionParts, action_of_part, action_parts
 from rostether.msgdef.ros2.definition_files import (
     BUNDLED_DISTRO,
     Declared,
@@ -16,19 +18,24 @@ from rostether.msgdef.ros2.definition_files import (
     bundled_packages,
     declared_by,
     install_prefixes,
+    named_distro,
     python_prefixes,
 )
 from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.parse import (
     REQUEST_SUFFIX,
     RESPONSE_SUFFIX,
+    parse_action,
     parse_message,
     parse_service,
 )
-from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
+from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
 from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
 
-_KINDS = (Kind.MESSAGE, Kind.SERVICE)
+_Definition: TypeAlias = Ros2Message | Ros2Service | Ros2Action
+
+# A workspace of many packages has a prefix for each; an error is one readable line.
+_SHOWN_FOLDERS = 4
 
 
 class Ros2Definitions:
@@ -57,6 +64,8 @@ class Ros2Definitions:
         self._found: dict[str, PackageFiles] | None = None
         self._messages: dict[str, Ros2Message] = {}
         self._services: dict[str, Ros2Service] = {}
+        self._actions: dict[str, ActionParts] = {}
+        self._added: set[str] = set()
         # Of the user's folders: whether it is a ROS 2 text.
         self._is_ros2_file: dict[Path, bool] = {}
 
@@ -72,13 +81,8 @@ class Ros2Definitions:
         paths = [Path(path).expanduser() for path in msg_paths]
         for path in paths:
             if not path.is_dir():
-                raise ConfigError(
-                    f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
-                )
-        # A shell that has sourced ROS 1 says noetic: that names no ROS 2.
-        distro = environ.get("ROS_DISTRO", "") if environ.get("ROS_VERSION", "2") == "2" else ""
-        if distro in ("noetic", "melodic", "kinetic", ""):
-            distro = BUNDLED_DISTRO
+                raise ConfigError(f"--msg-path {path}: no such folder; give one of packages or of .msg files")
+        distro = named_distro(environ) or BUNDLED_DISTRO
         # Packages from pip may be of another distribution: they only add types.
         return cls(paths, prefixes=install_prefixes(environ), last_prefixes=python_prefixes(), distro=distro)
 
@@ -93,6 +97,25 @@ class Ros2Definitions:
         self._on_path()
         self._installed.search()
         self._installed_last.search()
+
+    @property
+    def places(self) -> str:
+        """Where definitions are searched, for errors."""
+        folders = [*(f"--msg-path {path}" for path in self._paths), *map(str, self._installed.prefixes)]
+        if len(folders) > _SHOWN_FOLDERS:
+            folders = [*folders[:_SHOWN_FOLDERS], f"{len(folders) - _SHOWN_FOLDERS} more folders"]
+        if self._installed_last.prefixes:
+            folders.append("the packages of this Python")
+        if self._bundled:
+            folders.append(f"the bundled definitions of {self.distro}")
+        return ", ".join(folders)
+
+    def add(self, messages: Iterable[Ros2Message]) -> None:
+        """Add definitions from elsewhere; those that are known already stay."""
+        for message in messages:
+            if not self.has(message.full_name):
+                self._messages[message.full_name] = message
+                self._added.add(message.full_name)
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`, or half a service by `package/srv/Name_Request`.
@@ -109,6 +132,10 @@ class Ros2Definitions:
         found = self._services.get(name)
         if found is None:
             package, kind, short_name = split_name(name, Kind.SERVICE)
+            if kind is Kind.ACTION:
+                self.action(f"{package}/action/{action_of_part(short_name)}")
+                if name in self._services:
+                    return self._services[name]
             if kind is not Kind.SERVICE:
                 raise UnknownTypeError(f"{name} is a message, not a service")
             loaded = self._load(Kind.SERVICE, package, short_name)
@@ -116,18 +143,35 @@ class Ros2Definitions:
             found = self._services[name] = loaded
         return found
 
+    def action(self, name: str) -> ActionParts:
+        """Return an action by `package/action/Name`. Raises UnknownTypeError, DefinitionError."""
+        found = self._actions.get(name)
+        if found is None:
+            package, _, short_name = split_name(name, Kind.ACTION)
+            loaded = self._load(Kind.ACTION, package, short_name)
+            assert isinstance(loaded, Ros2Action)
+            found = self._actions[name] = action_parts(loaded)
+            self._messages.update((each.full_name, each) for each in found.messages())
+            self._services.update((each.full_name, each) for each in found.services)
+        return found
+
     def text(self, name: str) -> str:
         """Return the original text of a message, by `package/msg/Name`. Raises as `message`."""
         package, kind, short_name = split_name(name)
-        file = self._file(kind, package, short_name) if kind is Kind.MESSAGE else None
+        is_file = kind is Kind.MESSAGE and name not in self._added
+        file = self._file(kind, package, short_name) if is_file else None
         return message_text(self.message(name)) if file is None else read_definition(file)
 
     def has(self, name: str) -> bool:
         """Return whether a message, service or half a service is known; reads only the user's own texts."""
+        if name in self._added:
+            return True
         try:
             package, kind, short_name = split_name(name)
         except UnknownTypeError:
             return False
+        if kind is Kind.ACTION:
+            short_name = action_of_part(short_name)
         names = [short_name]
         if kind is Kind.SERVICE:
             names += [short_name.removesuffix(suffix) for suffix in (REQUEST_SUFFIX, RESPONSE_SUFFIX)]
@@ -136,20 +180,29 @@ class Ros2Definitions:
     def packages(self) -> list[str]:
         """Return the names of all packages that have definitions, sorted."""
         names = {*self._installed.packages(), *self._installed_last.packages()}
-        names.update(
-            package for package in self._on_path() if any(self._own(package, kind) for kind in _KINDS)
-        )
+        names.update(package for package in self._on_path() if any(self._own(package, kind) for kind in Kind))
         if self._bundled:
             names.update(bundled_packages())
         return sorted(names)
 
     def messages(self, package: str | None = None) -> list[str]:
         """Return the full names of all messages, or of one package's, sorted, without service halves."""
-        return self._names(Kind.MESSAGE, package)
+        return self.names(Kind.MESSAGE, package)
 
     def services(self, package: str | None = None) -> list[str]:
         """Return the full names of all services, or of one package's, sorted."""
-        return self._names(Kind.SERVICE, package)
+        return self.names(Kind.SERVICE, package)
+
+    def names(self, kind: Kind, package: str | None = None) -> list[str]:
+        """Return the full names of all definitions of a kind, or of one package's, sorted."""
+        names: set[str] = set()
+        for each in self.packages() if package is None else [package]:
+            found = {name for name, file in self._own(each, kind).items() if self._is_ros2(file, kind, each)}
+            found.update(self._installed.of(each, kind), self._installed_last.of(each, kind))
+            if self._bundled and not self._is_replaced(each):
+                found.update(bundled_names(self.distro, each, kind))
+            names.update(f"{each}/{kind}/{name}" for name in found)
+        return sorted(names)
 
     def _load_message(self, name: str) -> Ros2Message:
         package, kind, short_name = split_name(name)
@@ -157,19 +210,24 @@ class Ros2Definitions:
             found = self._load(Kind.MESSAGE, package, short_name)
             assert isinstance(found, Ros2Message)
             return found
+        if kind is Kind.ACTION:
+            self.action(f"{package}/action/{action_of_part(short_name)}")
+            if name in self._messages:
+                return self._messages[name]
+            raise UnknownTypeError(f"{name} is not a message")
         if short_name.endswith(REQUEST_SUFFIX):
             return self.service(f"{package}/srv/{short_name.removesuffix(REQUEST_SUFFIX)}").request
         if short_name.endswith(RESPONSE_SUFFIX):
             return self.service(f"{package}/srv/{short_name.removesuffix(RESPONSE_SUFFIX)}").response
         raise UnknownTypeError(f"{name} is a service, not a message")
 
-    def _load(self, kind: Kind, package: str, name: str) -> Ros2Message | Ros2Service:
+    def _load(self, kind: Kind, package: str, name: str) -> _Definition:
         file = self._file(kind, package, name)
         if file is not None:
             return _parse(kind, file, package, name)
         if any(each.has_only_idl(package, kind, name) for each in (self._installed, self._installed_last)):
             raise UnknownTypeError(explain_only_idl(package, kind, name))
-        raise UnknownTypeError(explain_unknown(self, kind, package, name))
+        raise UnknownTypeError(f"{explain_unknown(self, kind, package, name)} (searched: {self.places})")
 
     def _file(self, kind: Kind, package: str, name: str) -> Path | None:
         on_path = self._on_path().get(package)
@@ -189,13 +247,13 @@ class Ros2Definitions:
 
     def _is_replaced(self, package: str) -> bool:
         """Whether the user's own package hides the bundled one of its name."""
-        if any(self._installed.of(package, kind) for kind in _KINDS):
+        if any(self._installed.of(package, kind) for kind in Kind):
             return True
         files = self._on_path().get(package)
         return (
             files is not None
             and files.root is not None
-            and any(self._is_ros2(file, kind, package) for kind in _KINDS for file in files.of(kind).values())
+            and any(self._is_ros2(file, kind, package) for kind in Kind for file in files.of(kind).values())
         )
 
     def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
@@ -214,12 +272,11 @@ class Ros2Definitions:
             found = _parse(kind, file, package, file.stem)
         except DefinitionError:
             return False
-        halves = [found] if isinstance(found, Ros2Message) else [found.request, found.response]
         # A plain `Header` is std_msgs' in ROS 1 and the package's own in ROS 2.
         header = f"{package}/msg/Header"
         return package == "std_msgs" or not any(
             field.type.base == header and "Header" not in self._own(package, Kind.MESSAGE)
-            for half in halves
+            for half in found.parts
             for field in half.fields
         )
 
@@ -232,19 +289,11 @@ class Ros2Definitions:
         files = self._on_path().get(package)
         return files.of(kind) if files is not None else {}
 
-    def _names(self, kind: Kind, package: str | None) -> list[str]:
-        names: set[str] = set()
-        for each in self.packages() if package is None else [package]:
-            found = {name for name, file in self._own(each, kind).items() if self._is_ros2(file, kind, each)}
-            found.update(self._installed.of(each, kind), self._installed_last.of(each, kind))
-            if self._bundled and not self._is_replaced(each):
-                found.update(bundled_names(self.distro, each, kind))
-            names.update(f"{each}/{kind}/{name}" for name in found)
-        return sorted(names)
 
-
-def _parse(kind: Kind, file: Path, package: str, name: str) -> Ros2Message | Ros2Service:
+def _parse(kind: Kind, file: Path, package: str, name: str) -> _Definition:
     text = read_definition(file)
+    if kind is Kind.ACTION:
+        return parse_action(text, package=package, name=name, file=str(file))
     if kind is Kind.SERVICE:
         return parse_service(text, package=package, name=name, file=str(file))
     return parse_message(text, package=package, name=name, file=str(file))

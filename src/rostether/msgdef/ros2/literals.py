@@ -7,8 +7,11 @@ import re
 from rostether.msgdef.ros2.primitives import INTEGER_RANGES, STRING_TYPES
 from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Type
 
-MAX_LITERAL_CHARACTERS = 80  # keeps an error about a value of any length on one line
-_MAX_INTEGER_CHARACTERS = 100  # Python refuses to read thousands of digits in its own, longer words
+# Keeps an error about a value of any length on one line.
+MAX_LITERAL_CHARACTERS = 80
+
+# Python refuses to read thousands of digits in its own, longer words.
+_MAX_INTEGER_CHARACTERS = 100
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
 
 

@@ -1,4 +1,4 @@
-"""Reading a ROS 2 .msg or .srv text: `type name [default]` or `type NAME=value` a line, comments after `#`.
+"""Reads ROS 2 .msg, .srv and .action texts: `type name [default]` or `type NAME=value` a line, then `#`.
 
 Accepts and refuses what rosidl does, with two exceptions: indented declarations are read, and types that its
 code generators would refuse (`time`, half a service as a field) are refused here.
@@ -7,6 +7,7 @@ code generators would refuse (`time`, half a service as a field) are refused her
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NoReturn
 
 from rostether.errors import DefinitionError
@@ -16,6 +17,7 @@ from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES, STRING_TYPES
 from rostether.msgdef.ros2.spec import (
     ConstantValue,
     DefaultValue,
+    Ros2Action,
     Ros2Constant,
     Ros2Field,
     Ros2Message,
@@ -32,7 +34,9 @@ _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
 # As rosidl's [A-Z]([A-Z0-9_]?[A-Z0-9]+)*, in a form that takes linear time.
 _CONSTANT_NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TYPE = re.compile(r"([A-Za-z][\w/]*)(?:<=([0-9]+))?(\[(?:(<=)?([0-9]+))?\])?", re.ASCII)
-_MAX_COUNT_DIGITS = 19  # any longer number is too large, and need not be read
+
+# Any longer number is too large, and need not be read.
+_MAX_COUNT_DIGITS = 19
 _ROS1_TYPES = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
 
 
@@ -97,31 +101,53 @@ def parse_service(text: str, *, package: str, name: str, file: str = "") -> Ros2
 
     Raises DefinitionError with file, line and column of the first mistake.
     """
-    file = file or f"{package}/srv/{name}"
-    lines = text.split("\n")
-    marks = [index for index, line in enumerate(lines) if line.rstrip() == SECTION_MARK]
-    if len(marks) != 1:
-        line = marks[1] + 1 if marks else 0
-        found = "more than one line" if marks else "no line"
-        raise DefinitionError(
-            f"{found} {SECTION_MARK!r} between request and response",
-            file=file,
-            line=line,
-            column=1 if marks else 0,
-        )
-    mark = marks[0]
-    request = parse_message(
-        "\n".join(lines[:mark]), package=package, name=name + REQUEST_SUFFIX, kind="srv", file=file
-    )
-    response = parse_message(
-        "\n".join(lines[mark + 1 :]),
-        package=package,
-        name=name + RESPONSE_SUFFIX,
-        kind="srv",
-        file=file,
-        first_line=mark + 2,
+    names = [name + REQUEST_SUFFIX, name + RESPONSE_SUFFIX]
+    request, response = _parse_sections(
+        text, names, package=package, kind="srv", file=file or f"{package}/srv/{name}"
     )
     return Ros2Service(package, name, request, response)
+
+
+def parse_action(text: str, *, package: str, name: str, file: str = "") -> Ros2Action:
+    """Parse a definition: goal, result and feedback, with a line `---` between them.
+
+    Raises DefinitionError as `parse_service`.
+    """
+    names = [f"{name}_Goal", f"{name}_Result", f"{name}_Feedback"]
+    parts = _parse_sections(
+        text, names, package=package, kind="action", file=file or f"{package}/action/{name}"
+    )
+    return Ros2Action(package, name, *parts)
+
+
+def _parse_sections(
+    text: str, names: Sequence[str], *, package: str, kind: str, file: str
+) -> list[Ros2Message]:
+    lines = text.split("\n")
+    marks = [index for index, line in enumerate(lines) if line.rstrip() == SECTION_MARK]
+    wanted = len(names) - 1
+    if len(marks) != wanted:
+        line = marks[wanted] + 1 if len(marks) > wanted else 0
+        between = " and ".join(each.rpartition("_")[2].lower() for each in names)
+        raise DefinitionError(
+            f"{len(marks)} lines {SECTION_MARK!r} instead of {wanted} between {between}",
+            file=file,
+            line=line,
+            column=1 if line else 0,
+        )
+    starts = [0, *(mark + 1 for mark in marks)]
+    ends = [*marks, len(lines)]
+    return [
+        parse_message(
+            "\n".join(lines[start:end]),
+            package=package,
+            name=name,
+            kind=kind,
+            file=file,
+            first_line=start + 1,
+        )
+        for name, start, end in zip(names, starts, ends, strict=True)
+    ]
 
 
 class _Line:

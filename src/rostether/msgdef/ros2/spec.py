@@ -1,7 +1,8 @@
-"""What a ROS 2 .msg or .srv text says, as values.
+"""What a ROS 2 .msg, .srv or .action text says, as values.
 
 Type names are `package/msg/Name` and `package/srv/Name`, as ROS 2 writes them; the halves of a service are
-`package/srv/Name_Request` and `package/srv/Name_Response`.
+`package/srv/Name_Request` and `package/srv/Name_Response`. The parts of an action are
+`package/action/Name_Goal`, `_Result` and `_Feedback`.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class Ros2Constant:
 
 @dataclass(frozen=True, slots=True)
 class Ros2Message:
-    """One message definition; `kind` is `msg`, or `srv` for half a service."""
+    """One message definition; `kind` is `msg`, `srv` for half a service, `action` for a part of an action."""
 
     package: str
     kind: str
@@ -70,17 +71,49 @@ class Ros2Message:
         """Return `package/kind/Name`."""
         return f"{self.package}/{self.kind}/{self.name}"
 
+    @property
+    def parts(self) -> tuple[Ros2Message, ...]:
+        """The messages of the definition: this one."""
+        return (self,)
+
 
 @dataclass(frozen=True, slots=True)
 class Ros2Service:
-    """One service definition."""
+    """One service definition; `kind` is `action` for a service of an action."""
 
     package: str
     name: str
     request: Ros2Message
     response: Ros2Message
+    kind: str = "srv"
 
     @property
     def full_name(self) -> str:
-        """Return `package/srv/Name`."""
-        return f"{self.package}/srv/{self.name}"
+        """Return `package/kind/Name`."""
+        return f"{self.package}/{self.kind}/{self.name}"
+
+    @property
+    def parts(self) -> tuple[Ros2Message, ...]:
+        """The messages of the definition, in their order."""
+        return (self.request, self.response)
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Action:
+    """One action definition."""
+
+    package: str
+    name: str
+    goal: Ros2Message
+    result: Ros2Message
+    feedback: Ros2Message
+
+    @property
+    def full_name(self) -> str:
+        """Return `package/action/Name`."""
+        return f"{self.package}/action/{self.name}"
+
+    @property
+    def parts(self) -> tuple[Ros2Message, ...]:
+        """The messages of the definition, in their order."""
+        return (self.goal, self.result, self.feedback)

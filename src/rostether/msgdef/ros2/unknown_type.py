@@ -4,22 +4,40 @@ from __future__ import annotations
 
 import difflib
 import re
+from typing import Protocol
 
 from rostether.errors import UnknownTypeError
 from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.registry import MAX_NAME_CHARACTERS
-from rostether.msgdef.unknown_type import KnownNames
 
 HOW_TO_GIVE = "source the ROS 2 workspace that contains it, or give its folder with --msg-path DIR"
 
-_NAME = re.compile(r"([A-Za-z][A-Za-z0-9_]*)/(msg|srv)/([A-Za-z][A-Za-z0-9_]*)")
+_NAME = re.compile(r"([A-Za-z][A-Za-z0-9_]*)/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]*)")
+
+
+_EXAMPLES = {
+    Kind.MESSAGE: "std_msgs/msg/String",
+    Kind.SERVICE: "std_srvs/srv/SetBool",
+    Kind.ACTION: "example_interfaces/action/Fibonacci",
+}
+_NOUNS = {Kind.MESSAGE: "message", Kind.SERVICE: "service", Kind.ACTION: "action"}
+
+
+class KnownNames(Protocol):
+    """What knows the names of definitions."""
+
+    def packages(self) -> list[str]:
+        """Return the names of all packages."""
+
+    def names(self, kind: Kind, package: str | None = None) -> list[str]:
+        """Return the full names of a kind, of one package or of all."""
 
 
 def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
     """Split `package/msg/Name` or `package/srv/Name`. Raises UnknownTypeError; `kind` is for its example."""
     found = _NAME.fullmatch(name) if len(name) <= MAX_NAME_CHARACTERS else None
     if found is None:
-        example = "std_srvs/srv/SetBool" if kind is Kind.SERVICE else "std_msgs/msg/String"
+        example = _EXAMPLES[kind]
         raise UnknownTypeError(
             f"{name[:80]!r} is not a ROS 2 type name; write package/{kind}/Name, as {example}"
         )
@@ -33,8 +51,7 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
     if package not in packages:
         meant = _did_you_mean(package, packages)
         return f"no ROS 2 package {package!r} is known for {wanted}; {meant}{HOW_TO_GIVE}"
-    names = known.services(package) if kind is Kind.SERVICE else known.messages(package)
-    noun = "service" if kind is Kind.SERVICE else "message"
+    names, noun = known.names(kind, package), _NOUNS[kind]
     short_names = [each.rpartition("/")[2] for each in names]
     meant = _did_you_mean(short_name, short_names, prefix=f"{package}/{kind}/")
     return f"the ROS 2 package {package!r} has no {noun} {short_name!r}; {meant}{HOW_TO_GIVE}"

@@ -54,9 +54,9 @@ class Export:
         *,
         topics: Sequence[str] = (),
         fields: Sequence[str] = (),
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
-        """Choose; `tell` gets a line on each topic that must be left out. Raises ConfigError."""
+        """Choose; `report` gets a line on each topic that must be left out. Raises ConfigError."""
         self._reader = reader
         self._decoder = Decoder()
         by_type: dict[tuple[str, str, str], list[Connection]] = {}
@@ -73,7 +73,7 @@ class Export:
                 errors.append(ConfigError(f"{topic}: {error}"))
                 continue
             except RostetherError as error:
-                tell(f"{topic}: its definition of {type_name} is broken and it is left out: {error}")
+                report(f"{topic}: its definition of {type_name} is broken and it is left out: {error}")
                 continue
             number = sum(table.topic == topic for table in self.tables)
             table = ExportedTable(topic, type_name, number, tuple(connections), columns)

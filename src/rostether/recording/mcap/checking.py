@@ -48,7 +48,7 @@ def faults_of(data: Buffer) -> list[str]:
     try:
         check.run()
     except RecordingError as error:
-        check.tell(str(error))
+        check.report(str(error))
     except _EnoughError:
         check.faults.append(f"and more errors than these {MAX_FAULTS}")
     return check.faults
@@ -62,9 +62,9 @@ class _Check:
     def __init__(self, data: Buffer) -> None:
         self.faults: list[str] = []
         self._data = data
-        self._found = DataCheck(data, self.tell)
+        self._found = DataCheck(data, self.report)
 
-    def tell(self, fault: str) -> None:
+    def report(self, fault: str) -> None:
         self.faults.append(fault)
         if len(self.faults) >= MAX_FAULTS:
             raise _EnoughError
@@ -79,16 +79,16 @@ class _Check:
         decode_header(data, start, position)
         position = self._found.run(position)
         if self._found.order.fault:
-            self.tell(self._found.order.fault)
+            self.report(self._found.order.fault)
         summary, offsets, crc = footer_of(data)
         footer = len(data) - len(MAGIC) - FOOTER_BYTES
         if not summary:
-            self.tell("it has no summary")
+            self.report("it has no summary")
             return
         if summary != position or not summary <= (offsets or footer) <= footer:
             raise RecordingError(f"its footer states that the summary starts at {summary}, not at {position}")
         if crc and zlib.crc32(data[summary : len(data) - len(MAGIC) - U32.size]) != crc:
-            self.tell("the checksum (CRC) of its summary is wrong")
+            self.report("the checksum (CRC) of its summary is wrong")
         groups = self._check_summary(summary, offsets or footer)
         if offsets:
             self._check_offsets(offsets, footer, groups)
@@ -104,23 +104,23 @@ class _Check:
             before = position
             op, start, position = read_record(data, position, end)
             if op != last_op and op in groups:
-                self.tell(f"records of its summary ({kind_of(op)}) are not grouped together")
+                self.report(f"records of its summary ({kind_of(op)}) are not grouped together")
             last_op = op
             groups[op] = (groups[op][0] if op in groups else before, position)
             if op in (OP_SCHEMA, OP_CHANNEL):
                 repeated.define(op, data, start, position)
             elif op == OP_STATISTICS:
                 if statistics is not None:
-                    self.tell("it has statistics twice")
+                    self.report("it has statistics twice")
                 statistics = decode_statistics(data, start, position)
             elif op == OP_CHUNK_INDEX:
                 self._check_chunk_index(decode_chunk_index(data, start, position))
         for found in self._found.chunks.values():
-            self.tell(f"its summary does not list the chunk at byte {found.position}")
+            self.report(f"its summary does not list the chunk at byte {found.position}")
         self._check_repeated("schema", repeated.schemas, self._found.defined.schemas)
         self._check_repeated("channel", repeated.channels, self._found.defined.channels)
         if statistics is None:
-            self.tell("it has no statistics")
+            self.report("it has no statistics")
         else:
             self._check_statistics(statistics)
         return groups
@@ -128,22 +128,22 @@ class _Check:
     def _check_repeated(self, kind: str, summary: Mapping[int, object], data: Mapping[int, object]) -> None:
         for number, value in summary.items():
             if number not in data:
-                self.tell(f"its summary lists {kind} {number}, which is not in its data")
+                self.report(f"its summary lists {kind} {number}, which is not in its data")
             elif data[number] != value:
-                self.tell(f"its summary and its data differ in {kind} {number}")
+                self.report(f"its summary and its data differ in {kind} {number}")
         if summary:
             for number in data.keys() - summary.keys():
-                self.tell(f"its summary does not list {kind} {number}")
+                self.report(f"its summary does not list {kind} {number}")
 
     def _check_chunk_index(self, index: ChunkIndex) -> None:
         found = self._found.chunks.pop(index.position, None)
         if found is None:
-            self.tell(
+            self.report(
                 f"its summary names a chunk at byte {index.position}, where there is none, or lists it twice"
             )
             return
         chunk = found.chunk
-        said = (
+        stated = (
             *(index.start_ns, index.end_ns, index.length, index.compression),
             *(index.compressed_bytes, index.size_bytes, index.indexes_bytes),
         )
@@ -152,8 +152,8 @@ class _Check:
             *(chunk.data_end - chunk.data_start, chunk.size_bytes),
             found.indexes_end - found.position - found.length,
         )
-        if said != there or (dict(index.indexes) != found.indexes and index.indexes):
-            self.tell(f"its summary describes the chunk at byte {index.position} wrongly")
+        if stated != there or (dict(index.indexes) != found.indexes and index.indexes):
+            self.report(f"its summary describes the chunk at byte {index.position} wrongly")
 
     def _check_statistics(self, statistics: Statistics) -> None:
         first, last = self._found.span or (0, 0)
@@ -167,20 +167,20 @@ class _Check:
             ("ns at the first message", statistics.start_ns, first),
             ("ns at the last message", statistics.end_ns, last),
         )
-        for noun, said, there in rows:
-            if said != there:
-                self.tell(f"its statistics state {said} {noun}, but there are {there}")
+        for noun, stated, there in rows:
+            if stated != there:
+                self.report(f"its statistics state {stated} {noun}, but there are {there}")
         counts = {number: count for number, count in statistics.counts.items() if count}
         if counts and counts != self._found.counts:
-            self.tell("its statistics have wrong message counts of channels")
+            self.report("its statistics have wrong message counts of channels")
 
     def _check_offsets(self, position: int, end: int, groups: dict[int, tuple[int, int]]) -> None:
         data = self._data
         while position < end:
             op, start, position = read_record(data, position, end)
             if op != OP_SUMMARY_OFFSET or position - start < SUMMARY_OFFSET.size:
-                self.tell(f"there is a record ({kind_of(op)}) among its summary offsets")
+                self.report(f"there is a record ({kind_of(op)}) among its summary offsets")
                 continue
             kind, begin, length = SUMMARY_OFFSET.unpack_from(data, start)
             if length and groups.get(kind) != (begin, begin + length):
-                self.tell(f"its summary offset of {kind_of(kind)} is wrong")
+                self.report(f"its summary offset of {kind_of(kind)} is wrong")

@@ -52,9 +52,9 @@ class FoundChunk:
 
 
 class DataCheck:
-    """Reads the data of a file, gives each fault to `tell`, and keeps what the summary must agree with."""
+    """Reads the data of a file, gives each fault to `report`, and keeps what the summary must agree with."""
 
-    def __init__(self, data: Buffer, tell: Callable[[str], None]) -> None:
+    def __init__(self, data: Buffer, report: Callable[[str], None]) -> None:
         self.defined = McapContent()
         self.counts: dict[int, int] = {}
         self.span: tuple[int, int] | None = None
@@ -63,7 +63,7 @@ class DataCheck:
         self.chunks: dict[int, FoundChunk] = {}
         self._packed_bytes = 0
         self._data = data
-        self._tell = tell
+        self._report = report
 
     def run(self, position: int) -> int:
         """Check up to the end of the data; returns where what follows begins. Raises RecordingError."""
@@ -79,7 +79,7 @@ class DataCheck:
             if op == OP_DATA_END:
                 crc = int.from_bytes(bytes(data[start:position]), "little")
                 if crc and zlib.crc32(data[:before]) != crc:
-                    self._tell("the checksum (CRC) of its data is wrong")
+                    self._report("the checksum (CRC) of its data is wrong")
                 return position
             if op == OP_CHUNK:
                 last = self._check_chunk(before, start, position)
@@ -92,7 +92,7 @@ class DataCheck:
             elif op == OP_ATTACHMENT:
                 crc = int.from_bytes(bytes(data[max(position - 4, start) : position]), "little")
                 if crc and zlib.crc32(data[start : position - 4]) != crc:
-                    self._tell(f"the checksum (CRC) of the attachment at byte {before} is wrong")
+                    self._report(f"the checksum (CRC) of the attachment at byte {before} is wrong")
             elif op != OP_METADATA and op < 0x80:
                 raise RecordingError(f"there is a record ({kind_of(op)}) among the data at byte {before}")
 
@@ -110,10 +110,10 @@ class DataCheck:
                 chunk.compression, memoryview(data)[chunk.data_start : chunk.data_end], chunk.size_bytes
             )
         except RecordingError as error:
-            self._tell(f"{where}: {error}")
+            self._report(f"{where}: {error}")
             return found
         if chunk.crc and zlib.crc32(plain) != chunk.crc:
-            self._tell(f"{where}: the checksum (CRC) of its records is wrong")
+            self._report(f"{where}: the checksum (CRC) of its records is wrong")
         first, last = 1 << 64, -1
         try:
             for op, record, begin, stop in _records(plain):
@@ -125,25 +125,25 @@ class DataCheck:
                     first, last = min(first, time_ns), max(last, time_ns)
                     found.places.setdefault(number, array("Q")).extend((time_ns, record))
                 elif op < 0x80:
-                    self._tell(f"{where}: a record ({kind_of(op)}) does not belong there")
+                    self._report(f"{where}: a record ({kind_of(op)}) does not belong there")
         except RecordingError as error:
-            self._tell(f"{where}: {error}")
+            self._report(f"{where}: {error}")
         if found.places and (first, last) != (chunk.start_ns, chunk.end_ns):
             stated = f"{chunk.start_ns} to {chunk.end_ns}"
-            self._tell(f"{where}: its times are {first} to {last}, not {stated} as stated")
+            self._report(f"{where}: its times are {first} to {last}, not {stated} as stated")
         return found
 
     def _check_message_index(self, found: FoundChunk | None, position: int, start: int, end: int) -> None:
         number, entries = decode_message_index(self._data, start, end)
         if found is None:
-            self._tell(f"the message index at byte {position} does not follow a chunk")
+            self._report(f"the message index at byte {position} does not follow a chunk")
             return
         found.indexes[number] = position
         found.indexes_end = end
         listed = array("Q", (value for entry in entries for value in entry))
         there = found.places.get(number, array("Q"))
         if listed != there and _pairs(listed) != _pairs(there):
-            self._tell(
+            self._report(
                 f"the message index at byte {position} does not name the messages of channel {number} "
                 f"in the chunk before it"
             )
@@ -151,7 +151,7 @@ class DataCheck:
     def _check_indexed(self, found: FoundChunk | None) -> None:
         if found is not None and found.indexes:
             for number in found.places.keys() - found.indexes.keys():
-                self._tell(f"the chunk at byte {found.position}: channel {number} has no message index")
+                self._report(f"the chunk at byte {found.position}: channel {number} has no message index")
         if found is not None:
             found.places.clear()
 
@@ -159,22 +159,22 @@ class DataCheck:
         if op == OP_SCHEMA:
             schema = decode_schema(data, start, end)
             if not schema.number:
-                self._tell("a schema has the invalid number 0")
+                self._report("a schema has the invalid number 0")
             if self.defined.schemas.get(schema.number, schema) != schema:
-                self._tell(f"schema {schema.number} is defined twice, and differs")
+                self._report(f"schema {schema.number} is defined twice, and differs")
         else:
             channel = decode_channel(data, start, end)
             if self.defined.channels.get(channel.number, channel) != channel:
-                self._tell(f"channel {channel.number} is defined twice, and differs")
+                self._report(f"channel {channel.number} is defined twice, and differs")
             if channel.schema and channel.schema not in self.defined.schemas:
-                self._tell(f"channel {channel.number} uses schema {channel.schema}, which is not defined")
+                self._report(f"channel {channel.number} uses schema {channel.schema}, which is not defined")
         self.defined.define(op, data, start, end)
 
     def _count(self, number: int, time_ns: int) -> None:
         if number not in self.counts:
             self.counts[number] = 0
             if number not in self.defined.channels:
-                self._tell(f"a message belongs to channel {number}, which is not defined")
+                self._report(f"a message belongs to channel {number}, which is not defined")
         self.counts[number] += 1
         self.order.add(time_ns)
         if self.span is None:

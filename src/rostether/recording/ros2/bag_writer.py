@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from rostether.errors import RecordingError
+from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import Connection, RecordingWriter
@@ -17,7 +18,6 @@ from rostether.recording.ros2.unfit_messages import UnfitMessages
 from rostether.ros2.types.type_support import Ros2Types
 
 ACTIVE_SUFFIX = ".active"
-DEFAULT_DISTRO = "jazzy"
 
 
 class Storage(StrEnum):
@@ -69,7 +69,7 @@ class Ros2Bag:
         self._chunk_bytes = chunk_bytes
         self._types = types
         self._unfit = unfit
-        self._distro = DEFAULT_DISTRO if types is None else types.definitions.distro
+        self._distro = BUNDLED_DISTRO if types is None else types.definitions.distro
         self._files: list[FileFacts] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)

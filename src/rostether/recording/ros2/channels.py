@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from rostether.errors import RecordingError, RostetherError, SerializationError
+from rostether.msgdef.interface import ANY_MD5SUM
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.recorded import Connection, Ros2Origin
@@ -94,7 +95,9 @@ class Ros2Channels:
         else:
             qos = offered(is_latching=connection.is_latching, is_best_effort=connection.is_best_effort)
         text = types.full_text(connection.type)
-        return Ros2Origin(support.name, type_hash, ROS2MSG, text, qos), support.converter.to_cdr
+        # As rosbag2 marks a type of which it finds no definition.
+        encoding = ROS2MSG if text or connection.type.md5sum != ANY_MD5SUM else "unknown"
+        return Ros2Origin(support.name, type_hash, encoding, text, qos), support.converter.to_cdr
 
     def _own_types(self) -> Ros2Types:
         if self._types is None:

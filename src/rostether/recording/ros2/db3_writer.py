@@ -16,7 +16,9 @@ from rostether.recording.ros2.unfit_messages import UnfitMessages
 from rostether.ros2.types.type_support import Ros2Types
 
 SCHEMA_VERSION = 4
-_ROW_BYTES = 40  # what SQLite needs for a message and its place in the index, beside the payload
+
+# What SQLite needs for a message and its place in the index, beside the payload.
+_ROW_BYTES = 40
 _MAX_WAITING_ROWS = 10_000
 # What waits for the next commit: some 10 ms of writing.
 _MAX_WAITING_BYTES = 1 << 20

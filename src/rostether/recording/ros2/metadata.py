@@ -25,7 +25,9 @@ MAX_BYTES = 16 << 20
 MAX_FILES = 100_000
 
 _KEY = "rosbag2_bagfile_information"
-_NO_TIME = 9223372036854775807  # rosbag2's start of a bag without messages
+
+# rosbag2's start of a bag without messages.
+_NO_TIME = 9223372036854775807
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +37,9 @@ class FileFacts:
     name: str
     start_ns: int | None
     end_ns: int
+
+    # By topic and type: its description, and the number of messages.
     topics: Mapping[tuple[str, str], tuple[Ros2Origin, int]]
-    """By topic and type: its description, and the number of messages."""
 
     @property
     def message_count(self) -> int:
@@ -100,11 +103,6 @@ def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str,
         "custom_data": None,
         "ros_distro": distro,
     }
-
-
-def text_of(content: Mapping[str, Any]) -> str:
-    """Return the content, as it is also stored in the files."""
-    return yaml.safe_dump(dict(content), sort_keys=False)
 
 
 def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:

@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 
 class UnfitMessages:
-    """Counts dropped messages by topic, over all files of a recording; `tell` gets a line for each topic."""
+    """Counts dropped messages by topic, over all files; `report` receives one line for each topic."""
 
-    def __init__(self, tell: Callable[[str], None]) -> None:
+    def __init__(self, report: Callable[[str], None]) -> None:
         self.counts: dict[str, int] = {}
-        self._tell = tell
+        self._report = report
 
     def add(self, topic: str, why: str) -> None:
         """Count one message."""
         if topic not in self.counts:
-            self._tell(f"WARNING: {topic}: messages that do not fit their type are left out: {why}")
+            self._report(f"WARNING: {topic}: messages that do not fit their type are left out: {why}")
         self.counts[topic] = self.counts.get(topic, 0) + 1

@@ -1,4 +1,4 @@
-"""The Master API and the Parameter Server API: every call answers `[code, status message, value]`.
+"""The Master API: every call answers `[code, status message, value]`.
 
 Code 1 is success, 0 failure, -1 the caller's error; codes, values and messages are those of rosmaster, which
 scripts rely on. No I/O: nodes are notified through the given `NodeCalls`.
@@ -10,12 +10,12 @@ import logging
 import os
 from collections.abc import Awaitable, Callable, Iterator
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
-from rostether.errors import GraphError, UnknownNameError
+from rostether.errors import GraphError
 from rostether.graph.ports import NAME_TAKEN
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
-from rostether.ros1.long_work import run_at_once, run_in_slices
+from rostether.ros1.long_work import run_at_once
 from rostether.ros1.master.argument_checks import (
     MAX_NAME_LENGTH,
     BadArgumentError,
@@ -24,17 +24,15 @@ from rostether.ros1.master.argument_checks import (
     api_of,
     name_of,
     param_key,
-    resolve,
     some_value,
     subgraph,
     topic_type,
 )
 from rostether.ros1.master.notices import NodeCalls, TopicNotices
-from rostether.ros1.master.parameter_tree import ParameterTree, updates, watch_key
+from rostether.ros1.master.parameter_api import Answer, ParameterApi, refusal
+from rostether.ros1.master.parameter_tree import ParameterTree
 from rostether.ros1.master.registrations import ANY_TYPE, Kind, Registrations
 from rostether.xmlrpc.values import XmlRpcValue
-
-Answer: TypeAlias = tuple[int, str, Any]
 
 _log = logging.getLogger("rostether.ros1.master")
 
@@ -67,6 +65,7 @@ class MasterApi:
     ) -> None:
         self.registrations = Registrations()
         self.parameters = ParameterTree(limits)
+        self._parameter_api = ParameterApi(self.parameters, self.registrations, node_calls, self._register)
         self.uri = ""
         self._node_calls = node_calls
         self._on_shutdown = on_shutdown
@@ -74,18 +73,19 @@ class MasterApi:
 
     def dispatch(self) -> dict[str, Callable[..., Any]]:
         """Return the table of methods, by their XML-RPC names; those of long work return awaitables."""
+        params = self._parameter_api
         methods = {
             "shutdown": _Method(self._shutdown, (any_value,), 0),
             "getUri": _Method(lambda _caller: (1, "", self.uri), (), ""),
             "getPid": _Method(lambda _caller: (1, "", os.getpid()), (), -1),
-            "deleteParam": _Method(self._delete_param, (param_key,), 0),
-            "setParam": _Method(self._set_param, (param_key, some_value), 0),
-            "getParam": _Method(self._get_param, (param_key,), 0),
-            "searchParam": _Method(self._search_param, (param_key,), 0),
-            "subscribeParam": _Method(self._subscribe_param, (_caller_api, param_key), 0),
-            "unsubscribeParam": _Method(self._unsubscribe_param, (_caller_api, param_key), 0),
-            "hasParam": _Method(self._has_param, (param_key,), False),
-            "getParamNames": _Method(self._get_param_names, (), []),
+            "deleteParam": _Method(params.delete_param, (param_key,), 0),
+            "setParam": _Method(params.set_param, (param_key, some_value), 0),
+            "getParam": _Method(params.get_param, (param_key,), 0),
+            "searchParam": _Method(params.search_param, (param_key,), 0),
+            "subscribeParam": _Method(params.subscribe_param, (_caller_api, param_key), 0),
+            "unsubscribeParam": _Method(params.unsubscribe_param, (_caller_api, param_key), 0),
+            "hasParam": _Method(params.has_param, (param_key,), False),
+            "getParamNames": _Method(params.get_param_names, (), []),
             "registerService": _Method(self._register_service, (_service, _service_api, _caller_api), 0),
             "lookupService": _Method(self._lookup_service, (_service,), ""),
             "unregisterService": _Method(self._unregister_service, (_service, _service_api), 0),
@@ -116,7 +116,7 @@ class MasterApi:
         except BadArgumentError as error:
             return -1, str(error), method.error_value
         except GraphError as error:
-            return _refusal(error, method.error_value)
+            return refusal(error, method.error_value)
 
     def drop_node(self, name: str) -> None:
         """Remove a dead node with all its registrations, and notify the subscribers of its topics."""
@@ -140,81 +140,6 @@ class MasterApi:
             self._topic_notices.send_later(replaced.topics)
         if node is None or replaced is not None:
             self._node_calls.ping(caller_api)
-
-    # Parameter Server
-
-    def _set_param(self, caller_id: str, key: str, value: XmlRpcValue) -> Answer | Awaitable[Answer]:
-        name = resolve(key, caller_id)
-        steps = self.parameters.set_steps(name, value)
-        for _ in steps:
-            return self._set_large_param(steps, name, value, caller_id)
-        return self._has_set_param(name, value, caller_id)
-
-    async def _set_large_param(
-        self, steps: Iterator[None], name: str, value: XmlRpcValue, caller_id: str
-    ) -> Answer:
-        try:
-            await run_in_slices(steps)
-        except GraphError as error:
-            return _refusal(error, 0)
-        return self._has_set_param(name, value, caller_id)
-
-    def _has_set_param(self, name: str, value: XmlRpcValue, caller_id: str) -> Answer:
-        self._tell_watchers(name, value, caller_id)
-        _log.debug("+PARAM [%s] by %s", name, caller_id)
-        return 1, f"parameter {name} set", 0
-
-    def _delete_param(self, caller_id: str, key: str) -> Answer:
-        name = resolve(key, caller_id)
-        try:
-            self.parameters.delete(name)
-        except UnknownNameError:
-            return -1, f"parameter [{name}] is not set", 0
-        self._tell_watchers(name, {}, None)
-        _log.debug("-PARAM [%s] by %s", name, caller_id)
-        return 1, f"parameter {name} deleted", 0
-
-    def _get_param(self, caller_id: str, key: str) -> Answer:
-        name = resolve(key, caller_id)
-        try:
-            return 1, f"Parameter [{name}]", self.parameters.get(name)
-        except UnknownNameError:
-            return -1, f"Parameter [{name}] is not set", 0
-
-    def _has_param(self, caller_id: str, key: str) -> Answer:
-        name = resolve(key, caller_id)
-        return 1, name, self.parameters.has(name)
-
-    def _get_param_names(self, _caller_id: str) -> Answer:
-        return 1, "Parameter names", self.parameters.names()
-
-    def _search_param(self, caller_id: str, key: str) -> Answer:
-        if key.startswith("~"):
-            return 0, "Internal failure: invalid key", 0
-        if not caller_id.startswith("/"):
-            return 0, "Internal failure: namespace must be global", 0
-        found = self.parameters.search(caller_id, key)
-        if found is None:
-            return -1, f"Cannot find parameter [{key}] in an upwards search", ""
-        return 1, f"Found [{found}]", found
-
-    def _subscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
-        name = resolve(key, caller_id)
-        value = self.parameters.get(name) if self.parameters.has(name) else {}
-        self._register(Kind.PARAM, watch_key(name), caller_id, caller_api)
-        return 1, f"Subscribed to parameter [{name}]", value
-
-    def _unsubscribe_param(self, caller_id: str, caller_api: str, key: str) -> Answer:
-        name = resolve(key, caller_id)
-        self.registrations.unregister(Kind.PARAM, watch_key(name), caller_id, caller_api)
-        return 1, f"Unsubscribe to parameter [{name}]", 1
-
-    def _tell_watchers(self, name: str, value: XmlRpcValue, changed_by: str | None) -> None:
-        for update in updates(self.registrations.keys(Kind.PARAM), name, value):
-            for watcher, api in self.registrations.members(Kind.PARAM, update.watched).items():
-                # Who sets a parameter knows its value already.
-                if not (update.is_own_change and watcher == changed_by):
-                    self._node_calls.param_update(api, update.key, update.value)
 
     # Services
 
@@ -289,7 +214,3 @@ class MasterApi:
     def _get_system_state(self, _caller_id: str) -> Answer:
         kinds = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)
         return 1, "current system state", [self.registrations.state(kind) for kind in kinds]
-
-
-def _refusal(error: GraphError, value: XmlRpcValue) -> Answer:
-    return -1, f"Error: invalid arguments: {error}", value

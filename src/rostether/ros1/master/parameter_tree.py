@@ -19,12 +19,14 @@ from rostether.xmlrpc.values import MAX_NESTING, DateTime, XmlRpcValue
 # Answers and notices wrap a value once or twice more; XML-RPC documents end at MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
 # What one XML-RPC document carries, so that `getParam /` can be answered, and some more; namespaces count
-# too. Deleting all of them takes some 35 ms.
+# too. Freeing all of them takes some 20 ms.
 MAX_TREE_VALUES = MAX_VALUES + 1024
 # What a value takes in memory beside its text, roughly.
 _BYTES_PER_VALUE = 64
 # What is weighed between two steps, or else one container: about a millisecond's work.
 _STEP_VALUES = 4096
+# After this number of changes by other clients meanwhile, an old value is weighed in one step.
+_WEIGHINGS_IN_STEPS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,7 @@ class ParameterTree:
         self._root: dict[str, XmlRpcValue] = {}
         self._bytes = _BYTES_PER_VALUE
         self._values = 1
+        self._changes = 0
 
     def get(self, name: str) -> XmlRpcValue:
         """Return a value or a whole namespace; do not change it. Raises UnknownNameError."""
@@ -100,9 +103,10 @@ class ParameterTree:
             raise GraphError("cannot set root of parameter tree to non-dictionary")
         if len(parts) > MAX_DEPTH:
             raise GraphError(f"parameters cannot be nested deeper than {MAX_DEPTH} levels: flatten them")
-        added = yield from _weigh_steps(value, MAX_DEPTH - len(parts))
-        replaced = _weigh(self._find(name), MAX_DEPTH) if self.has(name) else _NOTHING
+        added = yield from _weigh_steps([value], MAX_DEPTH - len(parts))
+        replaced = yield from self._weigh_replaced_steps(parts)
         self._check_room(name, parts, added, replaced)
+        self._changes += 1
         if isinstance(value, dict) and not parts:
             self._root = value
         else:
@@ -130,27 +134,51 @@ class ParameterTree:
         for part in parts:
             below = space.get(part)
             if not isinstance(below, dict):
-                if part in space:
-                    self._forget_weight(space, part)
-                below = space[part] = {}
-                self._bytes += _BYTES_PER_VALUE + len(part)
+                self._bytes += _BYTES_PER_VALUE + (len(part) if part not in space else 0)
                 self._values += 1
+                below = space[part] = {}
             space = below
         return space
 
-    def _forget_weight(self, space: dict[str, XmlRpcValue], key: str) -> None:
-        weight = _weigh(space[key], MAX_DEPTH)
-        self._bytes -= weight.byte_count + len(key)
-        self._values -= weight.values
+    def _weigh_replaced_steps(self, parts: list[str]) -> Generator[None, None, _Weight]:
+        """Weigh what a new value at `parts` replaces: the old one, or a value above that is no namespace."""
+        for _ in range(_WEIGHINGS_IN_STEPS):
+            changes = self._changes
+            weight = yield from _weigh_steps(self._replaced_by(parts), MAX_DEPTH)
+            if changes == self._changes:
+                return weight
+        return _weigh(self._replaced_by(parts), MAX_DEPTH)
+
+    def _replaced_by(self, parts: list[str]) -> list[XmlRpcValue]:
+        value: XmlRpcValue = self._root
+        for part in parts:
+            if not isinstance(value, dict):
+                break
+            if part not in value:
+                return []
+            value = value[part]
+        return [value]
 
     def delete(self, name: str) -> None:
         """Delete a parameter or namespace. Raises UnknownNameError, for the root too."""
+        run_at_once(self.delete_steps(name))
+
+    def delete_steps(self, name: str) -> Iterator[None]:
+        """Weigh what is deleted in several steps, and delete it with the last one; see `delete`."""
         parts = _parts(name)
+        self._parent(name, parts)
+        weight = yield from self._weigh_replaced_steps(parts)
+        # Another client may have deleted it meanwhile.
+        del self._parent(name, parts)[parts[-1]]
+        self._changes += 1
+        self._bytes -= weight.byte_count + len(parts[-1])
+        self._values -= weight.values
+
+    def _parent(self, name: str, parts: list[str]) -> dict[str, XmlRpcValue]:
         space = self._find("/".join(parts[:-1])) if parts else None
         if not isinstance(space, dict) or parts[-1] not in space:
             raise UnknownNameError(f"parameter {name} is not set")
-        self._forget_weight(space, parts[-1])
-        del space[parts[-1]]
+        return space
 
     def search(self, namespace: str, key: str) -> str | None:
         """Return the full name of `key` in the nearest namespace, upward, that has its first part.
@@ -204,8 +232,8 @@ def _items(space: dict[str, XmlRpcValue]) -> Iterator[tuple[str, XmlRpcValue]]:
     return zip(list(space), list(space.values()), strict=True)
 
 
-def _weigh(value: XmlRpcValue, nesting: int) -> _Weight:
-    steps = _weigh_steps(value, nesting)
+def _weigh(values: list[XmlRpcValue], nesting: int) -> _Weight:
+    steps = _weigh_steps(values, nesting)
     while True:
         try:
             next(steps)
@@ -213,11 +241,11 @@ def _weigh(value: XmlRpcValue, nesting: int) -> _Weight:
             return cast(_Weight, end.value)
 
 
-def _weigh_steps(value: XmlRpcValue, nesting: int) -> Generator[None, None, _Weight]:
-    """Return what a value takes. Raises GraphError for nil, and for more than `nesting` levels."""
+def _weigh_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None, None, _Weight]:
+    """Return what values take. Raises GraphError for nil, and for more than `nesting` levels."""
     # Level by level and without a call for each value: this runs on the event loop, for 262,144 values.
     values, byte_count, visited = 0, 0, 0
-    level: list[Any] = [[value]]
+    level: list[Any] = [outermost]
     for _ in range(nesting + 1):
         inner: list[Any] = []
         for container in level:
@@ -231,7 +259,8 @@ def _weigh_steps(value: XmlRpcValue, nesting: int) -> Generator[None, None, _Wei
                 if kind is str or kind is bytes or kind is DateTime:
                     byte_count += len(item)
                 elif kind is dict or kind is list:
-                    inner.append(item)
+                    if item:
+                        inner.append(item)
                 elif item is None:
                     raise GraphError("a parameter cannot be nil: delete it instead")
             visited += 1 + len(container)

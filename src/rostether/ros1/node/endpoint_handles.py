@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Iterable
+from typing import Unpack
 
 from rostether.errors import GraphError
-from rostether.graph.ports import Level, OnMessages, ServiceHandler
+from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
@@ -19,7 +20,7 @@ from rostether.ros1.node.registrations import Kind, Registrations
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
 from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
-from rostether.ros1.node.subscription import OnConnection, Subscription
+from rostether.ros1.node.subscription import OnPublisher, Subscription
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.values import XmlRpcValue
@@ -140,11 +141,8 @@ class Endpoints:
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: OnConnection | None = None,
-        tcp_nodelay: bool = True,
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        on_publisher: OnPublisher | None = None,
+        **options: Unpack[SubscribeOptions],
     ) -> Subscription:
         """Subscribe to a topic. Raises GraphError."""
         subscription = Subscription(
@@ -153,11 +151,11 @@ class Endpoints:
             on_messages,
             node_name=self.node_name,
             report=self._report,
-            on_connection=on_connection,
+            on_connection=on_publisher or options.get("on_connection"),
             on_close=self._release_subscription,
-            tcp_nodelay=tcp_nodelay,
-            skipped_uri=self.node_uri if skip_own else "",
-            skip_nodes=skip_nodes,
+            tcp_nodelay=options.get("tcp_nodelay", True),
+            skipped_uri=self.node_uri if options.get("skip_own") else "",
+            skip_nodes=options.get("skip_nodes", ()),
             limits=self._environment.limits,
         )
         together = self._subscriptions.setdefault(topic, [])
@@ -242,11 +240,10 @@ class Endpoints:
         return server.accept(fields, transport)
 
     async def _release_publication(self, publication: Publication) -> None:
-        if publication.handle_count == 0:
-            del self._publications[publication.topic]
-            await asyncio.gather(
-                self._registrations.remove(Kind.PUBLISHER, publication.topic), publication.close()
-            )
+        del self._publications[publication.topic]
+        await asyncio.gather(
+            self._registrations.remove(Kind.PUBLISHER, publication.topic), publication.close()
+        )
 
     async def _release_subscription(self, subscription: Subscription) -> None:
         together = self._subscriptions[subscription.topic]

@@ -10,7 +10,7 @@ import logging
 from collections.abc import AsyncIterator
 
 from rostether.errors import MasterUnreachableError
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
@@ -31,7 +31,7 @@ async def take_snapshot(master: MasterClient) -> Snapshot:
     return Snapshot(
         nodes=tuple(sorted(nodes)),
         topics={
-            name: TopicInfo(
+            name: TopicEntry(
                 name,
                 types.get(name, ANY_TYPE),
                 tuple(sorted(publishers.get(name, ()))),
@@ -40,7 +40,7 @@ async def take_snapshot(master: MasterClient) -> Snapshot:
             for name in sorted(publishers.keys() | subscribers.keys())
         },
         services={
-            name: ServiceInfo(name, tuple(sorted(providers))) for name, providers in sorted(services.items())
+            name: ServiceEntry(name, tuple(sorted(providers))) for name, providers in sorted(services.items())
         },
     )
 

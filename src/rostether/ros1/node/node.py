@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
-from collections.abc import AsyncIterator, Callable, Container, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
+from typing import Unpack
 
-from rostether.errors import GraphError, UnknownNameError
-from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.errors import UnknownNameError
+from rostether.graph.node_membership import NodeMembership
+from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
-from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.clock import CLOCK_TOPIC, CLOCK_TYPE, USE_SIM_TIME, Clock
 from rostether.ros1.node.endpoint_handles import Endpoints
@@ -22,18 +22,10 @@ from rostether.ros1.node.registrations import DEFAULT_CHECK_INTERVAL_S
 from rostether.ros1.node.rosout import RosoutLog
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import ServiceServer
-from rostether.ros1.node.subscription import OnConnection, Subscription
+from rostether.ros1.node.subscription import OnPublisher, Subscription
 from rostether.rostime import Time
 
 _log = logging.getLogger("rostether.ros1")
-
-_LOGGING_LEVELS = {
-    Level.DEBUG: logging.DEBUG,
-    Level.INFO: logging.INFO,
-    Level.WARN: logging.WARNING,
-    Level.ERROR: logging.ERROR,
-    Level.FATAL: logging.CRITICAL,
-}
 
 
 async def join_ros1(
@@ -67,7 +59,7 @@ async def join_ros1(
     return graph
 
 
-class Ros1Graph:
+class Ros1Graph(NodeMembership):
     """A `graph.ports.Graph`; made by `join_ros1`."""
 
     def __init__(
@@ -78,10 +70,8 @@ class Ros1Graph:
         remappings: Mapping[str, str],
         on_leave: Callable[[str], None] | None = None,
     ) -> None:
+        super().__init__(master.caller_id, namespace, remappings)
         self._on_leave = on_leave
-        self.node_name = master.caller_id
-        self._namespace = namespace
-        self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=self.node_name)
         self._master = master
         self._limits = environment.limits
         self._clock = Clock()
@@ -91,9 +81,6 @@ class Ros1Graph:
             now=self._clock.now,
             published_topics=lambda: [each.topic for each in self._endpoints.publications],
         )
-        self._closing: asyncio.Task[None] | None = None
-        self._closed = asyncio.Event()
-        self._reason = ""
 
     @property
     def node_uri(self) -> str:
@@ -104,12 +91,6 @@ class Ros1Graph:
     def master_uri(self) -> str:
         """The URI of the master."""
         return self._master.uri
-
-    def resolve(self, name: str) -> str:
-        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
-        return resolve_name(
-            name, namespace=self._namespace, node_name=self.node_name, remappings=self._remappings
-        )
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
@@ -125,22 +106,20 @@ class Ros1Graph:
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: OnConnection | None = None,
-        tcp_nodelay: bool = True,
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        on_publisher: OnPublisher | None = None,
+        **options: Unpack[SubscribeOptions],
     ) -> Subscription:
-        """Subscribe. `ANY_MESSAGE` takes every type; `on_connection` gets each publisher's header fields."""
+        """Subscribe. `ANY_MESSAGE` accepts every type.
+
+        `on_publisher` is an `on_connection` that may return a receiver for that publisher's messages.
+        """
         self._check_open()
         return await self._endpoints.subscribe(
             self.resolve(topic),
             message_type,
             on_messages,
-            on_connection=on_connection,
-            tcp_nodelay=tcp_nodelay,
-            skip_own=skip_own,
-            skip_nodes=skip_nodes,
+            on_publisher=on_publisher,
+            **options,
         )
 
     async def advertise_service(
@@ -224,17 +203,6 @@ class Ros1Graph:
         """Yield a snapshot now and one after each change, within about a second of it."""
         return watch_changes(self._master, self._closed)
 
-    async def close(self) -> None:
-        """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
-        self._close_soon("closed")
-        assert self._closing is not None
-        await asyncio.shield(self._closing)
-
-    async def wait_closed(self) -> str:
-        """Wait until the node has left, by `close` or by a shutdown request; returns the reason."""
-        await self._closed.wait()
-        return self._reason
-
     async def _open(self, check_interval_s: float) -> None:
         await self._endpoints.open()
         is_simulated = await self._is_time_simulated()
@@ -251,7 +219,7 @@ class Ros1Graph:
             return False
 
     def _report(self, level: Level, text: str) -> None:
-        _log.log(_LOGGING_LEVELS[level], "%s: %s", self.node_name, text)
+        _log.log(level.number_in_tens, "%s: %s", self.node_name, text)
         self.log(level, text)
 
     def _leave(self, reason: str) -> None:
@@ -260,20 +228,8 @@ class Ros1Graph:
             if self._on_leave is not None:
                 self._on_leave(reason)
             else:
-                self._close_soon(reason)
+                self._start_close(reason)
 
-    def _close_soon(self, reason: str) -> None:
-        if self._closing is None:
-            self._reason = reason
-            self._closing = asyncio.ensure_future(self._close())
-
-    async def _close(self) -> None:
-        try:
-            await self._endpoints.close()
-            await self._master.close()
-        finally:
-            self._closed.set()
-
-    def _check_open(self) -> None:
-        if self._closing is not None:
-            raise GraphError(f"node {self.node_name} has left the graph; join again")
+    async def _end(self) -> None:
+        await self._endpoints.close()
+        await self._master.close()

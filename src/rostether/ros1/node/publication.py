@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
-from rostether.errors import TypeMismatchError
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow
 from rostether.graph.ports import Level
+from rostether.graph.publisher_handle import PublisherHandle, check_same_type
 from rostether.msgdef.interface import MessageType
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
-from rostether.tcpros.handshake import agree, check_subscriber, publisher_fields
+from rostether.tcpros.handshake import check_subscriber, publisher_fields
 from rostether.tcpros.header import encode_header
 from rostether.tcpros.message_framing import encode_messages
 
 Report = Callable[[Level, str], None]
+
+# Called for a subscriber that has connected (True) or disconnected (False).
 OnSubscriber = Callable[[SubscriberConnection, bool], None]
-"""Called for a subscriber that has connected (True) or disconnected (False)."""
 
 
 class Publication:
@@ -46,13 +47,14 @@ class Publication:
         self._flow = PublicationFlow()
         self._latched: bytes | None = None
 
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return len(self.connections)
+
     def share(self, message_type: MessageType, *, latch: bool) -> None:
         """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
-        if not agree(message_type.md5sum, self.type.md5sum):
-            raise TypeMismatchError(
-                f"this node publishes {self.topic} as {self.type.name}, not as {message_type.name}; choose "
-                f"another topic"
-            )
+        check_same_type(self.topic, self.type, message_type)
         if latch:
             self.latch()
 
@@ -90,12 +92,12 @@ class Publication:
             topic=self.topic,
             greeting=encode_header(answer) + latched,
             queue_bytes=self._queue_bytes,
-            on_drop=self._tell_drop,
+            on_drop=self._report_drop,
             on_lost=self._forget,
         )
         self.connections.append(connection)
         # Soon: a peer that learns of it may send to it after the handshake.
-        asyncio.get_running_loop().call_soon(self._tell_watchers, connection, True)
+        asyncio.get_running_loop().call_soon(self._notify_watchers, connection, True)
         return connection
 
     async def close(self) -> None:
@@ -104,13 +106,13 @@ class Publication:
 
     def _forget(self, connection: SubscriberConnection) -> None:
         self.connections.remove(connection)
-        self._tell_watchers(connection, False)
+        self._notify_watchers(connection, False)
 
-    def _tell_watchers(self, connection: SubscriberConnection, is_connected: bool) -> None:
+    def _notify_watchers(self, connection: SubscriberConnection, is_connected: bool) -> None:
         for watcher in list(self.watchers):
             watcher(connection, is_connected)
 
-    def _tell_drop(self, connection: SubscriberConnection) -> None:
+    def _report_drop(self, connection: SubscriberConnection) -> None:
         self._report(
             Level.WARN,
             f"{connection.record.peer} is too slow for {self.topic}; dropping its oldest messages "
@@ -118,59 +120,18 @@ class Publication:
         )
 
 
-class Publisher:
-    """A `graph.ports.Publisher`: one handle on a publication."""
-
-    def __init__(self, publication: Publication, on_close: Callable[[Publication], Awaitable[None]]) -> None:
-        self._publication = publication
-        self._on_close = on_close
-        self._is_closed = False
-        publication.handle_count += 1
-
-    @property
-    def topic(self) -> str:
-        """The resolved topic name."""
-        return self._publication.topic
-
-    @property
-    def type(self) -> MessageType:
-        """The advertised type."""
-        return self._publication.type
-
-    @property
-    def subscriber_count(self) -> int:
-        """How many subscribers are connected now."""
-        return len(self._publication.connections)
+class Publisher(PublisherHandle[Publication]):
+    """A handle on a publication that also reports its connections."""
 
     @property
     def connections(self) -> list[SubscriberConnection]:
         """The subscribers that are connected now."""
-        return list(self._publication.connections)
-
-    @property
-    def dropped_count(self) -> int:
-        """How many messages slow subscribers have lost so far, summed over them."""
-        return self._publication.dropped_count
-
-    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
-        """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
-        return self._is_closed or self._publication.publish(payloads)
+        return list(self.publication.connections)
 
     def latch(self) -> None:
         """Keep the last message from now on for those who come later."""
-        self._publication.latch()
+        self.publication.latch()
 
     def watch_subscribers(self, on_subscriber: OnSubscriber) -> None:
         """Call back for each subscriber that comes or goes, as long as the topic is advertised."""
-        self._publication.watchers.append(on_subscriber)
-
-    async def drained(self, timeout_s: float) -> None:
-        """Wait until little waits for every subscriber, `timeout_s` at most: one pause of the source."""
-        await self._publication.drained(timeout_s)
-
-    async def close(self) -> None:
-        """Unadvertise, with the last handle. Idempotent."""
-        if not self._is_closed:
-            self._is_closed = True
-            self._publication.handle_count -= 1
-            await self._on_close(self._publication)
+        self.publication.watchers.append(on_subscriber)

@@ -97,7 +97,7 @@ class PublisherConnection(asyncio.Protocol):
 class PublisherLink:
     """Keeps one publisher connected: asks it where to connect, and again when the connection breaks.
 
-    `accept` makes the connection of its header, as in `HandshakeProtocol`. `tell` gets one line for people
+    `accept` makes the connection of its header, as in `HandshakeProtocol`. `report` gets one line for people
     when the publisher cannot be reached for a while, and when its type does not match; that is not tried
     again, because a publisher that changes its type registers again.
     """
@@ -109,14 +109,14 @@ class PublisherLink:
         caller_id: str,
         request: dict[str, str],
         accept: Callable[[str, dict[str, str], asyncio.Transport], PublisherConnection],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self.uri = uri
         self.connection: PublisherConnection | None = None
         self._caller_id = caller_id
         self._request = request
         self._accept = accept
-        self._tell = tell
+        self._report = report
         self._task = asyncio.ensure_future(self._run())
 
     async def close(self) -> None:
@@ -137,12 +137,12 @@ class PublisherLink:
                 if loop.time() - began_s > MAX_RETRY_S:
                     backoff.reset()
             except TypeMismatchError as error:
-                self._tell(str(error))
+                self._report(str(error))
                 return
             except (GraphError, TransportError, ProtocolError, ConfigError) as error:
                 failures += 1
                 if failures == PATIENT_FAILURES:
-                    self._tell(
+                    self._report(
                         f"{error}; still trying. If the node runs, check its ROS_IP or ROS_HOSTNAME; "
                         f"otherwise remove it with `rosnode cleanup`"
                     )

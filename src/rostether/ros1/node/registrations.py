@@ -34,8 +34,8 @@ class Kind(Enum):
     SERVICE = "service"
 
 
+# Those of this process that ask a master.
 _watching: WeakSet[Registrations] = WeakSet()
-"""Those of this process that ask a master."""
 
 
 class Registrations:

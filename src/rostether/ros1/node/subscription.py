@@ -13,9 +13,10 @@ from rostether.ros1.node.publisher_connection import PublisherConnection, Publis
 from rostether.ros1.tcpros_connection import ConnectionRecord
 from rostether.tcpros.handshake import check_publisher, subscriber_fields
 
-OnConnection = Callable[[Mapping[str, str]], OnMessages | None]
-"""Gets a publisher's header fields. What it returns, if anything, takes that publisher's messages: rospy has
-a thread for each."""
+# Gets a publisher's header fields. What it returns, if anything, takes that publisher's messages: rospy has a
+# thread for each.
+# Called with the header fields of each publisher; may return the receiver of that publisher's messages.
+OnPublisher = Callable[[Mapping[str, str]], OnMessages | None]
 
 
 class Subscription:
@@ -33,7 +34,7 @@ class Subscription:
         *,
         node_name: str,
         report: Callable[[Level, str], None],
-        on_connection: OnConnection | None,
+        on_connection: OnPublisher | None,
         on_close: Callable[[Subscription], Awaitable[None]],
         tcp_nodelay: bool,
         skipped_uri: str = "",
@@ -88,7 +89,7 @@ class Subscription:
                     caller_id=self._node_name,
                     request=self._request,
                     accept=self._accept,
-                    tell=self._tell,
+                    report=self._report_trouble,
                 )
 
     def pause(self) -> None:
@@ -157,5 +158,5 @@ class Subscription:
 
         return take_wanted
 
-    def _tell(self, trouble: str) -> None:
+    def _report_trouble(self, trouble: str) -> None:
         self._report(Level.WARN, f"cannot subscribe to {self.topic}: {trouble}")

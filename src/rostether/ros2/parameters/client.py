@@ -6,43 +6,43 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rostether.errors import GraphError, ServiceUnavailableError
-from rostether.ros2.parameters.membership import Membership
+from rostether.graph.ports import Graph
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, value_of_message
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 from rostether.serde.values import Message
 
-# What people wait for a node that is busy before they think that it hangs.
+# How long users wait for a busy node before they think that it hangs.
 CALL_TIMEOUT_S = 3.0
 
 LIST_SERVICE = "list_parameters"
 
 
 class ParameterClient:
-    """Asks other nodes; raises GraphError where one does not answer or refuses."""
+    """Asks other nodes; raises GraphError if a node does not answer or refuses."""
 
-    def __init__(self, membership: Membership, timeout_s: float = CALL_TIMEOUT_S) -> None:
-        self._membership = membership
+    def __init__(self, graph: Graph, timeout_s: float = CALL_TIMEOUT_S) -> None:
+        self._graph = graph
         self._timeout_s = timeout_s
 
     async def names(self, node: str) -> list[str]:
-        """Return the names of a node's parameters, also of those that are declared and not set."""
+        """Return the names of a node's parameters, with those that are declared but not set."""
         answer = await self._call(node, LIST_SERVICE, "ListParameters", {})
         return list(answer.result.names)
 
     async def get(self, node: str, names: Sequence[str]) -> dict[str, TypedValue]:
-        """Return those of the parameters that are set."""
+        """Return the values of the parameters that are set."""
         answer = await self._call(node, "get_parameters", "GetParameters", {"names": list(names)})
         if len(answer.values) == len(names):
             values = zip(names, map(value_of_message, answer.values), strict=True)
             return {name: value for name, value in values if value != NOT_SET}
-        # rclcpp and rclpy answer with nothing where one of the names is not set.
+        # rclcpp and rclpy return nothing if one of the names is not set.
         found: dict[str, TypedValue] = {}
         for name in names if len(names) > 1 else ():
             found |= await self.get(node, [name])
         return found
 
     async def describe(self, node: str, names: Sequence[str]) -> list[Message]:
-        """Return a rcl_interfaces/ParameterDescriptor for each of the parameters that the node has."""
+        """Return a rcl_interfaces/ParameterDescriptor for each existing parameter."""
         answer = await self._call(node, "describe_parameters", "DescribeParameters", {"names": list(names)})
         return list(answer.descriptors)
 
@@ -59,7 +59,7 @@ class ParameterClient:
         interfaces = rcl_interfaces()
         payload = interfaces.codec(f"{name}Request").encode(request)
         try:
-            answer = await self._membership.call_service(
+            answer = await self._graph.call_service(
                 f"{node}/{verb}", interfaces.service(name), payload, timeout_s=self._timeout_s
             )
         except ServiceUnavailableError as error:

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol
 
 from rostether.errors import GraphError, SerializationError, UnknownNameError
-from rostether.graph.ports import ParamValue
+from rostether.graph.ports import Graph, ParamValue
 from rostether.ros2.parameters.client import LIST_SERVICE, ParameterClient
-from rostether.ros2.parameters.membership import Membership
 from rostether.ros2.parameters.parameter_name import ParameterPath, full_name, locate, name_parts
 from rostether.ros2.parameters.store import OnChanges
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
@@ -26,7 +25,7 @@ class OwnParameters(Protocol):
         """Return the names of all parameters that are set."""
 
     def declare(self, name: str) -> None:
-        """Take notice that a parameter that is not set is asked for."""
+        """Declare a parameter that is requested but not set."""
 
     def apply(self, values: Mapping[str, TypedValue]) -> None:
         """Set all the values, or none; `NOT_SET` deletes. Raises GraphError with the reason."""
@@ -35,18 +34,18 @@ class OwnParameters(Protocol):
         """Call back after each setting, until `unlisten`."""
 
     def unlisten(self, on_changes: OnChanges) -> None:
-        """Call back no more."""
+        """Stop calling back."""
 
 
 class GraphParameters:
-    """Does what `graph.ports.Graph` says of parameters; names are fully resolved."""
+    """Implements the parameter methods of `graph.ports.Graph`; names are fully resolved."""
 
-    def __init__(self, own: OwnParameters, membership: Membership) -> None:
+    def __init__(self, own: OwnParameters, graph: Graph) -> None:
         self._own = own
-        self._membership = membership
-        self._node = membership.node_name
-        self._client = ParameterClient(membership)
-        self._watches = ParameterWatches(own, membership, self._value_or_none)
+        self._graph = graph
+        self._node = graph.node_name
+        self._client = ParameterClient(graph)
+        self._watches = ParameterWatches(own, graph, self._value_or_none)
 
     async def get(self, name: str) -> ParamValue:
         """Return a value or tree; on the own node, an unset parameter is declared. Raises
@@ -63,7 +62,7 @@ class GraphParameters:
     async def set(self, name: str, value: ParamValue) -> None:
         """Set a value; a mapping replaces the whole tree below the name.
 
-        Raises SerializationError for what ROS 2 cannot hold, GraphError where the node refuses.
+        Raises SerializationError for values that ROS 2 does not support, GraphError if the node refuses.
         """
         place = await self._locate(name)
         values = flatten(place.path, value)
@@ -74,7 +73,7 @@ class GraphParameters:
         await self._apply(place.node, {**gone, **values})
 
     async def delete(self, name: str) -> None:
-        """Delete a value or tree. Raises UnknownNameError, GraphError where the node refuses."""
+        """Delete a value or tree. Raises UnknownNameError, GraphError if the node refuses."""
         place = await self._locate(name)
         values = await self._values(place)
         if not values:
@@ -99,7 +98,7 @@ class GraphParameters:
 
     async def names(self) -> list[str]:
         """Return the full names of the parameters of all nodes that answer, sorted."""
-        services = (await self._membership.snapshot()).services
+        services = (await self._graph.snapshot()).services
         suffix = f"/{LIST_SERVICE}"
         others = {name.removesuffix(suffix) for name in services if name.endswith(suffix)} - {self._node}
         found = await asyncio.gather(*(self._names_of(node) for node in sorted(others)))
@@ -116,7 +115,7 @@ class GraphParameters:
 
     async def _locate(self, name: str) -> ParameterPath:
         # A name below our own node may still be below a node whose name is longer.
-        return locate(name, (await self._membership.snapshot()).nodes, self._node)
+        return locate(name, (await self._graph.snapshot()).nodes, self._node)
 
     async def _value_or_none(self, name: str) -> ParamValue:
         place = await self._locate(name)
@@ -158,7 +157,7 @@ def _tree(place: ParameterPath, values: Mapping[str, TypedValue]) -> ParamValue:
     for name, value in _deepest_last(values.items()):
         parts = name_parts(name)[depth:]
         if not parts:
-            # ROS 2 may have both `a` and `a.b`; who asks for `a` means that one.
+            # ROS 2 may have both `a` and `a.b`; a request for `a` means that one.
             return value.value
         tree = root
         for part in parts[:-1]:

@@ -42,7 +42,7 @@ class _Entry:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRules:
-    """What files say about the parameters of nodes."""
+    """The parameters of nodes according to files."""
 
     entries: tuple[_Entry, ...] = ()
 

@@ -20,13 +20,13 @@ class ParameterPath(NamedTuple):
     path: str
 
     def holds(self, name: str) -> bool:
-        """Return whether a parameter of the node is meant: the one of that path or one below it."""
+        """Return whether a parameter is at this path or below it."""
         parts = name_parts(self.path)
         return name_parts(name)[: len(parts)] == parts
 
 
 def locate(full_name: str, nodes: Iterable[str], own_node: str) -> ParameterPath:
-    """Return whose parameter a full name is: that of the node with the longest name above it.
+    """Return the owner of a parameter: the node with the longest name above the parameter's full name.
 
     A name below no node is a parameter of our own node, there without the node's namespace.
     """

@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rostether.errors import GraphError, SerializationError
-from rostether.graph.ports import Publisher, ServiceServer
-from rostether.ros2.parameters.membership import Membership
+from rostether.graph.ports import Graph, Publisher, ServiceServer
 from rostether.ros2.parameters.parameter_name import DOT
 from rostether.ros2.parameters.store import Changes, ParameterStore
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, value_of_message
@@ -23,25 +22,25 @@ Answer = Callable[[ParameterStore, Message], Mapping[str, Any]]
 class ParameterServices:
     """Offers a store on the graph, from `open` to `close`."""
 
-    def __init__(self, store: ParameterStore, membership: Membership) -> None:
+    def __init__(self, store: ParameterStore, graph: Graph) -> None:
         self._store = store
-        self._membership = membership
+        self._graph = graph
         self._events: Publisher | None = None
         self._servers: list[ServiceServer] = []
 
     async def open(self) -> None:
         """Offer the services, and publish every change. Raises GraphError."""
-        self._events = await self._membership.advertise(
+        self._events = await self._graph.advertise(
             PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent")
         )
         for verb, (name, answer) in _SERVICES.items():
             self._servers.append(await self._offer(verb, name, answer))
-        self._store.listen(self._tell)
-        self._tell(Changes(new={name: self._store.get(name) for name in self._store.names()}))
+        self._store.listen(self._publish_changes)
+        self._publish_changes(Changes(new={name: self._store.get(name) for name in self._store.names()}))
 
     async def close(self) -> None:
-        """Take them back. Idempotent."""
-        self._store.unlisten(self._tell)
+        """Stop offering the services. Idempotent."""
+        self._store.unlisten(self._publish_changes)
         servers, self._servers = self._servers, []
         await asyncio.gather(*(server.close() for server in servers))
         if self._events is not None:
@@ -54,17 +53,17 @@ class ParameterServices:
         async def handle(payload: bytes) -> bytes:
             return response.encode(answer(self._store, request.decode(payload)))
 
-        service = f"{self._membership.node_name}/{verb}"
-        return await self._membership.advertise_service(service, interfaces.service(name), handle)
+        service = f"{self._graph.node_name}/{verb}"
+        return await self._graph.advertise_service(service, interfaces.service(name), handle)
 
-    def _tell(self, changes: Changes) -> None:
+    def _publish_changes(self, changes: Changes) -> None:
         assert self._events is not None
         event = {
-            "stamp": self._membership.now(),
-            "node": self._membership.node_name,
+            "stamp": self._graph.now(),
+            "node": self._graph.node_name,
             "new_parameters": _parameters(changes.new),
             "changed_parameters": _parameters(changes.changed),
-            # As rclcpp has it, what is gone is named without its value.
+            # As in rclcpp, deleted parameters are named without a value.
             "deleted_parameters": _parameters(dict.fromkeys(changes.deleted, NOT_SET)),
         }
         self._events.publish_raw([rcl_interfaces().codec("ParameterEvent").encode(event)])

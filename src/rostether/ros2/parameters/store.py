@@ -28,7 +28,7 @@ FIXED_TYPES = {USE_SIM_TIME: ParameterType.BOOL}
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """What one setting of parameters did."""
+    """The changes of one setting of parameters."""
 
     new: Mapping[str, TypedValue] = field(default_factory=dict)
     changed: Mapping[str, TypedValue] = field(default_factory=dict)
@@ -36,7 +36,7 @@ class Changes:
 
     @property
     def names(self) -> list[str]:
-        """All names that are concerned."""
+        """All changed names."""
         return [*self.new, *self.changed, *self.deleted]
 
 
@@ -62,7 +62,7 @@ class ParameterStore:
         return sorted(self._values)
 
     def declared_names(self) -> list[str]:
-        """Return those and the names that were asked for, sorted: what `ros2 param list` shows."""
+        """Return the names that are set or requested, sorted, as `ros2 param list` shows them."""
         return sorted({*self._values, *self._asked})
 
     def declare(self, name: str) -> None:
@@ -95,7 +95,7 @@ class ParameterStore:
         self._listeners.append(on_changes)
 
     def unlisten(self, on_changes: OnChanges) -> None:
-        """Call back no more."""
+        """Stop calling back."""
         if on_changes in self._listeners:
             self._listeners.remove(on_changes)
 

@@ -12,7 +12,9 @@ from rostether.graph.ports import ParamValue
 from rostether.serde.values import Message
 
 _INT64 = range(-(2**63), 2**63)
-_MAX_SHOWN_CHARACTERS = 60  # an error stays one readable line
+
+# An error stays one readable line.
+_MAX_SHOWN_CHARACTERS = 60
 
 
 class ParameterType(IntEnum):
@@ -67,7 +69,7 @@ NOT_SET = TypedValue(ParameterType.NOT_SET, None)
 def typed_value(name: str, value: ParamValue) -> TypedValue:
     """Give a value its type; None is not set, and a list of integers and floats becomes one of floats.
 
-    Raises SerializationError naming the parameter where ROS 2 cannot hold the value.
+    Raises SerializationError naming the parameter if ROS 2 does not support the value.
     """
     if value is None:
         return NOT_SET
@@ -100,7 +102,7 @@ def value_of_message(message: Message) -> TypedValue:
 def flatten(path: str, value: ParamValue) -> dict[str, TypedValue]:
     """Return the parameters of a value or mapping, by their names with dots.
 
-    Raises SerializationError for what ROS 2 cannot hold.
+    Raises SerializationError for values that ROS 2 does not support.
     """
     if not isinstance(value, Mapping):
         return {path: typed_value(path, value)}

@@ -9,8 +9,7 @@ from typing import Protocol
 
 from rostether.errors import GraphError, SerializationError
 from rostether.graph.callbacks import call_contained
-from rostether.graph.ports import ParamValue, Subscriber
-from rostether.ros2.parameters.membership import Membership
+from rostether.graph.ports import Graph, ParamValue, Subscriber
 from rostether.ros2.parameters.services import PARAMETER_EVENTS
 from rostether.ros2.parameters.store import Changes, OnChanges
 from rostether.ros2.rcl_interfaces import rcl_interfaces
@@ -23,7 +22,7 @@ class TellingParameters(Protocol):
         """Call back after each setting, until `unlisten`."""
 
     def unlisten(self, on_changes: OnChanges) -> None:
-        """Call back no more."""
+        """Stop calling back."""
 
 
 class ParameterWatches:
@@ -32,22 +31,22 @@ class ParameterWatches:
     def __init__(
         self,
         own: TellingParameters,
-        membership: Membership,
+        graph: Graph,
         fetch: Callable[[str], Awaitable[ParamValue]],
     ) -> None:
         self._own = own
-        self._membership = membership
+        self._graph = graph
         self._fetch = fetch
         self._watches: list[ParameterWatch] = []
         self._subscriber: Subscriber | None = None
-        # Subscribing and unsubscribing take their turns.
+        # Subscribing and unsubscribing run one at a time.
         self._lock = asyncio.Lock()
 
     async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
         """Call back with the value now and after every change."""
         async with self._lock:
             if self._subscriber is None:
-                self._subscriber = await self._membership.subscribe(
+                self._subscriber = await self._graph.subscribe(
                     PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), self._take
                 )
                 self._own.listen(self._take_own)
@@ -83,7 +82,7 @@ class ParameterWatches:
                 nodes.add(codec.decode(payload).node)
             except SerializationError:
                 continue  # Not a message of the topic's type: parameters of no node.
-        nodes.discard(self._membership.node_name)
+        nodes.discard(self._graph.node_name)
         for watch in self._watches:
             if any(_concerns(node, watch.name) for node in nodes):
                 watch.look_again()
@@ -113,7 +112,7 @@ class ParameterWatch:
         """Report the current value, and later changes."""
         with contextlib.suppress(GraphError, SerializationError):
             self._latest = await self._fetch(self.name)
-        self._tell()
+        self._report_value()
         self._is_started = True
         if self._is_outdated:
             self.look_again()
@@ -142,15 +141,15 @@ class ParameterWatch:
                     continue  # Its node does not answer: the last value is the best there is.
                 if value != self._latest or type(value) is not type(self._latest):
                     self._latest = value
-                    self._tell()
+                    self._report_value()
         finally:
             self._looking = None
 
-    def _tell(self) -> None:
+    def _report_value(self) -> None:
         if not self._is_closed:
             call_contained(f"on_change of parameter {self.name}", self._on_change, self._latest)
 
 
 def _concerns(node: str, name: str) -> bool:
-    """Return whether an event of a node may be about a full name: at it, below it, or the node's own."""
+    """Return whether an event of a node may concern a full name: at it, below it, or the node's own."""
     return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")

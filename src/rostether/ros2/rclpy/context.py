@@ -32,7 +32,7 @@ class RclpyContext:
         self.types = types
         self._arguments = arguments
         self._graphs: set[RclpyGraph] = set()
-        # Nodes are made one after the other: rcl's tables of a context are not made for more at once.
+        # Nodes are created one after the other: rcl's tables of a context do not support more at once.
         self._lock = asyncio.Lock()
         self._is_closed = False
 
@@ -40,7 +40,7 @@ class RclpyContext:
     async def open(
         cls, types: Ros2Types, *, domain_id: int | None = None, arguments: Sequence[str] = ()
     ) -> RclpyContext:
-        """Start rclpy; `domain_id` wins over ROS_DOMAIN_ID.
+        """Start rclpy; `domain_id` overrides ROS_DOMAIN_ID.
 
         `arguments` are given to every node, as `["--ros-args", "--params-file", "robot.yaml"]`.
         Raises ConfigError when rclpy is not installed, GraphError when it does not start.

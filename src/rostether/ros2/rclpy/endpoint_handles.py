@@ -5,14 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections import Counter
-from collections.abc import Callable, Container, Mapping
 
-from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
-from rostether.graph.ports import OnMessages, ServiceHandler
+from rostether.errors import GraphError, ServiceUnavailableError
+from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions
+from rostether.graph.publisher_handle import PublisherHandle, check_same_type
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.rclpy.own_node import OwnNode
-from rostether.ros2.rclpy.publication import Publication, RclpyPublisher
+from rostether.ros2.rclpy.publication import Publication
 from rostether.ros2.rclpy.service_client import DISCOVERY_S, LOOK_INTERVAL_S, RclpyServiceClient
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
@@ -28,44 +28,37 @@ class Endpoints:
     def __init__(self, own: OwnNode) -> None:
         self._own = own
         self._publications: dict[str, Publication] = {}
-        self._publishers: set[RclpyPublisher] = set()
         self._subscribers: set[RclpySubscriber] = set()
         self._servers: dict[str, RclpyServiceServer] = {}
         self._clients: dict[tuple[str, str], RclpyServiceClient] = {}
         # How many handles want a client to be listed; the others stay as long as the node.
         self._listed: Counter[tuple[str, str]] = Counter()
-        # Making and ending endpoints of one name take their turns.
+        # Endpoints of one name are created and ended one at a time.
         self._lock = asyncio.Lock()
         self._looking: asyncio.Task[None] | None = None
+        self._is_closing = False
 
-    async def advertise(self, topic: str, message_type: MessageType, *, latch: bool) -> RclpyPublisher:
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool
+    ) -> PublisherHandle[Publication]:
         """Advertise a topic."""
         support = self._own.types.message(message_type)
         async with self._lock:
             publication = self._publications.get(topic)
             if publication is None:
-                publication = Publication(self._own, topic, support, latch=latch)
+                publication = Publication(self._own, topic, message_type, support, latch=latch)
                 await self._own.thread.run(publication.open)
                 self._publications[topic] = publication
-            elif publication.support.ros1_type.md5sum != message_type.md5sum:
-                raise TypeMismatchError(
-                    f"this node publishes {topic} as {publication.support.ros1_type.name}, not as "
-                    f"{message_type.name}; choose another topic"
-                )
-            publication.users += 1
-        publisher = RclpyPublisher(publication, message_type, self._end_publisher)
-        self._publishers.add(publisher)
-        return publisher
+            else:
+                check_same_type(topic, publication.type, message_type)
+            return PublisherHandle(publication, self._end_publication)
 
     async def subscribe(
         self,
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: Callable[[Mapping[str, str]], None] | None,
-        skip_own: bool,
-        skip_nodes: Container[str],
+        options: SubscribeOptions,
     ) -> RclpySubscriber:
         """Subscribe."""
         subscriber = RclpySubscriber(
@@ -73,10 +66,8 @@ class Endpoints:
             topic,
             message_type,
             on_messages,
-            on_connection=on_connection,
+            options,
             on_close=self._end_subscriber,
-            skip_own=skip_own,
-            skip_nodes=skip_nodes,
         )
         await self._own.thread.run(subscriber.open)
         self._subscribers.add(subscriber)
@@ -110,7 +101,7 @@ class Endpoints:
         return await client.call(request, timeout_s)
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Have a client of a service until the handle closes, called or not."""
+        """Keep a client of a service until the handle closes, called or not."""
         support = self._own.types.service(service_type)
         key = (service, support.name)
         async with self._lock:
@@ -120,6 +111,7 @@ class Endpoints:
 
     async def close(self) -> None:
         """End everything."""
+        self._is_closing = True
         if self._looking is not None:
             self._looking.cancel()
             with contextlib.suppress(asyncio.CancelledError):
@@ -127,7 +119,7 @@ class Endpoints:
         await asyncio.gather(
             *(each.close() for each in list(self._servers.values())),
             *(each.close() for each in list(self._subscribers)),
-            *(each.close() for each in list(self._publishers)),
+            *(self._end_publication(each) for each in list(self._publications.values())),
         )
         clients = list(self._clients.values())
         self._clients.clear()
@@ -170,12 +162,11 @@ class Endpoints:
                 if subscriber.needs_looks:
                     await self._own.thread.run(subscriber.look)
 
-    async def _end_publisher(self, publisher: RclpyPublisher) -> None:
-        self._publishers.discard(publisher)
-        publication = publisher.publication
+    async def _end_publication(self, publication: Publication) -> None:
         async with self._lock:
-            publication.users -= 1
-            if publication.users == 0:
+            # A new handle may exist meanwhile, or the node may have ended.
+            is_open = self._publications.get(publication.topic) is publication
+            if is_open and (publication.handle_count == 0 or self._is_closing):
                 del self._publications[publication.topic]
                 await self._own.thread.run(publication.close)
 

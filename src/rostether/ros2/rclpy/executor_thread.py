@@ -1,4 +1,4 @@
-"""rclpy's executor in a thread of its own, and the ways between that thread and the event loop.
+"""rclpy's executor in its own thread, and the calls between that thread and the event loop.
 
 rclpy waits by blocking, so it cannot live in an event loop. Everything that makes, changes or destroys
 what the executor waits for runs in the executor's thread (`run`), so that it never races with the waiting;
@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from rostether.errors import GraphError
 from rostether.ros2.rclpy.installation import load_rclpy
 
-# How long to wait for the thread at the end: the longest thing it does is making a node, far below this.
+# How long to wait for the thread at the end: its longest task, creating a node, takes far less.
 MAX_JOIN_S = 5.0
 
 _Result = TypeVar("_Result")
@@ -61,12 +61,12 @@ class ExecutorThread:
         return await future
 
     def submit(self, function: Callable[[], object]) -> None:
-        """Run a function in the thread, some time soon; an exception becomes a line in the log."""
+        """Run a function in the thread soon; an exception becomes a line in the log."""
         if not self._is_stopping:
             self.executor.create_task(function)
 
     def call_in_loop(self, callback: Callable[..., object], *args: object) -> None:
-        """Have the event loop call back; nothing happens when the loop has ended already."""
+        """Call back in the event loop; does nothing if the loop has ended."""
         try:
             self._loop.call_soon_threadsafe(callback, *args)
         except RuntimeError:

@@ -1,4 +1,4 @@
-"""What rclpy raises, in our words."""
+"""rclpy's exceptions as errors of this package."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from rostether.errors import GraphError, InvalidNameError, RostetherError, TypeM
 
 _Result = TypeVar("_Result")
 
-# rclpy's exceptions for names derive from one of these two; which, depends on its version.
+# rclpy's exceptions for names derive from one of these two, depending on its version.
 _NAME_ERRORS = frozenset({"NameValidationException", "InvalidTopicNameException"})
 
 
 def attempt(what: str, function: Callable[[], _Result]) -> _Result:
     """Call a function of rclpy for `what`, as in "subscribe to /chat".
 
-    Raises InvalidNameError, TypeMismatchError or GraphError for what rclpy raises.
+    Raises InvalidNameError, TypeMismatchError or GraphError for rclpy's exceptions.
     """
     try:
         return function()
@@ -32,6 +32,6 @@ def attempt(what: str, function: Callable[[], _Result]) -> _Result:
 
 
 def first_lines(text: str) -> str:
-    """Return a text of rclpy in one line, without the pictures that point at a character."""
+    """Return a text of rclpy in one line, without the marks that point at a character."""
     lines = (line.strip() for line in text.splitlines())
     return " ".join(line for line in lines if line and set(line) != {"^"})

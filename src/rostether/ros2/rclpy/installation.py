@@ -8,11 +8,23 @@ from __future__ import annotations
 
 import functools
 import warnings
-from importlib import import_module
+from importlib import import_module, metadata
 from typing import Any, NamedTuple
 
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.extras import install_command
+from rostether.msgdef.ros2.action_parts import action_of_part
+
+# By the first number of rclpy's version.
+_DISTRIBUTIONS = {"3": "humble", "4": "iron", "7": "jazzy", "9": "kilted"}
+_NEWEST_DISTRIBUTION = "rolling"
+
+# Parts of actions that are attributes of the action's `Impl`.
+_ACTION_PARTS = {
+    "SendGoal": "SendGoalService",
+    "GetResult": "GetResultService",
+    "FeedbackMessage": "FeedbackMessage",
+}
 
 
 class Rclpy(NamedTuple):
@@ -77,7 +89,10 @@ def service_class(name: str) -> Any:
 def _find_class(name: str) -> Any:
     package, kind, short = name.split("/")
     try:
-        return getattr(import_module(f"{package}.{kind}"), short)
+        module = import_module(f"{package}.{kind}")
+        if kind == "action":
+            return _part_of_action(module, short)
+        return getattr(module, short)
     except ModuleNotFoundError as error:
         if error.name not in (package, f"{package}.{kind}"):
             raise _not_usable(name, error) from error
@@ -94,11 +109,28 @@ def _find_class(name: str) -> Any:
         ) from None
 
 
+def _part_of_action(module: Any, name: str) -> Any:
+    """Return the class of a part of an action, where rosidl puts it."""
+    action = action_of_part(name)
+    part = name.removeprefix(f"{action}_")
+    found = getattr(module, action)
+    return getattr(found.Impl, _ACTION_PARTS[part]) if part in _ACTION_PARTS else getattr(found, part)
+
+
 def _not_usable(name: str, error: ImportError) -> UnknownTypeError:
     return UnknownTypeError(
         f"rclpy cannot use {name}: its package does not load ({_one_line(error)}); build it again for this "
         f"ROS 2, or use zenoh, which reads types from their text"
     )
+
+
+def rclpy_distribution() -> str:
+    """Return the ROS 2 distribution of the installed rclpy; empty if its version is unknown."""
+    try:
+        version = metadata.version("rclpy")
+    except metadata.PackageNotFoundError:
+        return ""
+    return _DISTRIBUTIONS.get(version.partition(".")[0], _NEWEST_DISTRIBUTION)
 
 
 def _import_events() -> Any:

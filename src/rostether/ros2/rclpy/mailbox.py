@@ -1,4 +1,4 @@
-"""What an executor's thread hands to the event loop: one wake-up for many messages, and never too many."""
+"""Messages from an executor's thread to the event loop: one wake-up for many, and a bounded queue."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Mailbox:
             self._wake()
 
     def pop_all(self) -> list[bytes]:
-        """Return what has come, oldest first, in the event loop; nothing while it is paused."""
+        """Return the messages, oldest first, in the event loop; none while it is paused."""
         with self._lock:
             self._is_awake = False
             if self._is_paused:
@@ -51,7 +51,7 @@ class Mailbox:
         return messages
 
     def pause(self) -> None:
-        """Keep what comes."""
+        """Keep new messages."""
         with self._lock:
             self._is_paused = True
 

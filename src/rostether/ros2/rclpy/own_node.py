@@ -22,14 +22,6 @@ _SHOWN_HASH = len(_HASH_PREFIX) + 8
 _Result = TypeVar("_Result")
 _log = logging.getLogger("rostether.ros2")
 
-_LOGGING_LEVELS = {
-    Level.DEBUG: logging.DEBUG,
-    Level.INFO: logging.INFO,
-    Level.WARN: logging.WARNING,
-    Level.ERROR: logging.ERROR,
-    Level.FATAL: logging.CRITICAL,
-}
-
 
 class OwnNode:
     """Made and destroyed in the executor's thread; `node` and `group` are rclpy's."""
@@ -62,7 +54,7 @@ class OwnNode:
                 automatically_declare_parameters_from_overrides=True,
             ),
         )
-        # One handler that waits must not hold the others up.
+        # A handler that waits must not delay the others.
         self.group = rclpy.callback_groups.ReentrantCallbackGroup()
         self._rosout = self.node.create_publisher(
             message_class("rcl_interfaces/msg/Log"),
@@ -81,8 +73,7 @@ class OwnNode:
             self._rosout.publish(
                 log(
                     stamp=self.node.get_clock().now().to_msg(),
-                    # ROS 1's levels are powers of two, ROS 2's tens.
-                    level=10 * level.bit_length(),
+                    level=level.number_in_tens,
                     name=self._logger_name,
                     msg=text.encode("utf-8", "replace")[:MAX_LOG_TEXT_BYTES].decode("utf-8", "ignore"),
                 )
@@ -96,7 +87,7 @@ class OwnNode:
 
     def report(self, level: Level, text: str) -> None:
         """Log a line about this node, here and on /rosout. Call it in the event loop."""
-        _log.log(_LOGGING_LEVELS[level], "%s: %s", self.name, text)
+        _log.log(level.number_in_tens, "%s: %s", self.name, text)
         self.log(level, text)
 
     def report_from_thread(self, level: Level, text: str) -> None:
@@ -131,7 +122,7 @@ class OwnNode:
     def check_definition(self, endpoints: Sequence[Any], support: MessageSupport) -> None:
         """Compare the hash of a type that is installed with ours, by this node's own endpoint of a topic.
 
-        Raises TypeMismatchError where they differ: the bytes would too. Humble has no hashes.
+        Raises TypeMismatchError if they differ: the bytes would too. Humble has no hashes.
         """
         for endpoint in endpoints:
             name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"

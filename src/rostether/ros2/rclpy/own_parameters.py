@@ -1,4 +1,4 @@
-"""Our node's own parameters, kept by rclpy, which offers them to all nodes by its services."""
+"""Our node's own parameters, stored by rclpy, which offers them by its services."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class RclpyParameters:
         return sorted(name for name in names if self.get(name) != NOT_SET)
 
     def declare(self, name: str) -> None:
-        """Take notice that a parameter that is not set is asked for: `ros2 param list` shows it then."""
+        """Declare a parameter that is requested but not set, so that `ros2 param list` shows it."""
         is_known = name in self._asked or self._node.has_parameter(name)
         if not name or len(name) > MAX_NAME_CHARACTERS or len(self._asked) >= MAX_ASKED_NAMES or is_known:
             return
@@ -67,7 +67,7 @@ class RclpyParameters:
         self._listeners.append(on_changes)
 
     def unlisten(self, on_changes: OnChanges) -> None:
-        """Call back no more."""
+        """Stop calling back."""
         if on_changes in self._listeners:
             self._listeners.remove(on_changes)
 
@@ -75,7 +75,7 @@ class RclpyParameters:
         for parameter in parameters:
             self._describe(parameter)
         changes = Changes(changed={parameter.name: _typed(parameter) for parameter in parameters})
-        self._own.thread.call_in_loop(self._tell, changes)
+        self._own.thread.call_in_loop(self._publish_changes, changes)
 
     def _describe(self, parameter: Any) -> None:
         """Describe a parameter that was set but not declared: rclpy leaves its descriptor empty."""
@@ -90,7 +90,7 @@ class RclpyParameters:
         self._note(parameters)
         return message_class("rcl_interfaces/msg/SetParametersResult")(successful=True)
 
-    def _tell(self, changes: Changes) -> None:
+    def _publish_changes(self, changes: Changes) -> None:
         for listener in list(self._listeners):
             listener(changes)
 

@@ -1,10 +1,10 @@
-"""Publishing on one topic: the machinery of a node, and the handles that share it."""
+"""Publishing on one topic, shared by the handles of a node."""
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rostether.errors import SerializationError, TypeMismatchError
@@ -16,20 +16,26 @@ from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import name_policy, publisher_profile
 from rostether.ros2.types.type_support import MessageSupport
 
-# How long a publisher stays for subscribers that miss its last messages: time for many round trips.
+# How long a closing publisher waits for subscribers that miss its last messages: many round trips.
 ACKNOWLEDGE_S = 0.1
 
-
+# How often a pause asks for acknowledgements: a hundredth of what users notice.
 ACKNOWLEDGE_POLL_S = 0.01
 
 
 class Publication:
     """One publisher of rclpy. Opened and closed in the executor's thread."""
 
-    def __init__(self, own: OwnNode, topic: str, support: MessageSupport, *, latch: bool) -> None:
+    # The middleware does not report to publishers what slow subscribers lose.
+    dropped_count = 0
+
+    def __init__(
+        self, own: OwnNode, topic: str, message_type: MessageType, support: MessageSupport, *, latch: bool
+    ) -> None:
         self.topic = topic
+        self.type = message_type
         self.support = support
-        self.users = 0
+        self.handle_count = 0
         self._own = own
         self._latch = latch
         self._has_complained = False
@@ -65,18 +71,15 @@ class Publication:
         publisher = self._publisher
         return 0 if publisher is None else int(publisher.get_subscription_count())
 
-    @property
-    def is_acknowledged(self) -> bool:
-        """Whether every reliable subscriber has acknowledged all messages; in the event loop."""
-        publisher = self._publisher
-        return publisher is None or bool(publisher.wait_for_all_acked(load_rclpy().duration.Duration()))
+    def publish(self, payloads: Sequence[bytes]) -> bool:
+        """Send to every subscriber, in order; in the event loop.
 
-    def publish(self, payloads: Sequence[bytes]) -> None:
-        """Send to every subscriber, in order; in the event loop."""
+        Always True: no subscriber of ROS 2 slows its publishers down.
+        """
         publisher = self._publisher
         # A flood without subscribers costs nothing.
         if publisher is None or not (self._latch or publisher.get_subscription_count()):
-            return
+            return True
         try:
             converted = self.support.converter.to_cdr_all(payloads)
         except SerializationError:
@@ -86,6 +89,18 @@ class Publication:
                 publisher.publish(each)
         except Exception as error:  # noqa: BLE001 - a middleware's trouble must not end its caller
             self._complain(f"cannot publish on {self.topic}: {first_lines(str(error))}")
+        return True
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until reliable subscribers have received everything, `timeout_s` at most.
+
+        A publisher may know a subscriber that does not know it yet. That one drops what comes, and the
+        middleware sends it again.
+        """
+        deadline_s = time.monotonic() + timeout_s
+        # The middleware announces no acknowledgements; asking is cheap.
+        while not self._is_acknowledged() and time.monotonic() < deadline_s:  # noqa: ASYNC110
+            await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
     def close(self) -> None:
         """Unadvertise."""
@@ -93,6 +108,10 @@ class Publication:
         if publisher is not None:
             publisher.wait_for_all_acked(load_rclpy().duration.Duration(seconds=ACKNOWLEDGE_S))
             self._own.node.destroy_publisher(publisher)
+
+    def _is_acknowledged(self) -> bool:
+        publisher = self._publisher
+        return publisher is None or bool(publisher.wait_for_all_acked(load_rclpy().duration.Duration()))
 
     def _convert_one_by_one(self, payloads: Sequence[bytes]) -> list[bytes]:
         converted = []
@@ -104,7 +123,7 @@ class Publication:
         return converted
 
     def _complain(self, text: str) -> None:
-        # Once: the next messages are most likely the same.
+        # Once: the next errors are probably the same.
         if not self._has_complained:
             self._has_complained = True
             self._own.report(Level.WARN, text)
@@ -121,56 +140,3 @@ class Publication:
             f"a subscriber receives nothing of {self.topic}: {advice} (ros2 topic info --verbose "
             f"{self.topic})",
         )
-
-
-class RclpyPublisher:
-    """A `graph.ports.Publisher`."""
-
-    def __init__(
-        self,
-        publication: Publication,
-        message_type: MessageType,
-        on_close: Callable[[RclpyPublisher], Awaitable[None]],
-    ) -> None:
-        self.type = message_type
-        self.publication = publication
-        self._on_close = on_close
-        self._is_closed = False
-
-    @property
-    def topic(self) -> str:
-        """The resolved topic name."""
-        return self.publication.topic
-
-    @property
-    def subscriber_count(self) -> int:
-        """How many subscribers are connected now."""
-        return 0 if self._is_closed else self.publication.subscriber_count
-
-    @property
-    def dropped_count(self) -> int:
-        """Zero: the middleware does not report to publishers what slow subscribers lose."""
-        return 0
-
-    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
-        """Send to every subscriber, in order; True, as no subscriber of ROS 2 slows its publishers down."""
-        if not self._is_closed:
-            self.publication.publish(payloads)
-        return True
-
-    async def drained(self, timeout_s: float) -> None:
-        """Wait until reliable subscribers have received everything, `timeout_s` at most.
-
-        A publisher may know a subscriber that does not know it yet. That one drops what comes, and the
-        middleware sends it again.
-        """
-        deadline_s = time.monotonic() + timeout_s
-        # The middleware announces no acknowledgements; asking is cheap.
-        while not self.publication.is_acknowledged and time.monotonic() < deadline_s:  # noqa: ASYNC110
-            await asyncio.sleep(ACKNOWLEDGE_POLL_S)
-
-    async def close(self) -> None:
-        """Unadvertise. Idempotent."""
-        if not self._is_closed:
-            self._is_closed = True
-            await self._on_close(self)

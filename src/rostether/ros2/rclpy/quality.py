@@ -1,4 +1,4 @@
-"""Quality of service: what our publishers offer, what our subscribers ask for, and why two do not meet.
+"""Quality of service: what our publishers offer, what our subscribers request, and why two do not match.
 
 A subscriber gets nothing from a publisher that offers less than it asks for. So our publishers offer all
 they can, and our subscribers ask for what the publishers that are there have in common.
@@ -27,12 +27,12 @@ LATCHED_DEPTH: Final = 1
 SERVICE_DEPTH: Final = 100
 
 ROSOUT_DEPTH: Final = 1000
-# As rcl declares them: who comes later sees the last 1000 messages that are not older than 10 s.
+# As in rcl: later subscribers receive the last 1000 messages that are not older than 10 s.
 ROSOUT_LIFESPAN_S: Final = 10
 
 
 class Wish(Enum):
-    """What a subscriber asks for."""
+    """The quality of service that a subscriber requests."""
 
     RELIABLE = "reliable"
     BEST_EFFORT = "best effort"
@@ -41,7 +41,7 @@ class Wish(Enum):
 
 
 def publisher_profile(*, latch: bool) -> Any:
-    """Return what a publisher offers."""
+    """Return the profile that a publisher offers."""
     qos = load_rclpy().qos
     durability = qos.DurabilityPolicy.TRANSIENT_LOCAL if latch else qos.DurabilityPolicy.VOLATILE
     return qos.QoSProfile(

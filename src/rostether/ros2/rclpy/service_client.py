@@ -75,7 +75,7 @@ class RclpyServiceClient:
         deadline_s = loop.time() + limit_s
         while not self._is_ready():
             absence = await self._own.thread.run(self._explain_absence)
-            # That it has another type is certain at once.
+            # A different type is certain at once.
             if isinstance(absence, TypeMismatchError) or loop.time() >= deadline_s:
                 raise absence
             await asyncio.sleep(LOOK_INTERVAL_S)

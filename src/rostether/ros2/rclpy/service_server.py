@@ -19,8 +19,8 @@ from rostether.ros2.types.type_support import ServiceSupport
 class RclpyServiceServer:
     """A `graph.ports.ServiceServer`.
 
-    ROS 2 has no way to say that a call failed: where the handler fails there is no answer, the caller's
-    time limit ends the call, and the reason stands on /rosout.
+    ROS 2 cannot report that a call failed: if the handler fails, there is no answer, the caller's time limit
+    ends the call, and /rosout has the reason.
     """
 
     def __init__(

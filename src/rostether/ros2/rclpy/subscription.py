@@ -16,7 +16,7 @@ from typing import Any
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError
 from rostether.graph.callbacks import call_contained
-from rostether.graph.ports import Level, OnMessages
+from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
@@ -24,7 +24,7 @@ from rostether.ros2.rclpy.mailbox import Mailbox
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import Wish, is_latching, name_policy, subscriber_profile, subscriber_wish
 from rostether.ros2.rclpy.view import UNKNOWN_NODE
-from rostether.ros2.types.type_support import MessageSupport
+from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 
 # Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds.
 MAX_BATCH = 1000
@@ -44,19 +44,17 @@ class RclpySubscriber:
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
+        options: SubscribeOptions,
         *,
-        on_connection: Callable[[Mapping[str, str]], None] | None,
         on_close: Callable[[RclpySubscriber], Awaitable[None]],
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
     ) -> None:
         self.topic = topic
         self._own = own
         self._on_messages = on_messages
-        self._on_connection = on_connection
+        self._on_connection = options.get("on_connection")
         self._on_close = on_close
-        self._skip_own = skip_own
-        self._skip_nodes = skip_nodes
+        self._skip_own = options.get("skip_own", False)
+        self._skip_nodes: Container[str] = options.get("skip_nodes", ())
         self._is_of_any_type = message_type.name == ANY_TYPE
         self._support: MessageSupport | None = None
         if not self._is_of_any_type:
@@ -105,11 +103,11 @@ class RclpySubscriber:
             self._complain(str(error))
 
     def pause(self) -> None:
-        """Keep what comes; rclpy cannot have publishers wait, so the oldest go when the queue is full."""
+        """Keep messages; rclpy cannot make publishers wait, so a full queue drops the oldest."""
         self._mailbox.pause()
 
     def resume(self) -> None:
-        """Hand on again."""
+        """Pass messages on again."""
         self._mailbox.resume()
         self._own.thread.call_in_loop(self._deliver)
 
@@ -142,7 +140,7 @@ class RclpySubscriber:
             return
         try:
             message_class(name)
-            self._support = self._own.types.by_name(name)
+            self._support = self._own.types.received(name, ANY_HASH)
         except RostetherError as error:
             self._complain(f"cannot subscribe to {self.topic}: {error}")
         else:
@@ -265,9 +263,9 @@ class RclpySubscriber:
                     "latching": "1" if is_latching(publisher) else "0",
                     "reliability": publisher.qos_profile.reliability.name.lower(),
                 }
-                self._own.thread.call_in_loop(self._tell_connection, fields)
+                self._own.thread.call_in_loop(self._report_connection, fields)
 
-    def _tell_connection(self, fields: Mapping[str, str]) -> None:
+    def _report_connection(self, fields: Mapping[str, str]) -> None:
         if not self._is_closed and self._on_connection is not None:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
@@ -294,7 +292,7 @@ class RclpySubscriber:
         return payloads
 
     def _complain(self, text: str) -> None:
-        # Each once: the next look or message would say the same.
+        # Each once: the next check or message would report the same.
         if text not in self._complaints and len(self._complaints) < MAX_COMPLAINTS:
             self._complaints.add(text)
             self._own.report_from_thread(Level.WARN, text)

@@ -9,9 +9,9 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any
 
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 
-# People who watch a graph notice no less, and a hundred nodes are a hundredth of one processor.
+# Users notice no shorter delay, and a hundred nodes cost a hundredth of one processor.
 POLL_INTERVAL_S = 0.5
 
 # What rmw calls a node while only its endpoints have been discovered.
@@ -43,7 +43,7 @@ def take_snapshot(node: Any) -> Snapshot:
     return Snapshot(
         nodes=tuple(sorted({f"{namespace.rstrip('/')}/{name}" for namespace, name in names})),
         topics={
-            topic: TopicInfo(
+            topic: TopicEntry(
                 topic,
                 " ".join(sorted(types[topic])),
                 tuple(sorted(publishers.get(topic, ()))),
@@ -52,7 +52,7 @@ def take_snapshot(node: Any) -> Snapshot:
             for topic in sorted(types)
         },
         services={
-            service: ServiceInfo(service, tuple(sorted(nodes)), " ".join(sorted(service_types[service])))
+            service: ServiceEntry(service, tuple(sorted(nodes)), " ".join(sorted(service_types[service])))
             for service, nodes in sorted(providers.items())
         },
     )

@@ -1,4 +1,4 @@
-"""All types in ROS 2's own words: what programs and tools on a ROS 2 graph read and write.
+"""All types as ROS 2 defines them, for programs and tools on a ROS 2 graph.
 
 `std_msgs/Header` has no `seq` here and a stamp of `sec` and `nanosec`, as `ros2 topic echo` shows it.
 Names may be typed as ROS 2 has them (`std_msgs/msg/String`) or short (`std_msgs/String`).
@@ -57,9 +57,11 @@ class NativeRegistry(Registry):
         self._ros1.search()
 
     def ros2_message(self, name: str) -> Ros2Message:
-        """Return a message, or half a service, as ROS 2 has it. Raises UnknownTypeError, DefinitionError."""
+        """Return a ROS 2 message, or half a service. Raises UnknownTypeError, DefinitionError."""
         package, _, rest = short_name(name).partition("/")
         full_name = f"{package}/msg/{rest}"
+        if self._is_of_action(package, rest):
+            return self.definitions.message(f"{package}/action/{rest}")
         if not self.definitions.has(full_name):
             for ending, suffix in _HALVES.items():
                 service = rest.removesuffix(ending)
@@ -73,20 +75,22 @@ class NativeRegistry(Registry):
     def ros2_service(self, name: str) -> Ros2Service:
         """Return a service as ROS 2 defines it. Raises UnknownTypeError, DefinitionError."""
         package, _, rest = short_name(name).partition("/")
+        if self._is_of_action(package, rest):
+            return self.definitions.service(f"{package}/action/{rest}")
         full_name = f"{package}/srv/{rest}"
         if not self.definitions.has(full_name) and self._has_service(package, rest):
             return self.source.service_counterpart(self._ros1.service_type(f"{package}/{rest}"))
         return self.definitions.service(full_name)
 
     def message(self, name: str) -> MessageSpec:
-        """Return a message in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        """Return a message in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
         spec = self._messages.get(name)
         if spec is None:
             spec = self._messages[name] = express(self.ros2_message(name), self.source)[0]
         return spec
 
     def service(self, name: str) -> ServiceSpec:
-        """Return a service in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        """Return a service in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
         spec = self._services.get(name)
         if spec is None:
             service = self.ros2_service(name)
@@ -97,11 +101,11 @@ class NativeRegistry(Registry):
         return spec
 
     def message_type(self, name: str) -> MessageType:
-        """Return a message's type in ROS 1's words. Raises as `message`."""
+        """Return a message's type in ROS 1's form. Raises as `message`."""
         return super().message_type(short_name(name))
 
     def service_type(self, name: str) -> ServiceType:
-        """Return a service's type in ROS 1's words. Raises as `service`."""
+        """Return a service's type in ROS 1's form. Raises as `service`."""
         return super().service_type(short_name(name))
 
     def packages(self) -> list[str]:
@@ -115,6 +119,10 @@ class NativeRegistry(Registry):
     def services(self, package: str | None = None) -> list[str]:
         """Return all services by ROS 2's names, sorted."""
         return self.definitions.services(package)
+
+    def _is_of_action(self, package: str, name: str) -> bool:
+        """Whether a name is that of a part of an action, as `Fibonacci_Goal`; no other type has a `_`."""
+        return "_" in name and self.definitions.has(f"{package}/action/{name}")
 
     def _has_service(self, package: str, name: str) -> bool:
         if self.definitions.has(f"{package}/srv/{name}"):

@@ -1,4 +1,4 @@
-"""Types as tools have them, ROS 2's fields in ROS 1's words, on a ROS 2 graph: nothing changes on the way."""
+"""Types for tools on a ROS 2 graph: ROS 2's fields in ROS 1's form, without a conversion."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.ros2.types.type_support import MessageSupport, Ros2Types, Service
 
 
 class NativeTypes(Ros2Types):
-    """What a graph asks for the types of a `NativeRegistry`; all others are as `Ros2Types` has them."""
+    """A graph's types from a `NativeRegistry`; all others as in `Ros2Types`."""
 
     def __init__(self, registry: NativeRegistry) -> None:
         super().__init__(registry, registry.definitions)
@@ -20,7 +20,7 @@ class NativeTypes(Ros2Types):
         self._native_service_supports: dict[str, ServiceSupport] = {}
 
     def message(self, message_type: MessageType) -> MessageSupport:
-        """Return what a message type is in ROS 2. Raises as `Ros2Types.message`."""
+        """Return a message type's support in ROS 2. Raises as `Ros2Types.message`."""
         name = message_type.name
         support = self._native_supports.get(name)
         try:
@@ -33,7 +33,7 @@ class NativeTypes(Ros2Types):
         return super().message(message_type)
 
     def service(self, service_type: ServiceType) -> ServiceSupport:
-        """Return what a service type is in ROS 2. Raises as `Ros2Types.service`."""
+        """Return a service type's support in ROS 2. Raises as `Ros2Types.service`."""
         name = service_type.name
         support = self._native_service_supports.get(name)
         try:

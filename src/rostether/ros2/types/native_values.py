@@ -1,4 +1,4 @@
-"""Messages of ROS 2's own definitions as values: fields that are not given have the defaults of ROS 2."""
+"""Messages of ROS 2's own definitions as values: missing fields have the defaults of ROS 2."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class NativeClasses(MessageClasses):
         try:
             definition = self._registry.ros2_message(tree.name)
         except DefinitionError:
-            # A peer's own definition, in ROS 1's words: it has no defaults.
+            # A peer's own definition in ROS 1's form has no defaults.
             return {}
         return {field.name: field.default for field in definition.fields if field.default is not None}
 
 
 def _maker(node: Node, default: Any) -> Any:
-    """Return a value that cannot be changed, or what makes one that can."""
+    """Return an immutable value, or a function that makes a mutable one."""
     if not isinstance(node, Array):
         return default
     values = tuple(default)

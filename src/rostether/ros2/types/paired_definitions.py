@@ -1,4 +1,4 @@
-"""The ROS 2 definitions that belong to ROS 1 definitions: found, or derived; and the other way round."""
+"""The ROS 2 definitions for ROS 1 definitions, found or derived, and the reverse."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class PairedDefinitions:
 
     @property
     def distro(self) -> str:
-        """The distribution of ROS 2 that the definitions are of."""
+        """The ROS 2 distribution of the definitions."""
         return self._definitions.distro
 
     def message(self, name: str) -> Ros2Message:
@@ -57,7 +57,7 @@ class PairedDefinitions:
         return derive(self._registry.message(ros1_name), self._registry)
 
     def service_counterpart(self, service_type: ServiceType) -> Ros2Service:
-        """Return what a ROS 1 service is in ROS 2. Raises as `message`."""
+        """Return the ROS 2 form of a ROS 1 service. Raises as `message`."""
         name = ros2_service_name(service_type.name)
         if self._definitions.has(name):
             return self._definitions.service(name)
@@ -78,7 +78,7 @@ class PairedDefinitions:
 
 
 class NativeView:
-    """A ROS 2 message's own fields in ROS 1's words: nothing dropped, nothing added."""
+    """A ROS 2 message's own fields in ROS 1's form: nothing dropped, nothing added."""
 
     def __init__(self, ros2: Ros2Message, definitions: MessageSource) -> None:
         specs = express(ros2, definitions)
@@ -99,6 +99,6 @@ class NativeView:
 
 
 def native_service_type(ros2: Ros2Service, request: NativeView, response: NativeView) -> ServiceType:
-    """Return a service's type in ROS 1's words, of the views of its halves."""
+    """Return a service's type in ROS 1's form, from the views of its halves."""
     md5sum = digest(request.md5_text + response.md5_text)
     return ServiceType(f"{ros2.package}/{ros2.name}", md5sum, request.message_type, response.message_type)

@@ -1,4 +1,4 @@
-"""The hash by which the ends of a ROS 2 connection know that they mean the same type (REP-2011, RIHS01).
+"""The hash by which the ends of a ROS 2 connection compare their types (REP-2011, RIHS01).
 
 SHA-256 of the type's description, with those of all types below it, in JSON as rcl writes it. Field names and
 types count; comments, constants and defaults do not.
@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from typing import Any, Protocol
 
+from rostether.errors import DefinitionError
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message, Ros2Service, Ros2Type
@@ -19,6 +21,7 @@ PREFIX = "RIHS01_"
 
 _DISTROS_WITHOUT_HASHES = frozenset({"foxy", "galactic", "humble"})
 _NESTED_TYPE = 1
+_NAME_PARTS = 3
 # type_description_interfaces/msg/FieldType
 _TYPE_IDS = {
     "int8": 2,
@@ -39,18 +42,22 @@ _TYPE_IDS = {
 }
 _BOUNDED_STRING_IDS = {"string": 21, "wstring": 22}
 _FIXED_ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
+_BASES = {number: name for name, number in _TYPE_IDS.items() if name != "char"}
+_STRING_BASES = {number: name for name, number in _BOUNDED_STRING_IDS.items()}
+_KINDS_OF_ARRAYS = (0, _FIXED_ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE)
+_MEMBER_OF_EMPTY = "structure_needs_at_least_one_member"
 _EVENT_INFO = "service_msgs/msg/ServiceEventInfo"
 
 
 class MessageSource(Protocol):
-    """What finds the messages below a type, as `Ros2Definitions` does."""
+    """Finds the messages that a type contains, as `Ros2Definitions` does."""
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`."""
 
 
 class HashSource(MessageSource, Protocol):
-    """Definitions that know of which distribution they are."""
+    """Definitions of one distribution."""
 
     @property
     def distro(self) -> str:
@@ -80,7 +87,7 @@ def service_hash(service: Ros2Service, definitions: HashSource) -> str:
     }
     whole = Ros2Message(
         service.package,
-        "srv",
+        service.kind,
         service.name,
         tuple(Ros2Field(Ros2Type(each.full_name), name) for name, each in members.items()),
     )
@@ -101,11 +108,26 @@ def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
     return PREFIX + hashlib.sha256(text.encode()).hexdigest()
 
 
+def described_message(name: str, fields: Iterable[Any]) -> Ros2Message:
+    """Return a message of a type description: `fields` are type_description_interfaces/Field.
+
+    Raises DefinitionError for types that no .msg text has.
+    """
+    parts = name.split("/")
+    if len(parts) != _NAME_PARTS:
+        raise DefinitionError(f"{name!r:.80} is not the name of a type")
+    described = tuple(Ros2Field(_described_type(field.type), field.name) for field in fields)
+    if [field.name for field in described] == [_MEMBER_OF_EMPTY]:
+        described = ()
+    package, kind, short_name = parts
+    return Ros2Message(package, kind, short_name, described)
+
+
 def event_message(service: Ros2Service) -> Ros2Message:
     """Return the message that reports a service's calls, which rosidl adds to every service."""
     return Ros2Message(
         service.package,
-        "srv",
+        service.kind,
         f"{service.name}_Event",
         (
             Ros2Field(Ros2Type(_EVENT_INFO), "info"),
@@ -131,7 +153,7 @@ def _describe(message: Ros2Message) -> dict[str, Any]:
     if not fields:
         # A struct of IDL cannot be empty: rosidl gives it this member.
         empty = Ros2Type("uint8")
-        fields = [{"name": "structure_needs_at_least_one_member", "type": _describe_type(empty)}]
+        fields = [{"name": _MEMBER_OF_EMPTY, "type": _describe_type(empty)}]
     return {"type_name": message.full_name, "fields": fields}
 
 
@@ -154,3 +176,22 @@ def _describe_type(field_type: Ros2Type) -> dict[str, Any]:
         "string_capacity": field_type.string_bound or 0,
         "nested_type_name": "" if base in PRIMITIVE_TYPES else base,
     }
+
+
+def _described_type(described: Any) -> Ros2Type:
+    array = described.type_id // _FIXED_ARRAY
+    type_id = described.type_id % _FIXED_ARRAY
+    base = described.nested_type_name if type_id == _NESTED_TYPE else _BASES.get(type_id)
+    string_bound = None
+    if type_id in _STRING_BASES:
+        base, string_bound = _STRING_BASES[type_id], described.string_capacity
+    if base is None or array >= len(_KINDS_OF_ARRAYS):
+        raise DefinitionError(f"a field has the type {described.type_id}, which no .msg text has")
+    kind = _KINDS_OF_ARRAYS[array]
+    return Ros2Type(
+        base,
+        is_array=array > 0,
+        length=described.capacity if kind == _FIXED_ARRAY else None,
+        bound=described.capacity if kind == _BOUNDED_SEQUENCE else None,
+        string_bound=string_bound,
+    )

@@ -1,4 +1,4 @@
-"""What a ROS 2 graph asks for a type: its name and hash there, its ROS 1 form here, and the way between."""
+"""The support of a type on a ROS 2 graph: its name, hash, ROS 1 form, and converter."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.cdr.renamed_types import ros1_message_name, ros1_service_name
 
+# The hash that matches every definition of a type.
 ANY_HASH = ""
-"""The hash of a type that is received whatever its definition is."""
 
-_MD5SUM_OF_NOTHING = digest("")  # of messages without fields, whose text may well be empty
+# Messages without fields may have an empty text.
+_MD5SUM_OF_NOTHING = digest("")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +48,11 @@ class ServiceSupport:
 class Ros2Types:
     """Types by their ROS 1 definition or by their ROS 2 name, each compiled when first asked for.
 
-    A type without a ROS 2 definition gets one derived from its ROS 1 definition.
+    A type without a ROS 2 definition gets one derived from its ROS 1 definition. With `asks_nodes`, graphs
+    ask the nodes of publishers for definitions that are not known here.
     """
+
+    asks_nodes = True
 
     def __init__(self, registry: Registry, definitions: Ros2Definitions) -> None:
         self.registry = registry
@@ -67,7 +71,7 @@ class Ros2Types:
             await asyncio.to_thread(self.definitions.search)
 
     def message(self, message_type: MessageType) -> MessageSupport:
-        """Return what a ROS 1 message type is in ROS 2; its own definition counts, not that of its name here.
+        """Return the support of a ROS 1 message type, by its own definition, not the one found by its name.
 
         Raises UnknownTypeError, DefinitionError, TypeMismatchError.
         """
@@ -85,7 +89,7 @@ class Ros2Types:
         return support
 
     def service(self, service_type: ServiceType) -> ServiceSupport:
-        """Return what a ROS 1 service type is in ROS 2. Raises as `message`."""
+        """Return the support of a ROS 1 service type. Raises as `message`."""
         key = (service_type.name, service_type.md5sum)
         support = self._services.get(key)
         if support is None:
@@ -110,6 +114,10 @@ class Ros2Types:
             support = self._by_name[name] = self._paired(name) or self._native_message(name)
         return support
 
+    def received(self, name: str, type_hash: str) -> MessageSupport:
+        """Return a ROS 2 message by its publisher's definition. Raises as `by_name`."""
+        return self.by_name(name)
+
     def service_by_name(self, name: str) -> ServiceSupport:
         """Return a ROS 2 service, as `by_name` does."""
         support = self._services_by_name.get(name)
@@ -119,15 +127,15 @@ class Ros2Types:
         return support
 
     def native_message(self, name: str) -> MessageType:
-        """Return a ROS 2 message's own fields in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        """Return a ROS 2 message's own fields in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
         return self._native_message(name).ros1_type
 
     def native_service(self, name: str) -> ServiceType:
-        """Return a ROS 2 service's own fields in ROS 1's words. Raises UnknownTypeError, DefinitionError."""
+        """Return a ROS 2 service's own fields in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
         return self._native_service(name).ros1_type
 
     def full_text(self, message_type: MessageType) -> str:
-        """Return the text of what a message type is in ROS 2, and of all below, as ROS 2's bags carry it.
+        """Return the ROS 2 text of a message type and of the types in it, as ROS 2's bags contain it.
 
         Raises as `message`.
         """
@@ -178,7 +186,7 @@ class Ros2Types:
         return support
 
     def _source(self, message_type: MessageType) -> Registry:
-        """Return where the type's own definition is: here, or in the text that came with it."""
+        """Return the source of the type's own definition: found here, or the text that came with it."""
         try:
             if self.registry.message_type(message_type.name).md5sum == message_type.md5sum:
                 return self.registry

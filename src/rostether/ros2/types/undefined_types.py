@@ -1,30 +1,60 @@
-"""Types for tools that only count and measure messages: a type without a definition stays CDR."""
+"""Types for tools that need no fields of messages: a type without a definition stays CDR."""
 
 from __future__ import annotations
 
 from typing import cast
 
 from rostether.errors import UnknownTypeError
-from rostether.msgdef.interface import ANY_MESSAGE
+from rostether.msgdef.interface import ANY_MD5SUM, MessageType
+from rostether.ros2.types.native_registry import NativeRegistry, short_name
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.serde.cdr.converter import CdrConverter
 
 
 class UndefinedTypes(NativeTypes):
-    """Types by name, known or not."""
+    """Types by name, known or not: the payloads of those without a definition are CDR.
 
-    def by_name(self, name: str) -> MessageSupport:
-        """Return a ROS 2 message; one without a definition is handed on as CDR. Raises DefinitionError."""
+    Of an unknown type the name and the hash of its publisher are known, but no md5sum and no text.
+    """
+
+    def __init__(self, registry: NativeRegistry, *, asks_nodes: bool = True) -> None:
+        super().__init__(registry)
+        self.asks_nodes = asks_nodes
+        self._undefined: dict[str, MessageSupport] = {}
+
+    def received(self, name: str, type_hash: str) -> MessageSupport:
+        """Return a ROS 2 message; CDR if there is no definition with the publisher's hash."""
         try:
-            return super().by_name(name)
+            support = self.by_name(name)
         except UnknownTypeError:
-            return MessageSupport(name, ANY_HASH, ANY_MESSAGE, cast("CdrConverter", _Unchanged()))
+            pass
+        else:
+            if support.type_hash in (type_hash, ANY_HASH) or not type_hash.startswith("RIHS"):
+                return support
+        message_type = MessageType(short_name(name), ANY_MD5SUM)
+        support = MessageSupport(name, type_hash, message_type, cast("CdrConverter", _Unchanged()))
+        self._undefined[message_type.name] = support
+        return support
+
+    def message(self, message_type: MessageType) -> MessageSupport:
+        """Return a message type's support in ROS 2. Raises as `Ros2Types.message`."""
+        if message_type.md5sum == ANY_MD5SUM and message_type.name in self._undefined:
+            return self._undefined[message_type.name]
+        return super().message(message_type)
+
+    def full_text(self, message_type: MessageType) -> str:
+        """Return the ROS 2 text of a message type; empty without a definition."""
+        return "" if message_type.md5sum == ANY_MD5SUM else super().full_text(message_type)
 
 
 class _Unchanged:
-    """Hands CDR on as it is."""
+    """Returns CDR unchanged."""
 
     def from_cdr(self, cdr: bytes) -> bytes:
         """Return the CDR."""
         return cdr
+
+    def to_cdr(self, payload: bytes) -> bytes:
+        """Return the payload, which is CDR."""
+        return payload

@@ -17,7 +17,7 @@ ATTACHMENT = struct.Struct(f"<qqB{GID_BYTES}s")
 
 @dataclass(frozen=True, slots=True)
 class Attachment:
-    """What one sample says of itself."""
+    """The sequence number, time and sender of one sample."""
 
     sequence: int
     stamp_ns: int

@@ -1,4 +1,4 @@
-"""How our zenoh sessions are configured: as rmw_zenoh's are, loopback only, and router where there is none.
+"""The configuration of our zenoh sessions: like rmw_zenoh's, on loopback, and as the router if there is none.
 
 A session is a peer that knows the others of this machine through the router at tcp/localhost:7447, as the
 processes of ROS 2 are. Where no router answers there, it takes that place itself.
@@ -45,7 +45,7 @@ _SHARED = {
 _PEER = {
     "mode": '"peer"',
     "listen/endpoints": '["tcp/localhost:0"]',
-    # Who starts before the router finds it when it is there.
+    # A session that starts before the router finds it later.
     "connect/timeout_ms": "{router: -1, peer: -1, client: 0}",
     "connect/exit_on_failure": "{router: false, peer: false, client: true}",
     "connect/retry": "{period_init_ms: 500, period_max_ms: 2000, period_increase_factor: 2}",
@@ -56,12 +56,12 @@ _ROUTER = {"mode": '"router"', "connect/exit_on_failure": "false"}
 class RouterChoice(Enum):
     """Whether a session takes the place of the router."""
 
+    # If none answers.
     AUTO = "auto"
-    """When none answers."""
+    # Waits for one without a limit.
     NEVER = "never"
-    """It waits for one as long as it takes."""
+    # It fails when the place is taken. Endpoints to listen at are its place instead of the usual one.
     ALWAYS = "always"
-    """It fails when the place is taken. Endpoints to listen at are its place instead of the usual one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
 
 
 def names_its_own_place(environment: Ros2Environment) -> bool:
-    """Return whether the user's own configuration names the endpoints, so that none must be guessed."""
+    """Return whether the user's own configuration names the endpoints."""
     return environment.zenoh_session_config is not None or any(
         path in ("mode", "connect") or path.startswith("connect/endpoints")
         for path, _ in environment.zenoh_overrides
@@ -164,5 +164,5 @@ def _port(endpoint: str) -> str:
 
 
 def one_line(error: BaseException) -> str:
-    """Return what zenoh says, without the place in its sources and without line breaks."""
+    """Return zenoh's error without the source location and line breaks."""
     return " ".join(str(error).partition(" at /")[0].split())

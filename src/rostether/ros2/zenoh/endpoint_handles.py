@@ -1,29 +1,31 @@
-"""What one node publishes, subscribes to, offers and calls; names are resolved."""
+"""The publishers, subscribers, services and clients of one node; names are resolved."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
-from rostether.graph.ports import Level, OnMessages, ServiceHandler
+from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOptions
+from rostether.graph.publisher_handle import PublisherHandle
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import dds_name, type_of_dds_name
 from rostether.ros2.qos import ROSOUT_QOS
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.publication import Publication, Publisher
+from rostether.ros2.zenoh.learnt_types import Describe
+from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_client import ServiceClient
 from rostether.ros2.zenoh.service_server import ServiceServer
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.subscription import Subscription, Taker
 from rostether.ros2.zenoh.tokens import Kind, Token
 
-# How long a service that is not known may still be on its way to us: news takes a millisecond on one machine,
-# and less than this through several routers.
+# How long to wait for news of an unknown service: a millisecond on one machine, less than this through
+# several routers.
 NEWS_TIME_S = 0.2
 
 # Services that one node calls before it forgets the first ones; a board's sketch holds a handful.
@@ -65,7 +67,7 @@ class Endpoints:
 
     def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None
-    ) -> Publisher:
+    ) -> PublisherHandle[Publication]:
         """Publish a topic. Raises TypeMismatchError, UnknownTypeError."""
         publication = self._publications.get(topic)
         if publication is None:
@@ -82,7 +84,7 @@ class Endpoints:
             self._publications[topic] = publication
         else:
             publication.share(message_type, latch=latch)
-        return Publisher(publication, self._release_publication)
+        return PublisherHandle(publication, self._release_publication)
 
     def subscribe(
         self,
@@ -90,19 +92,20 @@ class Endpoints:
         message_type: MessageType,
         on_messages: OnMessages,
         *,
-        on_connection: Callable[[Mapping[str, str]], None] | None,
-        skip_own: bool,
-        skip_nodes: Container[str],
+        options: SubscribeOptions,
+        describe: Describe,
     ) -> Subscription:
         """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
         is_any = message_type.name == ANY_TYPE
+        on_connection = options.get("on_connection")
+        taker = Taker(on_messages, on_connection, self._release_subscription, self._report, describe)
         subscription = Subscription(
             topic,
             None if is_any else self._node.session.types.message(message_type),
-            Taker(on_messages, on_connection, self._release_subscription, self._report),
+            taker,
             node=self._node,
-            own_gids=(lambda: self._own_gids(topic)) if skip_own else None,
-            skip_nodes=skip_nodes,
+            own_gids=(lambda: self._own_gids(topic)) if options.get("skip_own") else None,
+            skip_nodes=options.get("skip_nodes", ()),
         )
         self._subscriptions[subscription] = None
         return subscription
@@ -131,7 +134,7 @@ class Endpoints:
         return await self._client(service, support).call(request, timeout_s)
 
     def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Have a client of a service until the handle closes, called or not. Raises UnknownTypeError."""
+        """Keep a client of a service until the handle closes, called or not. Raises UnknownTypeError."""
         support = self._node.session.types.service(service_type)
         self._client(service, support)
         key = (service, support.name)

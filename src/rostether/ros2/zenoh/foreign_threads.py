@@ -15,7 +15,7 @@ _kept = threading.local()
 
 def stay_known() -> None:
     """Keep the calling thread's state; call it first thing in a callback that zenoh calls often."""
-    # What is local to a thread goes with its state, so a state that is new has nothing here.
+    # Thread-local data ends with the state, so a new state has none.
     if not hasattr(_kept, "is_kept"):
         _kept.is_kept = True
         ctypes.pythonapi.PyGILState_Ensure()

@@ -7,7 +7,7 @@ import logging
 from collections.abc import AsyncIterator, Callable, Sequence
 
 from rostether.graph.callbacks import call_contained
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.zenoh.tokens import Kind, Token, parse_token
@@ -32,7 +32,7 @@ class GraphCache:
         self._snapshot: Snapshot | None = None
 
     def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
-        """Take tokens (key expressions) that have come (True) or gone."""
+        """Apply new (True) and removed tokens (key expressions)."""
         touched: dict[Place, None] = {}
         for text, is_there in news:
             token = self._add(text) if is_there else self._tokens.pop(text, None)
@@ -54,19 +54,19 @@ class GraphCache:
                 call_contained(f"listener of {place[1]}", listener)
 
     def endpoints(self, kind: Kind, name: str) -> list[Token]:
-        """Return the tokens of a topic's or service's ends of one kind."""
+        """Return the tokens of a topic's or service's endpoints of one kind."""
         return list(self._endpoints.get((kind, name), {}).values())
 
     def all_endpoints(self) -> list[tuple[str, Token]]:
-        """Return every end's token with its text."""
+        """Return every endpoint's token with its text."""
         return [(text, token) for text, token in self._tokens.items() if token.kind is not Kind.NODE]
 
     def listen(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
-        """Call back after each change of those ends, until `unlisten`."""
+        """Call back after each change of those endpoints, until `unlisten`."""
         self._listeners.setdefault((kind, name), []).append(listener)
 
     def unlisten(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
-        """Call back no more."""
+        """Stop calling back."""
         listeners = self._listeners.get((kind, name), [])
         if listener in listeners:
             listeners.remove(listener)
@@ -124,13 +124,13 @@ class GraphCache:
             nodes=tuple(sorted(nodes)),
             topics={name: self._topic_info(name) for name in topics},
             services={
-                name: ServiceInfo(name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name))
+                name: ServiceEntry(name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name))
                 for name in services
             },
         )
 
-    def _topic_info(self, name: str) -> TopicInfo:
-        return TopicInfo(
+    def _topic_info(self, name: str) -> TopicEntry:
+        return TopicEntry(
             name,
             self._types(_TOPICS, name),
             self._nodes(Kind.PUBLISHER, name),

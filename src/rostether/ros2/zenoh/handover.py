@@ -12,7 +12,7 @@ _Item = TypeVar("_Item")
 
 
 class Handover(Generic[_Item]):
-    """Hands items on in order; when more than `limit` (bytes, or items of size 1) wait, the oldest go.
+    """Passes items on in order; beyond `limit` (bytes, or items of size 1), the oldest are dropped.
 
     `put` may be called in any thread, everything else in the loop's. The newest item is always kept.
     """
@@ -48,12 +48,12 @@ class Handover(Generic[_Item]):
                 self._is_closed = True  # The loop has ended before zenoh did.
 
     def pause(self) -> None:
-        """Keep what comes."""
+        """Keep new items."""
         with self._lock:
             self._is_paused = True
 
     def resume(self) -> None:
-        """Hand on what has come meanwhile, and go on."""
+        """Pass on the kept items, and continue."""
         with self._lock:
             self._is_paused = False
             if not self._is_scheduled and self._queue:
@@ -61,7 +61,7 @@ class Handover(Generic[_Item]):
                 self._loop.call_soon(self._run)
 
     def close(self) -> None:
-        """Hand on nothing any more."""
+        """Stop passing items on."""
         with self._lock:
             self._is_closed = True
             self._queue.clear()

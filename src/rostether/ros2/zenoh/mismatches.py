@@ -1,4 +1,4 @@
-"""Explaining why two ends of one topic do not meet: zenoh itself would say nothing."""
+"""Explains why two endpoints of one topic do not connect: zenoh itself reports nothing."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Mismatches:
         self._reported: set[Token] = set()
 
     def report(self, ends: Sequence[Token]) -> None:
-        """Look at the ends that there are now; those that are gone are forgotten."""
+        """Check the current endpoints; forget those that are gone."""
         wrong = {end for end in ends if not self._meets(end)}
         for end in wrong - self._reported:
             self._report(Level.WARN, self._explain(end))

@@ -2,45 +2,47 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
-from collections.abc import AsyncIterator, Callable, Container, Mapping
+from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import AsyncExitStack
+from functools import partial
+from typing import Unpack
 
-from rostether.errors import GraphError
-from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot
+from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
+from rostether.graph.publisher_handle import PublisherHandle
 from rostether.msgdef.interface import MessageType, ServiceType
-from rostether.names.resolve import resolve_name, resolve_remappings
 from rostether.ros2.clock import NodeClock
-from rostether.ros2.endpoint_info import EndpointInfo
+from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
 from rostether.ros2.listed_client import ListedClient
-from rostether.ros2.naming import validate_topic_name
+from rostether.ros2.naming import type_of_dds_name, validate_topic_name
 from rostether.ros2.parameters.graph_parameters import GraphParameters
-from rostether.ros2.parameters.parameter_methods import ParameterMethods
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.parameters.services import ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.rosout import RosoutLog
+from rostether.ros2.type_description import learn_type
+from rostether.ros2.types.type_hash import TYPE_HASH_NOT_SUPPORTED
+from rostether.ros2.zenoh.attachment import gid_of
 from rostether.ros2.zenoh.endpoint_handles import Endpoints
-from rostether.ros2.zenoh.endpoint_list import list_endpoints
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.publication import Publisher
+from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_server import ServiceServer
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.subscription import Subscription
+from rostether.ros2.zenoh.tokens import Kind, Token
 from rostether.rostime import Time
+
+_KINDS = {
+    Kind.PUBLISHER: EndpointKind.PUBLISHER,
+    Kind.SUBSCRIBER: EndpointKind.SUBSCRIPTION,
+    Kind.SERVER: EndpointKind.SERVER,
+    Kind.CLIENT: EndpointKind.CLIENT,
+}
 
 _log = logging.getLogger("rostether.ros2")
 
-_LOGGING_LEVELS = {
-    Level.DEBUG: logging.DEBUG,
-    Level.INFO: logging.INFO,
-    Level.WARN: logging.WARNING,
-    Level.ERROR: logging.ERROR,
-    Level.FATAL: logging.CRITICAL,
-}
 
-
-class ZenohGraph(ParameterMethods):
+class ZenohGraph(Ros2Membership):
     """A `graph.ports.Graph`; made by `ZenohSession.join`."""
 
     def __init__(
@@ -51,29 +53,18 @@ class ZenohGraph(ParameterMethods):
         remappings: Mapping[str, str],
         parameters: Mapping[str, ParamValue],
     ) -> None:
-        self.node_name = node_name
+        super().__init__(node_name, namespace, remappings)
         self._session = session
-        self._namespace = namespace
-        self._remappings = resolve_remappings(remappings, namespace=namespace, node_name=node_name)
         self._endpoints = Endpoints(NodeEntities(session, node_name), report=self._report)
         store = ParameterStore(parameters)
         self._parameters = GraphParameters(store, self)
         self._parameter_services = ParameterServices(store, self)
         self._clock = NodeClock(store, self)
         self._rosout = RosoutLog(node_name, self._clock.now)
-        self._closing: asyncio.Task[None] | None = None
-        self._closed = asyncio.Event()
-        self._reason = ""
-
-    def resolve(self, name: str) -> str:
-        """Return the fully qualified, remapped form of a name. Raises InvalidNameError."""
-        return resolve_name(
-            name, namespace=self._namespace, node_name=self.node_name, remappings=self._remappings
-        )
 
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
-    ) -> Publisher:
+    ) -> PublisherHandle[Publication]:
         """Advertise a topic. `queue_bytes` bounds what waits while a link is full; zenoh itself queues 1 MiB.
 
         Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
@@ -88,11 +79,7 @@ class ZenohGraph(ParameterMethods):
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        on_connection: Callable[[Mapping[str, str]], None] | None = None,
-        tcp_nodelay: bool = True,
-        skip_own: bool = False,
-        skip_nodes: Container[str] = (),
+        **options: Unpack[SubscribeOptions],
     ) -> Subscription:
         """Subscribe. `ANY_MESSAGE` accepts every type; `on_connection` is called for each publisher."""
         self._check_open()
@@ -100,9 +87,8 @@ class ZenohGraph(ParameterMethods):
             self._resolve_ros2(topic),
             message_type,
             on_messages,
-            on_connection=on_connection,
-            skip_own=skip_own,
-            skip_nodes=skip_nodes,
+            options=options,
+            describe=partial(learn_type, self, self._session.types),
         )
 
     async def advertise_service(
@@ -145,21 +131,16 @@ class ZenohGraph(ParameterMethods):
         """Return every end of every topic and service that is known now."""
         return list_endpoints(self._session.graph.all_endpoints())
 
+    async def distribution(self) -> str:
+        """Return the distribution that the nodes of other sessions show: only Humble has no type hashes."""
+        own = self._session.session_id
+        ends = (end for _, end in self._session.graph.all_endpoints() if end.session_id != own)
+        is_humble = any(end.type_hash == TYPE_HASH_NOT_SUPPORTED for end in ends)
+        return "humble" if is_humble else ""
+
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change."""
         return self._session.graph.changes(self._closed)
-
-    async def close(self, reason: str = "closed") -> None:
-        """Leave the graph: everything advertised, subscribed or watched ends. Idempotent."""
-        if self._closing is None:
-            self._reason = reason
-            self._closing = asyncio.ensure_future(self._close())
-        await asyncio.shield(self._closing)
-
-    async def wait_closed(self) -> str:
-        """Wait until the node has left, by `close` or with its session; returns the reason."""
-        await self._closed.wait()
-        return self._reason
 
     async def open(self) -> None:
         """Appear in the graph; `ZenohSession.join` does it."""
@@ -167,7 +148,7 @@ class ZenohGraph(ParameterMethods):
         await self._clock.open()
         await self._parameter_services.open()
 
-    async def _close(self) -> None:
+    async def _end(self) -> None:
         try:
             async with AsyncExitStack() as stack:
                 # Backwards: what uses the endpoints ends before they do.
@@ -177,15 +158,28 @@ class ZenohGraph(ParameterMethods):
                 stack.push_async_callback(self._parameters.close)
         finally:
             self._session.leave(self)
-            self._closed.set()
 
     def _resolve_ros2(self, name: str) -> str:
         return validate_topic_name(self.resolve(name))
 
     def _report(self, level: Level, text: str) -> None:
-        _log.log(_LOGGING_LEVELS[level], "%s: %s", self.node_name, text)
+        _log.log(level.number_in_tens, "%s: %s", self.node_name, text)
         self.log(level, text)
 
-    def _check_open(self) -> None:
-        if self._closing is not None:
-            raise GraphError(f"node {self.node_name} has left the graph; join again")
+
+def list_endpoints(tokens: Iterable[tuple[str, Token]]) -> list[EndpointInfo]:
+    """Return the endpoints of tokens, which come with their texts; tokens of nodes are left out."""
+    return [_describe(text, token) for text, token in tokens if token.kind in _KINDS]
+
+
+def _describe(text: str, token: Token) -> EndpointInfo:
+    qos = token.qos
+    return EndpointInfo(
+        token.node_name,
+        _KINDS[token.kind],
+        token.name,
+        type_of_dds_name(token.type) or token.type,
+        token.type_hash,
+        gid_of(text),
+        QosReport(qos.reliability.name, qos.durability.name, qos.history.name, qos.depth),
+    )

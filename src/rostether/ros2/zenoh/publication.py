@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol, cast
 
 import zenoh
 from zenoh import ext
 
-from rostether.errors import SerializationError, TypeMismatchError
+from rostether.errors import SerializationError
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level
+from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, Qos
@@ -99,18 +100,14 @@ class Publication:
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
         """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
-        if message_type.md5sum != self.type.md5sum:
-            raise TypeMismatchError(
-                f"this node publishes {self.topic} as {self.type.name}, not as {message_type.name}; choose "
-                f"another topic"
-            )
+        check_same_type(self.topic, self.type, message_type)
         if latch and not self._qos.is_latching:
             self._undeclare()
             self._qos = LATCHED_QOS
             self._declare()
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
-        """Put a batch, or queue it while a link is full, see `Publisher.publish_raw`."""
+        """Put a batch, or queue it while a link is full; see `Publisher.publish_raw`."""
         if not (self._is_matched or self._subscribers or self._qos.is_latching):
             return True
         queue = self._queue
@@ -124,11 +121,11 @@ class Publication:
         return queue.is_open
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until what waits for a full link is little, `timeout_s` at most."""
+        """Wait until the queue for a full link is short, `timeout_s` at most."""
         await self._queue.drained(timeout_s)
 
     async def close(self) -> None:
-        """Unadvertise; what waits goes first."""
+        """Unadvertise, after the queued messages are sent."""
         try:
             await self._queue.finish()
         finally:
@@ -229,49 +226,3 @@ class Publication:
         if not self._refusal_reported:
             self._refusal_reported = True
             self._report(Level.WARN, f"{self.topic}: a message cannot be converted for ROS 2: {error}")
-
-
-class Publisher:
-    """A `graph.ports.Publisher`: one handle on a publication."""
-
-    def __init__(self, publication: Publication, on_close: Callable[[Publication], Awaitable[None]]) -> None:
-        self._publication = publication
-        self._on_close = on_close
-        self._is_closed = False
-        publication.handle_count += 1
-
-    @property
-    def topic(self) -> str:
-        """The resolved topic name."""
-        return self._publication.topic
-
-    @property
-    def type(self) -> MessageType:
-        """The advertised type."""
-        return self._publication.type
-
-    @property
-    def subscriber_count(self) -> int:
-        """How many subscribers there are now."""
-        return self._publication.subscriber_count
-
-    @property
-    def dropped_count(self) -> int:
-        """How many messages did not fit their type or met a full link; zenoh does not report others."""
-        return self._publication.dropped_count
-
-    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
-        """Publish the payloads in order; False asks the caller to await `drained`: a link is full."""
-        return self._is_closed or self._publication.publish(payloads)
-
-    async def drained(self, timeout_s: float) -> None:
-        """Wait until what waits for a full link is little."""
-        await self._publication.drained(timeout_s)
-
-    async def close(self) -> None:
-        """Unadvertise, with the last handle. Idempotent."""
-        if not self._is_closed:
-            self._is_closed = True
-            self._publication.handle_count -= 1
-            if self._publication.handle_count == 0:
-                await self._on_close(self._publication)

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
 
-# What a thread puts at a time, as much as a batch of zenoh's; the rest may lose its oldest meanwhile.
+# What a thread puts at a time, as much as a batch of zenoh's; meanwhile the rest may lose its oldest.
 JOB_BYTES = 64 << 10
 
 # A put that takes this long has waited for a link: it is not the scheduler's doing.
@@ -33,7 +33,7 @@ VERY_LONG_NS = 50_000_000
 # One that takes this long delays the messages of others, if it is done in the loop.
 LONG_NS = 10_000_000
 
-# Two of these within this time are no accident either.
+# Two of these within this time are not an accident either.
 LONG_AGAIN_S = 2.0
 
 # How long a thread puts after a put that would have held up the loop.
@@ -47,7 +47,7 @@ _log = logging.getLogger("rostether.ros2")
 
 @dataclass(slots=True)
 class Puts:
-    """What became of a batch: `done` of its messages are done with, the others were not begun with.
+    """The result of a batch: `done` messages are finished, the others were not started.
 
     `misfits` of them did not fit their type, for `error`; zenoh dropped `lost`. `longest_ns`: of any put.
     """
@@ -72,8 +72,8 @@ class PutQueue:
         threads: Executor,
         limit_bytes: int,
     ) -> None:
+        # Whether nothing waits here, so that new messages may be put at once.
         self.is_idle = True
-        """Whether nothing waits here, so that what comes may be put at once."""
         self.dropped_count = 0
         self._put = put
         self._note = note
@@ -90,7 +90,7 @@ class PutQueue:
 
     @property
     def is_open(self) -> bool:
-        """Whether little waits."""
+        """Whether the queue is short."""
         return self._flow.is_open
 
     def add(self, payloads: Sequence[bytes]) -> None:
@@ -119,11 +119,11 @@ class PutQueue:
             self._wary = loop.call_later(WARY_S, self._calm_down)
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until little waits, `timeout_s` at most."""
+        """Wait until the queue is short, `timeout_s` at most."""
         await self._flow.drained(timeout_s)
 
     async def finish(self) -> None:
-        """Put what waits, in a second at most; what comes later is never put."""
+        """Put what waits, in a second at most; later messages are never put."""
         try:
             async with asyncio.timeout(FINISH_LIMIT_S):
                 while self._job is not None:

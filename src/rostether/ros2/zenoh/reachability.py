@@ -14,7 +14,7 @@ from typing import Any
 
 import zenoh
 
-# A machine on a busy Wi-Fi accepts within a second; one that is off never answers.
+# A machine on a busy Wi-Fi accepts within a second; a machine that is off never answers.
 PROBE_TIMEOUT_S = 3.0
 
 # In TLS 1.3 a refusal of our certificate comes after the handshake: how long to wait for it.

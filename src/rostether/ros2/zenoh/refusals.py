@@ -54,7 +54,7 @@ def report_refusals() -> None:
 
 
 def explain(line: bytes) -> str:
-    """Return what a line of zenoh's log says of a refusal, empty if it is no such line."""
+    """Return the reason of a refusal in a line of zenoh's log; empty for other lines."""
     found = _LINE.search(_COLOR.sub(b"", line.rstrip()))
     if found is None:
         return ""
@@ -68,14 +68,14 @@ def explain(line: bytes) -> str:
 
 
 def _read(source: int, output: int) -> None:
-    said_s: dict[str, float] = {}
+    reported_s: dict[str, float] = {}
     with open(source, "rb") as lines:
         for line in lines:
             text = explain(line)
             if not text:
                 os.write(output, line)
-            elif time.monotonic() - said_s.get(text, float("-inf")) >= REPEAT_S:
-                if len(said_s) >= MAX_KINDS:
-                    said_s.clear()
-                said_s[text] = time.monotonic()
+            elif time.monotonic() - reported_s.get(text, float("-inf")) >= REPEAT_S:
+                if len(reported_s) >= MAX_KINDS:
+                    reported_s.clear()
+                reported_s[text] = time.monotonic()
                 _log.warning("%s", text)

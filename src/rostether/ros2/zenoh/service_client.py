@@ -23,7 +23,7 @@ ENDLESS_S = 7 * 24 * 3600.0
 # How long after its token a server's queryable may become known; on one machine it is a millisecond.
 REACH_S = 2.0
 
-# What a server says of its failure is a line for people.
+# A server's error is a line for people.
 MAX_ERROR_CHARACTERS = 2000
 
 
@@ -110,7 +110,7 @@ class ServiceClient:
         self._querier.undeclare()
 
     async def _reach(self, timeout_s: float | None) -> None:
-        """Wait until zenoh has a way to the server: its token may come before it."""
+        """Wait until zenoh has a route to the server: its token may come earlier."""
         limit_s = REACH_S if timeout_s is None else min(timeout_s, REACH_S)
         try:
             async with asyncio.timeout(limit_s):

@@ -23,7 +23,7 @@ from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
-# Pending calls of one service; a board answers one by one, so the last would wait too long.
+# Pending calls of one service; a board answers one by one, so more would wait too long.
 MAX_CALLS = 1000
 
 # Pending refusals; calls beyond them get no answer and end by the caller's time limit.
@@ -94,13 +94,13 @@ class ServiceServer:
     async def _answer(self, query: zenoh.Query, *, is_refused: bool) -> None:
         busy = f"service {self.service} is busy with {MAX_CALLS} calls: try again later"
         try:
-            say = _refusal(query, busy) if is_refused else await self._work(query)
+            reply = _refusal(query, busy) if is_refused else await self._work(query)
         except asyncio.CancelledError:
             last = _refusal(query, f"service {self.service} was shut down during the call")
             self._last_words.append(self._threads.submit(_finish, query, last))
             raise
         # An answer waits until its link has room, 5 s for a caller that hangs.
-        await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, say)
+        await asyncio.get_running_loop().run_in_executor(self._threads, _finish, query, reply)
 
     async def _work(self, query: zenoh.Query) -> Callable[[], object]:
         """Handle a call; returns the function that sends the response."""
@@ -123,10 +123,10 @@ def _refusal(query: zenoh.Query, text: str) -> Callable[[], object]:
     return partial(query.reply_err, text.encode("utf-8", "replace"))
 
 
-def _finish(query: zenoh.Query, say: Callable[[], object]) -> None:
+def _finish(query: zenoh.Query, reply: Callable[[], object]) -> None:
     """Send the response, in a thread."""
     with query:
         try:
-            say()
+            reply()
         except zenoh.ZError as error:
             _log.debug("an answer did not reach its caller: %s", error)

@@ -18,6 +18,7 @@ from rostether.names.graph_name import join
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.naming import validate_node_name
 from rostether.ros2.types.type_support import Ros2Types
+from rostether.ros2.zenoh.access_check import find_denied_topics
 from rostether.ros2.zenoh.configuration import (
     ROUTER_ENDPOINT,
     Reach,
@@ -47,6 +48,9 @@ FIRST_LOOK_TIMEOUT_S = 2.0
 # How long a session waits for its first connection, which zenoh does not; a router here takes 10 ms.
 FIRST_LINK_TIMEOUT_S = 0.5
 
+# By then the first topics of a program are there; rules about later ones are usually the same.
+ACCESS_CHECK_AFTER_S = 1.0
+
 LINK_POLL_S = 0.005
 
 # Publications that wait for room at a time, a thread each while they do; the others wait for a thread.
@@ -73,7 +77,7 @@ class ZenohSession:
         self.connects_to: tuple[str, ...] = ()
         # No thread before the first publication meets a full link.
         self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
-        # Of their own: the loop must not wait for a caller that hangs, nor a topic.
+        # A separate pool: neither the loop nor a topic may wait for a caller that hangs.
         self.call_threads = ThreadPoolExecutor(MAX_CALL_THREADS, "zenoh call")
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
@@ -96,7 +100,7 @@ class ZenohSession:
             try:
                 session = await _open(configuration := router_configuration(environment, reach))
             except MasterUnreachableError:
-                # Another process was quicker to take the place.
+                # Another process became the router first.
                 if reach.router is RouterChoice.ALWAYS or not await is_router_there():
                     raise
             else:
@@ -131,7 +135,7 @@ class ZenohSession:
         return graph
 
     def leave(self, graph: ZenohGraph) -> None:
-        """Forget a node that has left."""
+        """Remove a node that has left."""
         self._nodes.discard(graph)
 
     def next_id(self) -> int:
@@ -167,7 +171,7 @@ class ZenohSession:
         return found
 
     async def close(self) -> None:
-        """Let every node leave, and end. Idempotent."""
+        """Close every node, then the session. Idempotent."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -184,14 +188,14 @@ class ZenohSession:
 
     async def _start(self, configuration: zenoh.Config) -> ZenohSession:
         self.listens_on = endpoints_of(configuration, "listen")
-        # The usual place is known to be empty where nothing else runs.
+        # Without other programs, the usual place is known to be free.
         named = [each for each in endpoints_of(configuration, "connect") if each != ROUTER_ENDPOINT]
         self.connects_to = tuple(named)
         if not self.is_router:
             await self._wait_for_link()
         if named:
             # Beside the start: a machine that is off is given up only after a second.
-            self._asking = asyncio.ensure_future(self._report_unreachable(named, tls_of(configuration)))
+            self._asking = asyncio.ensure_future(self._report_faults(named, configuration))
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
@@ -213,6 +217,20 @@ class ZenohSession:
     def _is_linked(self) -> bool:
         info = self.zenoh.info
         return bool(info.routers_zid() or info.peers_zid())
+
+    async def _report_faults(self, named: Sequence[str], configuration: zenoh.Config) -> None:
+        await self._report_unreachable(named, tls_of(configuration))
+        await asyncio.sleep(ACCESS_CHECK_AFTER_S)
+        for endpoint in named if self._is_linked() else ():
+            ends = [end for _, end in self.graph.all_endpoints() if end.session_id == self.session_id]
+            denied = await find_denied_topics(configuration, endpoint, self.domain_id, ends)
+            if denied:
+                _log.warning(
+                    "access denied: the router at %s does not carry %s for this program; its access_control "
+                    "section decides",
+                    endpoint,
+                    ", ".join(denied),
+                )
 
     async def _report_unreachable(self, named: Sequence[str], tls: Mapping[str, Any]) -> None:
         """Report once which of the endpoints that the user named cannot be reached, and why."""
@@ -245,7 +263,7 @@ class LiveToken:
         session.apply_own_token(self.text, is_there=True)
 
     def withdraw(self) -> None:
-        """Announce that it is gone. Call it once."""
+        """Withdraw the token. Call it once."""
         self._declared.undeclare()
         self._session.apply_own_token(self.text, is_there=False)
 

@@ -2,46 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 
 import zenoh
 from zenoh import ext
 
-from rostether.errors import RostetherError, SerializationError
+from rostether.errors import SerializationError
 from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
-from rostether.graph.ports import Level, OnMessages
+from rostether.graph.ports import Level, OnConnection, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
+from rostether.ros2.zenoh.learnt_types import Describe, LearntTypes
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
-# What a subscriber asks of a latched publisher's past: ROS 1's latch has one message.
+# The past messages that a subscriber requests of a latched publisher: ROS 1's latch has one.
 LATCHED_SAMPLES = 1
 
-# Types that a subscriber of any type learns; one topic has one type, and a peer may make up names.
-MAX_LEARNT_TYPES = 64
-
 Report = Callable[[Level, str], None]
-OnConnection = Callable[[Mapping[str, str]], None]
 
 
 @dataclass(frozen=True, slots=True)
 class Taker:
-    """Who takes what a subscription hands on."""
+    """The receiver of a subscription's messages."""
 
     on_messages: OnMessages
     on_connection: OnConnection | None
     on_close: Callable[[Subscription], None]
     report: Report
+    describe: Describe | None = None
 
 
 class Subscription:
@@ -65,14 +63,14 @@ class Subscription:
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
-        # Whose sample it is: looked up only where nodes are left out.
+        # The sender of a sample: looked up only if nodes are left out.
         self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
         self._is_closed = False
         self._reported = False
         self._undecodable_count = 0
         self._publishers: set[Token] = set()
-        self._learnt: dict[str, MessageSupport | None] = {}
+        self._is_paused = False
         self._tokens: dict[str, LiveToken] = {}
         domain_id = node.session.domain_id
         if support is None:
@@ -82,6 +80,14 @@ class Subscription:
             self._mismatches = Mismatches(topic, support, taker.report)
             self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
         self._queue: Handover[tuple[str, bytes, bytes]] = Handover(self._take, limit=DEFAULT_QUEUE_BYTES)
+        self._learnt = LearntTypes(
+            topic,
+            node.session.types,
+            describe=taker.describe,
+            report=taker.report,
+            on_waiting=self._queue.pause,
+            on_found=self._learn,
+        )
         # Publishers that are not latched keep no history, so that asking for it costs nothing then.
         self._subscriber = ext.declare_advanced_subscriber(
             node.session.zenoh,
@@ -103,22 +109,26 @@ class Subscription:
 
     @property
     def dropped_count(self) -> int:
-        """How many messages came faster than they were taken, or did not fit their type."""
+        """How many messages arrived too fast, or did not fit their type."""
         return self._queue.dropped_count + self._undecodable_count
 
     def pause(self) -> None:
-        """Hand nothing on; what comes waits, the oldest goes when there is too much."""
+        """Pass nothing on; messages wait, and the oldest are dropped if there are too many."""
+        self._is_paused = True
         self._queue.pause()
 
     def resume(self) -> None:
-        """Hand on again."""
-        self._queue.resume()
+        """Pass messages on again."""
+        self._is_paused = False
+        if not self._learnt.is_waiting:
+            self._queue.resume()
 
     async def close(self) -> None:
         """Unsubscribe. Idempotent; no callback runs after it returns."""
         if self._is_closed:
             return
         self._is_closed = True
+        self._learnt.close()
         self._queue.close()
         self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._look)
         self._publishers = set()
@@ -198,45 +208,24 @@ class Subscription:
 
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
-            return self._learn(end.type, end.type_hash)
+            return self._learnt.find(end.type, end.type_hash, end.node_name)
         is_ours = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
         return self._support if is_ours else None
 
     def _of_key(self, key: str) -> MessageSupport | None:
         _, type_name, type_hash = key.rsplit("/", 2)
-        is_new = f"{type_name}/{type_hash}" not in self._learnt
-        support = self._learn(type_name, type_hash)
+        is_new = not self._learnt.has(type_name, type_hash)
+        support = self._learnt.find(type_name, type_hash)
         if is_new and support is not None:
             # A publisher without a token.
             self._connect(support, "", DEFAULT_QOS)
         return support
 
-    def _learn(self, type_name: str, type_hash: str) -> MessageSupport | None:
-        key = f"{type_name}/{type_hash}"
-        if key not in self._learnt:
-            if len(self._learnt) >= MAX_LEARNT_TYPES:
-                return None
-            self._learnt[key] = self._find(type_name, type_hash)
-        return self._learnt[key]
-
-    def _find(self, type_name: str, type_hash: str) -> MessageSupport | None:
-        name = type_of_dds_name(type_name)
-        try:
-            if not name:
-                raise SerializationError(f"{type_name!r:.200} is not the name of a type")
-            support = self._node.session.types.by_name(name)
-        except RostetherError as error:
-            self._taker.report(Level.WARN, f"cannot receive {self.topic}: {error}")
-            return None
-        if support.type_hash not in (type_hash, ANY_HASH) and type_hash.startswith("RIHS"):
-            self._taker.report(
-                Level.WARN,
-                f"cannot receive {self.topic}: its {name} is not the known one ({type_hash:.80}, not "
-                f"{support.type_hash}); set ROS_DISTRO to its distribution, or give its definition with "
-                f"--msg-path",
-            )
-            return None
-        return support
+    def _learn(self) -> None:
+        """Continue with the types that a node has described."""
+        self._look()
+        if not self._is_paused and not self._learnt.is_waiting:
+            self._queue.resume()
 
     def _declare_token(self, support: MessageSupport) -> None:
         if support.name not in self._tokens and support.type_hash != ANY_HASH:

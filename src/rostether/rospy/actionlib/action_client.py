@@ -1,4 +1,4 @@
-"""actionlib.ActionClient: sends goals, follows each by the server's statuses, results and feedback."""
+"""actionlib.ActionClient: sends goals and follows the status, result and feedback of each."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class ActionClient:
         transition_cb: Callable[[ClientGoalHandle], object] | None,
         feedback_cb: Callable[[ClientGoalHandle, Any], object] | None,
     ) -> ClientGoalHandle:
-        """Make a handle of a goal that is still to be sent: the server may be quicker than who sends it."""
+        """Create a handle before the goal is sent: the server may answer before the call returns."""
         stamp = Time.now()
         goal_id = GoalID(id=f"{get_caller_id()}-{next(_numbers)}-{stamp.to_sec():.3f}", stamp=stamp)
         action_goal = self.ActionGoal(goal_id=goal_id, goal=goal)
@@ -94,11 +94,11 @@ class ActionClient:
         self.pub_cancel.publish(GoalID())
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Ask the server to cancel what was sent until then."""
+        """Ask the server to cancel the goals sent until then."""
         self.pub_cancel.publish(GoalID(stamp=time))
 
     def wait_for_server(self, timeout: Any = 0.0) -> bool:
-        """Wait until a server is there and connected, at most `timeout` unless that is zero."""
+        """Wait until a server is connected, at most `timeout` (zero: without a limit)."""
         limit = as_duration(timeout)
         deadline = get_rostime() + limit
         while not is_shutdown():
@@ -146,7 +146,7 @@ class ActionClient:
 
 
 def queue_size(parameter: str) -> int | None:
-    """Return a queue's size as a parameter gives it; None where it gives none."""
+    """Return a queue's size from a parameter, or None."""
     size = get_param(parameter, -1)
     return size if isinstance(size, int) and size > 0 else None
 

@@ -1,4 +1,4 @@
-"""actionlib.ActionServer: takes goals and cancel requests, keeps the list of goals and publishes it."""
+"""actionlib.ActionServer: receives goals and cancel requests, and publishes the list of goals."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from rostether.rospy.client.subscriber import Subscriber
 
 DEFAULT_QUEUE_SIZE = 50
 DEFAULT_STATUS_HZ = 5.0
-# How long a goal stays in the list after its end, so that its client receives the result.
+# How long an ended goal stays in the list, so that its client receives the result.
 DEFAULT_LISTED_S = 5.0
 
-# Goals and cancel requests that a list holds: beyond it the oldest that has ended goes early.
+# The most goals and cancel requests in a list; beyond it, the oldest ended goal is removed early.
 MAX_LISTED = 10_000
 
 _CANCELLED_BEFORE = (
@@ -33,7 +33,7 @@ _CANCELLED_BEFORE = (
 
 
 def no_cancel(goal_handle: ServerGoalHandle) -> None:
-    """Take no notice of a cancel request."""
+    """Ignore a cancel request."""
 
 
 class ActionServer:
@@ -102,7 +102,7 @@ class ActionServer:
             endpoint.unregister()
 
     def initialize(self) -> None:
-        """Make publishers, subscribers and the timer of the status list; `start` does it."""
+        """Create publishers, subscribers and the timer of the status list; `start` calls it."""
         name = remap_name(self.ns)
         size = queue_size("actionlib_server_pub_queue_size") or DEFAULT_QUEUE_SIZE
         self.status_pub = Publisher(f"{name}/status", GoalStatusArray, latch=True, queue_size=size)
@@ -141,7 +141,7 @@ class ActionServer:
             self.publish_status()
 
     def publish_feedback(self, status: Any, feedback: Any) -> None:
-        """Publish how far a goal is."""
+        """Publish the progress of a goal."""
         with self.lock:
             message = self.ActionFeedback(status=status, feedback=feedback)
             message.header.stamp = Time.now()
@@ -185,7 +185,7 @@ class ActionServer:
                 self.goal_callback(handle)
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
-        """Take a cancel request: of one goal, of all until a time, or of all."""
+        """Handle a request to cancel one goal, all goals until a time, or all goals."""
         with self.lock:
             if not self.started:
                 return

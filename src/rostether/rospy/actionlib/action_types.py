@@ -1,4 +1,4 @@
-"""What clients and servers of actions share: the parts of an action's type, names of states, errors."""
+"""The common part of action clients and servers: the parts of a type, names of states, errors."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ GoalStatusArray: Any = all_types().message_class("actionlib_msgs/GoalStatusArray
 
 
 class ActionException(Exception):  # noqa: N818 - the name is actionlib's
-    """A type that is no action."""
+    """The type is not an action."""
 
 
 @dataclass(frozen=True, slots=True)
 class ActionParts:
-    """The classes that an action's class `NameAction` is made of."""
+    """The classes that make up an action's class `NameAction`."""
 
     goal: type[Message]
     result: type[Message]

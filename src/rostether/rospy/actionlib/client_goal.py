@@ -1,4 +1,4 @@
-"""One goal as its client follows it."""
+"""One goal, on the client's side."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MAY_BE_UNKNOWN = (CommState.WAITING_FOR_GOAL_ACK, CommState.WAITING_FOR_RESULT)
 
 
 class FollowedGoal:
-    """A goal's state machine; callbacks run in the thread that brings the news, one at a time."""
+    """A goal's state machine; callbacks run in the thread that received the message, one at a time."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class FollowedGoal:
                 self.transition_to(CommState.WAITING_FOR_CANCEL_ACK)
 
     def note_status(self, status: Any) -> None:
-        """Follow a status of the server's list; None where the list does not have this goal."""
+        """Apply a status of the server's list; None if the list does not contain this goal."""
         with self.mutex:
             if self.state == CommState.DONE:
                 return
@@ -58,7 +58,7 @@ class FollowedGoal:
                 self.transition_to(CommState.DONE)
 
     def note_result(self, action_result: Any) -> None:
-        """Take the result; the goal is done with it."""
+        """Apply the result, which ends the goal."""
         with self.mutex:
             self.latest_goal_status = action_result.status
             self.latest_result = action_result
@@ -69,7 +69,7 @@ class FollowedGoal:
             self.transition_to(CommState.DONE)
 
     def note_feedback(self, action_feedback: Any) -> None:
-        """Pass feedback on."""
+        """Pass feedback to the callback."""
         if self._feedback_cb is not None and self.state != CommState.DONE:
             self._feedback_cb(ClientGoalHandle(self), action_feedback.feedback)
 
@@ -125,16 +125,16 @@ class ClientGoalHandle:
         return int(self.comm_state_machine.latest_goal_status.status)
 
     def get_goal_status_text(self) -> str:
-        """Return the server's last word on it."""
+        """Return the text of the server's last status."""
         return str(self.comm_state_machine.latest_goal_status.text)
 
     def get_result(self) -> Any:
-        """Return the result, None where there is none yet."""
+        """Return the result, or None before the end."""
         latest = self.comm_state_machine.latest_result
         return None if latest is None else latest.result
 
     def get_terminal_state(self) -> int:
-        """Return how the goal has ended; LOST where it has not."""
+        """Return how the goal ended; LOST before the end."""
         goal = self.comm_state_machine
         with goal.mutex:
             if goal.state != CommState.DONE:

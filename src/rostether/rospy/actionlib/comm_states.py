@@ -1,4 +1,4 @@
-"""How a goal stands between client and server, and through which states a server's word brings it."""
+"""The states of a goal between client and server, and the transitions that a server's status causes."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING
 
 _Ways = dict[int, tuple[int, ...]]
 
-# What leads from a pending goal to each status; states that were too short to be published are included,
+# The states from a pending goal to each status; states that were too short to be published are included,
 # because programs rely on them.
 _FROM_PENDING: _Ways = {
     GoalStatus.PENDING: (),

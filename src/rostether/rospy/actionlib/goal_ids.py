@@ -1,4 +1,4 @@
-"""Ids of goals that came without one."""
+"""Ids for goals without one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class GoalIDGenerator:
         self.name = get_name() if name is None else name
 
     def set_name(self, name: str) -> None:
-        """Take another name."""
+        """Change the name."""
         self.name = name
 
     def generate_ID(self) -> Any:  # noqa: N802 - the name is actionlib's

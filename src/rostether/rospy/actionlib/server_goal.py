@@ -1,4 +1,4 @@
-"""One goal as its server works on it: its status, and what the program says of it."""
+"""One goal on the server's side: its status, and the program's handle of it."""
 
 from __future__ import annotations
 
@@ -29,8 +29,9 @@ class ServedGoal:
     def __init__(self, goal_id: Any = None, status: int = GoalStatus.PENDING, goal: Any = None) -> None:
         self.goal = goal
         self.status: Any = GoalStatus(goal_id=goal_id or goal.goal_id, status=status)
+
+        # When it ended, zero before that; it stays in the list for some time.
         self.ended_at = Time()
-        """When it ended; zero while it lives. It is listed for some time after that."""
         if not self.status.goal_id.id:
             self.status.goal_id = GoalIDGenerator().generate_ID()
         if goal is not None and not self.status.goal_id.stamp:
@@ -38,7 +39,7 @@ class ServedGoal:
 
 
 class ServerGoalHandle:
-    """What an ActionServer's program holds of a goal; one without a goal can do nothing."""
+    """A program's handle of a goal; an empty handle does nothing."""
 
     def __init__(
         self, status_tracker: ServedGoal | None = None, action_server: ActionServer | None = None
@@ -60,7 +61,7 @@ class ServerGoalHandle:
         return None if self.action_server is None else self.action_server.ActionResultType()
 
     def get_goal(self) -> Any:
-        """Return the goal, None without one."""
+        """Return the goal, or None for an empty handle."""
         return None if self.goal is None else self.goal.goal
 
     def get_goal_id(self) -> Any:
@@ -74,7 +75,7 @@ class ServerGoalHandle:
         return GoalStatus() if found is None else found[1].status
 
     def set_accepted(self, text: str = "") -> None:
-        """Begin to work on it: ACTIVE, or PREEMPTING where it is to be cancelled already."""
+        """Start work on it: ACTIVE, or PREEMPTING after a cancel request."""
         self._change(_ACCEPTED, "an active state, the goal must be in a pending or recalling state", text)
 
     def set_canceled(self, result: Any = None, text: str = "") -> None:
@@ -103,7 +104,7 @@ class ServerGoalHandle:
             found[0].publish_feedback(found[1].status, feedback)
 
     def set_cancel_requested(self) -> bool:
-        """Note that it is to be cancelled; False where that makes no difference."""
+        """Record a cancel request; False if that changes nothing."""
         found = self._found("cancel")
         if found is None:
             return False

@@ -16,12 +16,12 @@ from rostether.rospy.client.names import resolve_name
 from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.shutdown import is_shutdown
 
-# How often a wait looks at the clock, which may be simulated.
+# How often a wait checks the clock, which may be simulated.
 _POLL_S = 0.1
 
 
 class SimpleGoalState:
-    """How a SimpleActionClient's goal stands."""
+    """The state of a SimpleActionClient's goal."""
 
     PENDING = 0
     ACTIVE = 1
@@ -43,7 +43,7 @@ class SimpleActionClient:
         self.feedback_cb: Callable[[Any], object] | None = None
 
     def wait_for_server(self, timeout: Any = 0.0) -> bool:
-        """Wait until a server is there and connected; False when it took too long."""
+        """Wait until a server is connected; returns False at the timeout."""
         return self.action_client.wait_for_server(timeout)
 
     def send_goal(
@@ -68,7 +68,7 @@ class SimpleActionClient:
         execute_timeout: Any = 0.0,
         preempt_timeout: Any = 0.0,
     ) -> int:
-        """Send a goal, wait for its end, and cancel it when that takes too long. Returns its status."""
+        """Send a goal, wait for its end, and cancel it at the timeout. Returns its status."""
         self.send_goal(goal)
         if not self.wait_for_result(execute_timeout):
             logdebug("Canceling goal")
@@ -78,7 +78,7 @@ class SimpleActionClient:
         return self.get_state()
 
     def wait_for_result(self, timeout: Any = 0.0) -> bool:
-        """Wait for the goal's end; False when it took too long."""
+        """Wait for the goal's end; returns False at the timeout."""
         if self.gh is None:
             logerr("Called wait_for_result when no goal exists")
             return False
@@ -96,7 +96,7 @@ class SimpleActionClient:
         return self.simple_state == SimpleGoalState.DONE
 
     def get_result(self) -> Any:
-        """Return the result, None where there is none."""
+        """Return the result, or None."""
         if self.gh is None:
             logerr("Called get_result when no goal is running")
             return None
@@ -111,7 +111,7 @@ class SimpleActionClient:
         return int(seen_as.get(status, status))
 
     def get_goal_status_text(self) -> str:
-        """Return the server's last word on the goal."""
+        """Return the text of the server's last status of the goal."""
         if self.gh is None:
             logerr("Called get_goal_status_text when no goal is running")
             return "ERROR: Called get_goal_status_text when no goal is running"
@@ -122,7 +122,7 @@ class SimpleActionClient:
         self.action_client.cancel_all_goals()
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Ask the server to cancel what was sent until then."""
+        """Ask the server to cancel the goals sent until then."""
         self.action_client.cancel_goals_at_and_before_time(time)
 
     def cancel_goal(self) -> None:
@@ -131,7 +131,7 @@ class SimpleActionClient:
             self.gh.cancel()
 
     def stop_tracking_goal(self) -> None:
-        """Forget the goal; it is not cancelled."""
+        """Stop following the goal; it is not cancelled."""
         self.gh = None
 
     def _handle_transition(self, handle: ClientGoalHandle) -> None:
@@ -149,9 +149,9 @@ class SimpleActionClient:
                 if self.active_cb is not None:
                     self.active_cb()
             elif self.simple_state == SimpleGoalState.DONE:
-                self._tell_misfit(state)
+                self._report_misfit(state)
         elif state == CommState.RECALLING and self.simple_state != SimpleGoalState.PENDING:
-            self._tell_misfit(state)
+            self._report_misfit(state)
 
     def _end(self, handle: ClientGoalHandle) -> None:
         try:
@@ -159,7 +159,7 @@ class SimpleActionClient:
                 self.done_cb(handle.get_goal_status(), handle.get_result())
         finally:
             with self.done_condition:
-                # Where done_cb has sent the next goal, that one is not done.
+                # If done_cb has sent the next goal, that one is not done.
                 if self.gh is None or self.gh == handle:
                     self.simple_state = SimpleGoalState.DONE
                 self.done_condition.notify_all()
@@ -172,7 +172,7 @@ class SimpleActionClient:
         elif self.feedback_cb is not None:
             self.feedback_cb(feedback)
 
-    def _tell_misfit(self, state: int) -> None:
+    def _report_misfit(self, state: int) -> None:
         logerr(
             "Received comm state %s when in simple state %s with SimpleActionClient in NS %s",
             CommState.to_string(state),

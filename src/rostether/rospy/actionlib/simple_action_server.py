@@ -13,7 +13,7 @@ from rostether.rospy.actionlib.server_goal import ServerGoalHandle
 from rostether.rospy.client.logs import logdebug, logerr, logwarn
 from rostether.rospy.client.shutdown import is_shutdown
 
-# How often the thread that executes goals looks whether the node is shut down.
+# How often the thread that executes goals checks for a shutdown.
 _POLL_S = 0.1
 
 _ANOTHER_CAME = "This goal was canceled because another goal was received by the simple action server"
@@ -21,7 +21,7 @@ _ACCEPTED = "This goal has been accepted by the simple action server"
 
 
 class SimpleActionServer:
-    """A server that runs `execute_cb(goal)` in a thread of its own, or hands goals out as they are asked for.
+    """A server that runs `execute_cb(goal)` in its own thread, or returns goals on request.
 
     Its lock is taken after that of its `action_server`, never before.
     """
@@ -54,11 +54,11 @@ class SimpleActionServer:
             self.execute_thread.start()
 
     def start(self) -> None:
-        """Begin to take goals, where `auto_start` is False."""
+        """Start to receive goals if `auto_start` is False."""
         self.action_server.start()
 
     def accept_new_goal(self) -> Any:
-        """Begin with the newest goal and return it, None where there is none; the one before is cancelled."""
+        """Start and return the newest goal, or None; the previous goal is cancelled."""
         with self.action_server.lock, self.lock:
             if not self.new_goal or self.next_goal.get_goal() is None:
                 logerr("Attempting to accept the next goal when a new goal is not available")
@@ -77,11 +77,11 @@ class SimpleActionServer:
         return self.new_goal
 
     def is_preempt_requested(self) -> bool:
-        """Return whether the current goal is to be given up."""
+        """Return whether the current goal should be cancelled."""
         return self.preempt_request
 
     def is_active(self) -> bool:
-        """Return whether a goal is being worked on."""
+        """Return whether a goal is active."""
         if self.current_goal.get_goal() is None:
             return False
         return self.current_goal.get_goal_status().status in (GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
@@ -110,7 +110,7 @@ class SimpleActionServer:
         return self.action_server.ActionResultType()
 
     def register_goal_callback(self, cb: Callable[[], object]) -> None:
-        """Call a function when a goal comes, without `execute_cb`."""
+        """Call a function when a goal arrives, without `execute_cb`."""
         if self.execute_callback is not None:
             logwarn(
                 "Cannot call SimpleActionServer.register_goal_callback() because an executeCallback exists. "
@@ -120,7 +120,7 @@ class SimpleActionServer:
             self.goal_callback = cb
 
     def register_preempt_callback(self, cb: Callable[[], object]) -> None:
-        """Call a function when the current goal is to be given up."""
+        """Call a function when the current goal should be cancelled."""
         self.preempt_callback = cb
 
     def internal_goal_callback(self, goal: ServerGoalHandle) -> None:
@@ -132,7 +132,7 @@ class SimpleActionServer:
                 logerr("SimpleActionServer.internal_goal_callback - exception %s", error)
 
     def internal_preempt_callback(self, preempt: ServerGoalHandle) -> None:
-        """Take a request to give a goal up."""
+        """Handle a request to cancel a goal."""
         with self.lock:
             if preempt == self.current_goal:
                 self._request_preemption()

@@ -1,4 +1,4 @@
-"""rosbag.Bag: bags read and written by scripts, as rosbag's Python does it.
+"""rosbag.Bag: lets scripts read and write bags, like rosbag's Python module.
 
 Recordings of other formats, MCAP and ROS 2's, are read as well. Source: wiki.ros.org/rosbag/Code API
 """
@@ -42,7 +42,7 @@ VERSION = 200
 
 
 class Bag:
-    """A bag opened to be read (`r`), written (`w`) or continued (`a`)."""
+    """A bag opened for reading (`r`), writing (`w`) or appending (`a`)."""
 
     def __init__(
         self,
@@ -108,17 +108,17 @@ class Bag:
 
     @property
     def options(self) -> dict[str, Any]:
-        """How chunks are made."""
+        """The options of the chunks."""
         return {"compression": self._compression, "chunk_threshold": self._chunk_threshold}
 
     @property
     def compression(self) -> str:
-        """How chunks are compressed that are written."""
+        """The compression of written chunks."""
         return str(self._compression)
 
     @property
     def chunk_threshold(self) -> int:
-        """At how many bytes a chunk is full."""
+        """The size of a full chunk in bytes."""
         return int(self._chunk_threshold)
 
     @property
@@ -168,7 +168,7 @@ class Bag:
         raw: bool = False,
         connection_header: Mapping[str, str | bytes] | None = None,
     ) -> None:
-        """Write a message with a time, that of the wall clock when there is none."""
+        """Write a message with a time (default: the wall clock)."""
         if self._writer is None:
             raise ValueError(_CLOSED) if self._reader is None else UnsupportedOperation("write")
         if not topic or msg is None:
@@ -185,7 +185,7 @@ class Bag:
             raise ROSBagException(str(error)) from None
 
     def flush(self) -> None:
-        """Hand all that was written to the operating system."""
+        """Flush everything written to the operating system."""
         if self._writer is not None:
             self._writer.flush()
 
@@ -204,7 +204,7 @@ class Bag:
             reader.close()
 
     def reindex(self) -> Iterator[int]:
-        """Repair a bag that was not closed; yields the progress, as rosbag's does."""
+        """Repair a bag that was not closed; yields the progress."""
         yield 0
         if self._reader is not None:
             self._reader.close()
@@ -213,7 +213,7 @@ class Bag:
         yield self.size
 
     def get_message_count(self, topic_filters: Any = None) -> int:
-        """Return how many messages there are, of some topics or all."""
+        """Return the number of messages, of some topics or all."""
         names = _names(topic_filters)
         with self._facts() as reader:
             counts = reader.counts
@@ -233,7 +233,7 @@ class Bag:
             return types_and_topics(reader, _names(topic_filters))
 
     def get_compression_info(self) -> CompressionTuple:
-        """Return how most chunks are compressed, and the bytes of all before and after."""
+        """Return the most frequent compression, and the bytes of all chunks before and after it."""
         with self._facts() as reader:
             return compression_of(reader)
 
@@ -256,7 +256,7 @@ class Bag:
             raise ROSBagException(str(error)) from None
 
     def _continue(self, path: Path) -> None:
-        """Write what is there to a new file, which takes its place when it is closed."""
+        """Copy the bag to a new file, which replaces it at the close."""
         reader = self._open(path)
         writer = self._create(path.with_name(f".{path.name}.unfinished"))
         for message in reader.messages():

@@ -6,7 +6,7 @@ from typing import Any
 
 
 class ROSBagException(Exception):  # noqa: N818 - the name is rosbag's
-    """Root of rosbag's errors."""
+    """The base of rosbag's errors."""
 
     def __init__(self, value: str | None = None) -> None:
         self.value = value
@@ -17,7 +17,7 @@ class ROSBagException(Exception):  # noqa: N818 - the name is rosbag's
 
 
 class ROSBagFormatException(ROSBagException):
-    """The file is no bag, or broken."""
+    """The file is not a bag, or is damaged."""
 
 
 class ROSBagUnindexedException(ROSBagException):

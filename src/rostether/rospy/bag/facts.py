@@ -1,4 +1,4 @@
-"""What rosbag's Python gives of a bag: its messages, and facts about it as a whole."""
+"""The results of rosbag's Python module: messages, and facts about a bag."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Compression:
 
 
 class BagMessage(NamedTuple):
-    """One message of a bag, and when it was received."""
+    """One message of a bag, and the time of its arrival."""
 
     topic: str
     message: Any

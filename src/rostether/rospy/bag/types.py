@@ -1,4 +1,4 @@
-"""The classes of a bag's messages: this process' own where they are the same, else those of the bag."""
+"""The classes of a bag's messages: this process's own for the same types, else those of the bag."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class BagTypes:
         self._classes: dict[MessageType, type[Message]] = {}
 
     def class_of(self, kind: MessageType) -> type[Message]:
-        """Return a type's class. Raises ROSBagException for one that cannot be read."""
+        """Return a type's class. Raises ROSBagException if it cannot be read."""
         found = self._classes.get(kind)
         if found is None:
             try:
@@ -37,14 +37,14 @@ def header_of(connection: Connection) -> dict[str, bytes]:
 
 
 def with_header(topic: str, kind: MessageType, header: Mapping[str, str | bytes]) -> Connection:
-    """Return the connection of a topic to which a script gave a header."""
+    """Return the connection of a topic with a header from a script."""
 
     given = {
         str(name): value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else str(value)
         for name, value in header.items()
     }
-    told = {"type": kind.name, "md5sum": kind.md5sum, "message_definition": kind.definition}
-    return Connection.from_fields(topic, given | told)
+    known = {"type": kind.name, "md5sum": kind.md5sum, "message_definition": kind.definition}
+    return Connection.from_fields(topic, given | known)
 
 
 def raw_parts(message: Any) -> tuple[MessageType, bytes]:

@@ -1,4 +1,4 @@
-"""init_node, spin and what else a rospy program begins with."""
+"""init_node, spin, and other functions that a rospy program starts with."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def init_node(  # noqa: PLR0913 - as rospy.init_node
     xmlrpc_port: int = 0,
     tcpros_port: int = 0,
 ) -> None:
-    """Become a node of the graph; waits for the master. Every call after the first must be the same.
+    """Join the graph as a node; waits for the master. Later calls must have the same arguments.
 
     Raises ROSInitException, ValueError for a name that is empty or has a namespace, ROSException.
     """

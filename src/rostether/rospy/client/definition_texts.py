@@ -1,4 +1,4 @@
-"""rosmsg, as programs use it: the names and texts of definitions."""
+"""The functions of rosmsg for programs: the names and texts of definitions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def list_srvs(package: str, rospack: object = None) -> list[str]:
 
 
 def get_msg_text(type_: str, raw: bool = False, rospack: object = None) -> str:
-    """Return a message's definition as it is written. Raises ROSMsgException."""
+    """Return the text of a message's definition. Raises ROSMsgException."""
     try:
         return all_types().registry.message(type_).text
     except (UnknownTypeError, DefinitionError) as error:
@@ -29,7 +29,7 @@ def get_msg_text(type_: str, raw: bool = False, rospack: object = None) -> str:
 
 
 def get_srv_text(type_: str, raw: bool = False, rospack: object = None) -> str:
-    """Return a service's definition as it is written. Raises ROSMsgException."""
+    """Return the text of a service's definition. Raises ROSMsgException."""
     try:
         service = all_types().registry.service(type_)
     except (UnknownTypeError, DefinitionError) as error:

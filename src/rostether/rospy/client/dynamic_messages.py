@@ -1,4 +1,4 @@
-"""genpy.dynamic: classes of messages whose definition is a text, as a bag or a connection has it."""
+"""genpy.dynamic: message classes made from the text of a definition, as bags and connections contain it."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class ROSInterruptException(ROSException, KeyboardInterrupt):
 
 
 class ROSTimeMovedBackwardsException(ROSInterruptException):
-    """ROS time went back while something slept; `time` is by how many seconds."""
+    """ROS time went back during a sleep; `time` is the jump in seconds."""
 
     def __init__(self, time: float) -> None:
         self.time = time
@@ -34,7 +34,7 @@ class ROSTimeMovedBackwardsException(ROSInterruptException):
 
 
 class ROSInternalException(Exception):
-    """Root of what rospy does not show to its user."""
+    """The base of errors that rospy does not show to its users."""
 
 
 class TransportException(ROSInternalException):
@@ -50,8 +50,8 @@ class TransportInitError(TransportException):
 
 
 class ServiceException(Exception):
-    """A service call failed, or a handler says that it cannot answer."""
+    """A service call failed, or a handler cannot answer."""
 
 
 class ParameterInvalid(Exception):
-    """An argument that makes no sense."""
+    """An invalid argument."""

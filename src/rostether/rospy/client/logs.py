@@ -28,7 +28,9 @@ _NAMES = {DEBUG: "DEBUG", INFO: "INFO", WARN: "WARN", ERROR: "ERROR", FATAL: "FA
 _COLORS = {DEBUG: "\033[32m", WARN: "\033[33m", ERROR: "\033[31m", FATAL: "\033[31m"}
 _FORMAT = "[${severity}] [${time}]: ${message}"
 _FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
-_BYTES_A_FILE = 50_000_000  # as rospy: what a node that logs in a loop may leave on the disk, five times
+
+# As rospy: what a node that logs in a loop may leave on the disk, five times.
+_BYTES_A_FILE = 50_000_000
 _FILES_KEPT = 4
 
 _rosout_logger = logging.getLogger("rosout")
@@ -38,9 +40,9 @@ _logged_once: set[Any] = set()
 
 
 class TerminalHandler(logging.Handler):
-    """Prints as rospy does: information on standard output, warnings and worse on standard error.
+    """Prints as rospy does: information on standard output, warnings and errors on standard error.
 
-    ROSCONSOLE_FORMAT may give another form. `simulated_time` returns ROS time where it is not the clock's.
+    ROSCONSOLE_FORMAT changes the format. `simulated_time` returns ROS time where it is not the clock's.
     """
 
     def __init__(self, simulated_time: Callable[[], float | None]) -> None:
@@ -83,7 +85,7 @@ class RosoutHandler(logging.Handler):
         self._inside = threading.local()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish one record; what goes wrong in it is not logged in turn."""
+        """Publish one record; its own errors are not logged."""
         if getattr(self._inside, "flag", False):
             return
         self._inside.flag = True
@@ -96,7 +98,7 @@ class RosoutHandler(logging.Handler):
 
 
 def configure(simulated_time: Callable[[], float | None], log_level: int | None) -> None:
-    """Begin to print, and to write the file that `__log:=` names. Idempotent."""
+    """Start to print, and to write the file that `__log:=` names. Idempotent."""
     if not any(isinstance(handler, TerminalHandler) for handler in _rosout_logger.handlers):
         _rosout_logger.addHandler(TerminalHandler(simulated_time))
         if file := names.mappings.get("__log"):
@@ -112,7 +114,7 @@ def configure(simulated_time: Callable[[], float | None], log_level: int | None)
 
 
 def publish_logs(handler: RosoutHandler) -> None:
-    """Begin to publish logs on /rosout."""
+    """Start to publish logs on /rosout."""
     _rosout_logger.addHandler(handler)
 
 
@@ -156,7 +158,7 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
 
 
 def _place() -> tuple[str, int, int]:
-    """Return what tells one log statement of a program from the others."""
+    """Return what identifies a log statement of a program."""
     frame = sys._getframe(2)
     return frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
 
@@ -191,7 +193,7 @@ def _family(level: int) -> tuple[Callable[..., None], ...]:
             _log(level, msg, args, kwargs)
 
     def log_throttle_identical(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log at once when the text is another one, else at most once in `period` seconds."""
+        """Log a new text at once, the same text at most once in `period` seconds."""
         place = _place()
         is_due = _is_due(place, period)
         if _is_new_text(place, msg) or is_due:

@@ -1,4 +1,4 @@
-"""Messages as genpy makes them: positional or keyword fields, `serialize`, `deserialize`, printed as YAML.
+"""Messages like genpy's: positional or keyword fields, `serialize`, `deserialize`, printed as YAML.
 
 They are serde's messages underneath, so that one compiled codec reads and writes them.
 """
@@ -18,7 +18,7 @@ from rostether.serde.values import Message as _SerdeMessage
 
 
 class MessageException(Exception):  # noqa: N818 - the name is genpy's
-    """Root of genpy's errors."""
+    """The base of genpy's errors."""
 
 
 class SerializationError(MessageException):
@@ -64,7 +64,7 @@ class Message(_SerdeMessage):
         buff.write(self._to_bytes())
 
     def deserialize(self, str: bytes) -> Message:  # noqa: A002 - the name is genpy's
-        """Take the fields from the wire form. Raises DeserializationError."""
+        """Read the fields from the wire form. Raises DeserializationError."""
         try:
             found = self._codec.decode(bytes(str))
         except _Misfit as error:
@@ -78,7 +78,7 @@ class Message(_SerdeMessage):
         self.serialize(buff)
 
     def deserialize_numpy(self, str: bytes, numpy: Any) -> Message:  # noqa: A002
-        """Take the fields from the wire form, arrays of numbers as numpy arrays."""
+        """Read the fields from the wire form, arrays of numbers as numpy arrays."""
         self.deserialize(str)
         _arrays_to_numpy(self, self._codec.tree, numpy)
         return self
@@ -126,7 +126,7 @@ class Message(_SerdeMessage):
 
 
 class AnyMsg(Message):
-    """A message of any type, as its bytes in `_buff`; it can be passed on, not read."""
+    """A message of any type as bytes in `_buff`; it can be published again, but not read."""
 
     __slots__ = ("_buff",)
 
@@ -164,7 +164,7 @@ def message_bytes(message: Message) -> bytes:
 
 
 def read_message(message_class: type[Message], payload: bytes) -> Message:
-    """Return the message that a payload holds, through `deserialize` where a class has its own.
+    """Return the message in a payload, through `deserialize` where a class has its own.
 
     Raises DeserializationError.
     """

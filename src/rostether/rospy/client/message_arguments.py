@@ -1,4 +1,4 @@
-"""genpy.message's arguments: messages filled with what people type."""
+"""The arguments of genpy.message: messages filled from typed values."""
 
 from __future__ import annotations
 

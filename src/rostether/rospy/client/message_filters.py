@@ -1,4 +1,4 @@
-"""message_filters: messages of several topics together, by their stamps."""
+"""message_filters: combines messages of several topics by their stamps."""
 
 # ruff: noqa: N802 - the names are message_filters'
 
@@ -20,7 +20,7 @@ _NO_STAMP = (
 
 
 class SimpleFilter:
-    """Hands messages on to callbacks."""
+    """Passes messages to callbacks."""
 
     def __init__(self) -> None:
         self.callbacks: dict[int, tuple[Callable[..., object], tuple[Any, ...]]] = {}
@@ -32,13 +32,13 @@ class SimpleFilter:
         return number
 
     def signalMessage(self, *msg: Any) -> None:
-        """Hand an output on."""
+        """Pass an output to the callbacks."""
         for callback, arguments in list(self.callbacks.values()):
             callback(*msg, *arguments)
 
 
 class Subscriber(SimpleFilter):
-    """A subscription as the source of filters; takes what rospy.Subscriber takes."""
+    """A subscription as the source of filters, with the arguments of rospy.Subscriber."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__()
@@ -84,25 +84,25 @@ class Cache(SimpleFilter):
         return [msg for msg, time in self._pairs() if from_stamp <= time <= to_stamp]
 
     def getElemAfterTime(self, stamp: Any) -> Any:
-        """Return the first message at or after a time; None where there is none."""
+        """Return the first message at or after a time, or None."""
         return next((msg for msg, time in self._pairs() if time >= stamp), None)
 
     def getElemBeforeTime(self, stamp: Any) -> Any:
-        """Return the last message at or before a time; None where there is none."""
+        """Return the last message at or before a time, or None."""
         return next((msg for msg, time in reversed(self._pairs()) if time <= stamp), None)
 
     def getLatestTime(self) -> Any:
-        """Return the stamp of the last message; None where there is none."""
+        """Return the stamp of the last message, or None."""
         return self.cache_times[-1] if self.cache_times else None
 
     getLastestTime = getLatestTime  # noqa: N815 - its old name, as misspelled
 
     def getOldestTime(self) -> Any:
-        """Return the stamp of the first message that is remembered; None where there is none."""
+        """Return the stamp of the oldest message, or None."""
         return self.cache_times[0] if self.cache_times else None
 
     def getLast(self) -> Any:
-        """Return the last message; None where there is none."""
+        """Return the last message, or None."""
         latest = self.getLatestTime()
         return None if latest is None else self.getElemAfterTime(latest)
 
@@ -111,7 +111,7 @@ class Cache(SimpleFilter):
 
 
 class TimeSynchronizer(SimpleFilter):
-    """Hands on one message of each filter together, where their stamps are equal."""
+    """Passes on one message of each filter together if their stamps are equal."""
 
     def __init__(self, fs: Sequence[SimpleFilter], queue_size: int, reset: bool = False) -> None:
         super().__init__()
@@ -145,7 +145,7 @@ class TimeSynchronizer(SimpleFilter):
 
 
 class ApproximateTimeSynchronizer(TimeSynchronizer):
-    """Hands on one message of each filter together, where their stamps are within `slop` seconds."""
+    """Passes on one message of each filter together if their stamps are within `slop` seconds."""
 
     def __init__(
         self,

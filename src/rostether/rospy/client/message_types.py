@@ -1,4 +1,4 @@
-"""Message and service classes of every definition that this process can find, each made when asked for."""
+"""Message and service classes of every definition that this process can find, made on demand."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ServiceClass:
 
 
 class FacadeClasses(MessageClasses):
-    """Makes classes of rospy's kind for one type store."""
+    """Makes rospy's classes for one type store."""
 
     time = Time
     duration = Duration
@@ -150,14 +150,14 @@ class MessageTypes:
 
 
 def message_type_of(message_class: type[Message]) -> MessageType:
-    """Return what a connection header says of a message class."""
+    """Return the type of a message class, as in a connection header."""
     if issubclass(message_class, AnyMsg):
         return MessageType(AnyMsg._type, AnyMsg._md5sum)
     return MessageType(message_class._type, message_class._md5sum, message_class._full_text)
 
 
 def service_type_of(service_class: type[ServiceClass]) -> ServiceType:
-    """Return what a connection header says of a service class."""
+    """Return the type of a service class, as in a connection header."""
     return ServiceType(
         service_class._type,
         service_class._md5sum,

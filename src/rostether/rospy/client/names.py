@@ -1,4 +1,4 @@
-"""Names as a rospy program sees them: remapped by its command line, resolved before and after init_node."""
+"""The names of a rospy program: remapped by its command line, resolved before and after init_node."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.names.graph_name import canonical, is_global, is_private
 from rostether.names.resolve import resolve_name as _resolve
 from rostether.rospy.client.exceptions import ROSInitException
 
-# What a program is called until init_node.
+# The name of a program until init_node.
 UNNAMED = "unnamed"
 
 _REMAP = re.compile(r"([~/A-Za-z_][\w/]*):=(.*)", re.DOTALL)
@@ -46,7 +46,7 @@ class NodeNames:
                 self.mappings[source] = target
 
     def set_node_name(self, base_name: str) -> str:
-        """Take the name of init_node; from now on private names have a meaning. Returns the full name."""
+        """Set the name that init_node gives; private names now resolve. Returns the full name."""
         self.caller_id = self._plain(base_name, self.caller_id)
         self.namespace = _parent(self.caller_id)
         self.resolved_mappings = {
@@ -88,7 +88,7 @@ class NodeNames:
         try:
             return _resolve(name, namespace=_parent(caller_id), node_name=caller_id)
         except ValueError:
-            # rospy warns of illegal names and goes on; the graph has the last word.
+            # rospy only warns of illegal names; the graph rejects them.
             if is_private(name):
                 return canonical(f"{caller_id}/{name[1:]}")
             return canonical(name if is_global(name) else _parent(caller_id) + name)
@@ -138,7 +138,7 @@ def resolve_name(name: str, caller_id: str | None = None) -> str:
 
 
 def remap_name(name: str, caller_id: str | None = None, resolved: bool = True) -> str:
-    """Return what a name is remapped to, or the name itself."""
+    """Return the remapped name, or the name itself."""
     return names.remap(name)
 
 
@@ -153,5 +153,5 @@ def get_resolved_mappings() -> dict[str, str]:
 
 
 def resolve_name_without_node_name(name: str) -> str:
-    """Return the full name of what is made before init_node. Raises ValueError, ROSInitException."""
+    """Return a full name before init_node. Raises ValueError, ROSInitException."""
     return names.resolve_early(name)

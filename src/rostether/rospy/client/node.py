@@ -1,4 +1,4 @@
-"""The node of this process: the graph it joins with init_node, and what waits to be joined until then."""
+"""The node of this process: its graph after init_node, and the handles that wait for it."""
 
 from __future__ import annotations
 
@@ -10,20 +10,24 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from rostether.errors import ConfigError, MasterUnreachableError, RostetherError
+from rostether.mechanisms.loop_thread import LoopThread
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import Ros1Graph, join_ros1
-from rostether.rospy.client.exceptions import MasterAwayException, ROSException, ROSInitException
-from rostether.rospy.client.loop_thread import LoopThread
+from rostether.rospy.client.exceptions import (
+    MasterAwayException,
+    ROSException,
+    ROSInitException,
+    ROSInterruptException,
+)
 from rostether.rospy.client.names import names
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 
+# How often to look for a missing master: it may be starting at the same time.
 _T = TypeVar("_T")
 
-"""How often to look for a master that is not there yet: it may be starting beside us."""
-
-# What leaving the graph may cost a program that ends.
+# How long leaving the graph may delay the end of a program.
 LEAVE_TIMEOUT_S = 5.0
 
 
@@ -31,7 +35,7 @@ class Node:
     """The one node of a process. Its methods may be called from any thread."""
 
     def __init__(self) -> None:
-        self.loop = LoopThread()
+        self.loop = LoopThread(lambda: ROSInterruptException("rospy shutdown"))
         self.lock = threading.RLock()
         self.is_initialized = False
         self._graph: Ros1Graph | None = None
@@ -55,14 +59,14 @@ class Node:
             raise ROSException(f"{error}") from None
 
     def master(self) -> MasterClient:
-        """Return a client of the master; before init_node in the name of an unnamed node."""
+        """Return a client of the master; before init_node, for an unnamed node."""
         with self.lock:
             if self._master is None or self._master.caller_id != names.caller_id:
                 self._master = MasterClient(self.environment().master_uri, names.caller_id)
             return self._master
 
     def environment(self) -> RosEnvironment:
-        """Return what environment variables and special arguments say. Raises ROSInitException."""
+        """Return the settings of environment variables and special arguments. Raises ROSInitException."""
         environ = dict(os.environ)
         mappings = names.mappings
         for key, variable in (
@@ -78,7 +82,7 @@ class Node:
             raise ROSInitException(f"{error}") from None
 
     def when_joined(self, join: Callable[[], object]) -> None:
-        """Run a function that needs the graph, now or as soon as there is one."""
+        """Run a function that needs the graph, now or after the node has joined."""
         with self.lock:
             if self._graph is None:
                 self._waiting.append(join)
@@ -86,13 +90,13 @@ class Node:
         join()
 
     def forget(self, join: Callable[[], object]) -> None:
-        """Take back what `when_joined` was given."""
+        """Cancel a function of `when_joined`."""
         with self.lock:
             if join in self._waiting:
                 self._waiting.remove(join)
 
     def join(self, full_name: str) -> None:
-        """Join the graph, waiting for the master as long as it takes. Raises ROSInitException."""
+        """Join the graph; waits for the master without a limit. Raises ROSInitException."""
         shutdown.add(self._leave)
         try:
             graph = self.loop.call(self._join(full_name, self.environment()))
@@ -106,14 +110,14 @@ class Node:
 
     async def _join(self, full_name: str, environment: RosEnvironment) -> Ros1Graph:
         return await wait_for_master(
-            lambda: join_ros1(full_name, environment=environment, on_leave=self._told_to_leave),
+            lambda: join_ros1(full_name, environment=environment, on_leave=self._asked_to_leave),
             lambda _: sys.stderr.write(
                 f"Unable to register with master node [{environment.master_uri}]: "
                 "master may not be running yet. Will keep trying.\n"
             ),
         )
 
-    def _told_to_leave(self, reason: str) -> None:
+    def _asked_to_leave(self, reason: str) -> None:
         # In a thread: the program's hooks may use the graph, whose loop this is.
         threading.Thread(target=shutdown.signal, args=(reason,), name="rospy shutdown").start()
 
@@ -138,6 +142,6 @@ def get_node_uri() -> str | None:
 
 
 def require_running() -> None:
-    """Raise ROSException where the node is not there yet."""
+    """Raise ROSException if the node has not joined yet."""
     if not node.is_initialized and not is_shutdown():
         raise ROSException("ROS node has not been initialized yet. Please call init_node() first")

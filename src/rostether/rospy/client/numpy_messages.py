@@ -1,4 +1,4 @@
-"""rospy.numpy_msg: a message class whose arrays of numbers are numpy arrays when they come from the graph."""
+"""rospy.numpy_msg: message classes whose received arrays of numbers are numpy arrays."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.rospy.client.message import Message
 
 @cache
 def numpy_msg(msg_type: type[Message]) -> type[Message]:
-    """Return the class. Raises ImportError where numpy is not installed."""
+    """Return the class. Raises ImportError if numpy is not installed."""
     # By name: numpy is the program's, not one of our dependencies.
     from importlib import import_module
 

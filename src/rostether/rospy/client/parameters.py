@@ -1,4 +1,4 @@
-"""rospy's parameters: reading and writing the master's, by names resolved for this node."""
+"""rospy's parameter functions: they read and write the master's parameters."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UNSPECIFIED: Any = object()
 
 
 def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
-    """Return a parameter's value, or `default` where it is not set. Raises KeyError, ROSException."""
+    """Return a parameter's value, or `default` if it is not set. Raises KeyError, ROSException."""
     try:
         return _in_python(node.call(node.master().get_param(names.resolve(param_name))))
     except UnknownNameError:
@@ -25,7 +25,7 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
 
 
 def get_param_cached(param_name: str, default: Any = _UNSPECIFIED) -> Any:
-    """Return a parameter's value; asks the master each time, so that it is never an old one."""
+    """Return a parameter's value; asks the master each time, so it is never outdated."""
     return get_param(param_name, default)
 
 
@@ -56,7 +56,7 @@ def delete_param(param_name: str) -> None:
 
 
 def search_param(param_name: str) -> str | None:
-    """Return the full name of the nearest parameter, upward from the node; None where there is none."""
+    """Return the full name of the nearest parameter, upward from the node, or None."""
     return node.call(node.master().search_param(names.mappings.get(param_name, param_name)))
 
 

@@ -1,4 +1,4 @@
-"""rospy.Publisher: publishing from any thread, at the pace the graph takes it."""
+"""rospy.Publisher: publishing from any thread, as fast as the graph accepts messages."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import RostetherError
+from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.ros1.node.publication import Publisher as Ros1Publisher
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
-from rostether.rospy.client.callback_thread import CallbackThread
 from rostether.rospy.client.exceptions import ROSException, ROSSerializationException
 from rostether.rospy.client.message import AnyMsg, Message, SerializationError, message_bytes
 from rostether.rospy.client.message_types import message_type_of
@@ -20,18 +20,18 @@ from rostether.rospy.client.topic import Topic, topics
 from rostether.tcpros.message_framing import encode_messages
 
 MAX_WAITING_MESSAGES = 100
-# What may wait for the loop's thread before a program that floods waits for it.
+# What may wait for the loop's thread before a program that publishes faster must wait.
 MAX_WAITING_BYTES = 4 << 20
 
-# How long it waits at most: a graph that is shutting down takes nothing any more.
+# How long it waits at most: a graph that shuts down accepts nothing more.
 MAX_WAIT_S = 1.0
 
-# How long a subscriber that is behind may hold a program up at a time.
+# How long a slow subscriber may delay a program at a time.
 MAX_PAUSE_S = 0.1
 
 
 class SubscribeListener:
-    """Base class for programs that want to know the subscribers of a topic."""
+    """Base class for callbacks about the subscribers of a topic."""
 
     def peer_subscribe(
         self,
@@ -46,7 +46,7 @@ class SubscribeListener:
 
 
 class PublishedTopic:
-    """What all Publishers of one topic share."""
+    """The state that all Publishers of one topic share."""
 
     def __init__(self, name: str, data_class: type[Message]) -> None:
         self.resolved_name = name
@@ -75,7 +75,7 @@ class PublishedTopic:
             raise ROSException(f"cannot publish {self.resolved_name}: {error}") from None
 
     def latch(self) -> None:
-        """Keep the last message for those who come later."""
+        """Keep the last message for later subscribers."""
         self.is_latch = True
         publisher = self._publisher
         if publisher is not None:
@@ -170,7 +170,7 @@ class PublishedTopic:
             return
         count = self.connection_count
 
-        def tell() -> None:
+        def notify() -> None:
             for listener in list(self.listeners):
                 if is_connected:
                     listener.peer_subscribe(
@@ -181,7 +181,7 @@ class PublishedTopic:
 
         if self._listener_thread is None:
             self._listener_thread = CallbackThread(f"rospy {self.resolved_name}", _run_contained)
-        self._listener_thread.put([tell])
+        self._listener_thread.put([notify])
 
 
 class Publisher(Topic):
@@ -240,7 +240,7 @@ class Publisher(Topic):
 
 
 def message_of(data_class: type[Message], args: tuple[Any, ...], kwds: dict[str, Any]) -> Message:
-    """Return the message that a call's arguments are or make. Raises TypeError."""
+    """Return the message that the arguments of a call give. Raises TypeError."""
     if args and kwds:
         raise TypeError("publish() can be called with arguments or keywords, but not both.")
     if len(args) == 1:

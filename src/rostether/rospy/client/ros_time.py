@@ -16,7 +16,7 @@ from rostether.rospy.client.node import node
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 from rostether.rostime import NS_PER_S
 
-# How often simulated time is looked at: it comes a hundred times a second or so.
+# How often to check simulated time: it usually changes a hundred times a second.
 SIMULATED_POLL_S = 0.002
 
 
@@ -37,12 +37,12 @@ class Time(stamps.Time):
 
     @staticmethod
     def now() -> Time:
-        """Return ROS time: the clock's, or what /clock says. Raises ROSInitException before init_node."""
+        """Return ROS time: the wall clock or /clock. Raises ROSInitException before init_node."""
         return get_rostime()
 
     @classmethod
     def from_seconds(cls, float_secs: float) -> Time:
-        """Make one of seconds; the older name of `from_sec`."""
+        """Create one from seconds; the older name of `from_sec`."""
         return cls.from_sec(float_secs)
 
     @classmethod
@@ -70,7 +70,7 @@ def get_time() -> float:
 
 
 def simulated_time_s() -> float | None:
-    """Return ROS time in seconds where it is not the wall clock's."""
+    """Return simulated ROS time in seconds; None if ROS time is the wall clock."""
     return None if is_wallclock() else get_time()
 
 
@@ -135,7 +135,7 @@ class Rate:
 
 
 class TimerEvent:
-    """What a timer's callback gets: when this and the last call were due and happened."""
+    """The argument of a timer's callback: when this and the last call were due and happened."""
 
     def __init__(
         self,
@@ -153,7 +153,7 @@ class TimerEvent:
 
 
 class Timer(threading.Thread):
-    """Calls back with a TimerEvent every `period`, or once, in a thread of its own."""
+    """Calls back with a TimerEvent every `period`, or once, in its own thread."""
 
     def __init__(self, period: Any, callback: Any, oneshot: bool = False, reset: bool = False) -> None:
         super().__init__(daemon=True)
@@ -165,11 +165,11 @@ class Timer(threading.Thread):
         self.start()
 
     def shutdown(self) -> None:
-        """Call back no more."""
+        """Stop calling back."""
         self._is_shut_down = True
 
     def run(self) -> None:
-        """Call back until it is enough."""
+        """Call back until `shutdown`."""
         rate = Rate(1.0 / self._period.to_sec(), reset=self._reset)
         expected = get_rostime() + self._period
         last_expected: Time | None = None

@@ -14,6 +14,7 @@ from rostether.errors import (
     ServiceCallError,
     ServiceUnavailableError,
 )
+from rostether.mechanisms.loop_thread import run_in_thread
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, ServiceType
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.node.service_client import ServiceClient
@@ -24,7 +25,6 @@ from rostether.rospy.client.exceptions import (
     ServiceException,
 )
 from rostether.rospy.client.logs import logerr
-from rostether.rospy.client.loop_thread import run_in_thread
 from rostether.rospy.client.message import Message, message_bytes, read_message
 from rostether.rospy.client.message_types import ServiceClass, service_type_of
 from rostether.rospy.client.names import names
@@ -39,7 +39,7 @@ _ANY_SERVICE = ServiceType(ANY_TYPE, ANY_MD5SUM, ANY_MESSAGE, ANY_MESSAGE)
 
 
 class Service:
-    """Offers a service; the handler takes a request and returns a response, or what makes one."""
+    """Offers a service; the handler gets a request and returns a response, or its fields."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class Service:
         node.when_joined(self._open)
 
     def shutdown(self, reason: str = "") -> None:
-        """Offer it no more."""
+        """Stop offering the service."""
         self.done = True
         node.forget(self._open)
         if _served.get(self.resolved_name) is self:
@@ -79,7 +79,7 @@ class Service:
             pass
 
     def error_handler(self, e: Exception, exc_type: Any, exc_value: Any, tb: Any) -> None:
-        """Log what a handler raised; a program may give its own, or override this."""
+        """Log the error of a handler; a program may give another function, or override this one."""
         if self._error_handler is not None:
             self._error_handler(e, exc_type, exc_value, tb)
         else:
@@ -136,7 +136,7 @@ class ServiceProxy:
         return self.call(*args, **kwds)
 
     def call(self, *args: Any, **kwds: Any) -> Any:
-        """Do what calling the proxy does."""
+        """Call the service, like `__call__`."""
         request = message_of(self.request_class, args, kwds)
         if request._type != self.request_class._type:
             raise TypeError(f"request object type [{request._type}] does not match service type")
@@ -161,7 +161,7 @@ class ServiceProxy:
         return read_message(self.response_class, answer)
 
     def wait_for_service(self, timeout: Any = None) -> None:
-        """Wait until the service is there. Raises ROSException after `timeout` seconds."""
+        """Wait until a node offers the service. Raises ROSException after `timeout` seconds."""
         _wait(self.resolved_name, timeout)
 
     def close(self) -> None:
@@ -172,7 +172,7 @@ class ServiceProxy:
 
 
 def wait_for_service(service: str, timeout: Any = None) -> None:
-    """Wait until a service is there.
+    """Wait until a node offers a service.
 
     Raises ROSException after `timeout` seconds (or a Duration), ROSInterruptException at a shutdown.
     """
@@ -189,7 +189,7 @@ def parse_rosrpc_uri(uri: str) -> tuple[str, int]:
 
 
 def response_of(returned: Any, response_class: type[Message]) -> Message:
-    """Return the response that a handler's return value is or makes. Raises ServiceException."""
+    """Return the response that a handler's return value gives. Raises ServiceException."""
     if isinstance(returned, Message) and returned._type == response_class._type:
         return returned
     if returned is None:
@@ -223,7 +223,7 @@ def _wait(resolved_name: str, timeout: Any) -> None:
 
 
 def _is_available(resolved_name: str, timeout_s: float) -> bool:
-    # Any type: only whether somebody is there is asked.
+    # Any type: the request only checks that the server exists.
     client = ServiceClient(resolved_name, _ANY_SERVICE, node.master())
     try:
         node.call(client.wait_until_available(timeout_s))

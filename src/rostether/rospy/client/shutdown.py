@@ -1,4 +1,4 @@
-"""Ending a node: by a signal, from the program, by the master, or because the program ends."""
+"""The end of a node: by a signal, the program, the master, or the end of the program."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_JOIN_S = 5.0
 
 
 class Shutdown:
-    """The state of ending; hooks run once, first the program's, then ours."""
+    """The state of the shutdown; hooks run once, first the program's, then ours."""
 
     def __init__(self) -> None:
         self.event = threading.Event()
@@ -29,7 +29,7 @@ class Shutdown:
         self._previous: dict[int, Any] = {}
 
     def on_client(self, hook: Callable[[], object]) -> None:
-        """Have a hook of the program called at the end; publishing still works in it."""
+        """Add a hook of the program; publishing still works in it."""
         if not callable(hook):
             raise TypeError(f"shutdown hook [{hook}] must be a function or callable object: {type(hook)}")
         if self.event.is_set():
@@ -38,11 +38,11 @@ class Shutdown:
             self._client_hooks.append(hook)
 
     def before(self, hook: Callable[[str], object]) -> None:
-        """Have a hook called with the reason after the program's, before the node leaves."""
+        """Add a hook that gets the reason, after the program's hooks and before the node leaves."""
         self._early_hooks.append(hook)
 
     def add(self, hook: Callable[[str], object]) -> None:
-        """Have a hook called with the reason once the node counts as shut down."""
+        """Add a hook that gets the reason, after the node counts as shut down."""
         self._hooks.append(hook)
 
     def signal(self, reason: str) -> None:
@@ -60,7 +60,7 @@ class Shutdown:
                 _run(hook, reason)
 
     def register_signals(self) -> None:
-        """End the node on SIGTERM and SIGINT; the handlers that were there are called as well."""
+        """End the node on SIGTERM and SIGINT; previous handlers are called too."""
         for number in (signal.SIGTERM, signal.SIGINT):
             self._previous[number] = signal.signal(number, self._take_signal)
 
@@ -100,15 +100,15 @@ def signal_shutdown(reason: str) -> None:
 
 
 def on_shutdown(h: Callable[[], object]) -> None:
-    """Have a function called when the node is shut down, before it leaves the graph."""
+    """Add a function to call at the shutdown, before the node leaves the graph."""
     shutdown.on_client(h)
 
 
 def add_preshutdown_hook(h: Callable[[str], object]) -> None:
-    """Have a function called with the reason after those of `on_shutdown`."""
+    """Add a function to call with the reason, after those of `on_shutdown`."""
     shutdown.before(h)
 
 
 def add_shutdown_hook(h: Callable[[str], object]) -> None:
-    """Have a function called with the reason when the node is shut down."""
+    """Add a function to call with the reason at the shutdown."""
     shutdown.add(h)

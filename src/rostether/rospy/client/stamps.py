@@ -1,4 +1,4 @@
-"""Times and durations of messages as genpy has them: mutable, with arithmetic, compared only with their kind.
+"""Times and durations of messages, like genpy's: mutable, with arithmetic, compared only with their kind.
 
 Source for what users see: http://docs.ros.org/en/noetic/api/genpy/html/
 """
@@ -36,12 +36,12 @@ class TVal:
         return self.secs == 0 and self.nsecs == 0
 
     def set(self, secs: int, nsecs: int) -> None:
-        """Set both fields as they are."""
+        """Set both fields without a check."""
         self.secs = secs
         self.nsecs = nsecs
 
     def canon(self) -> None:
-        """Bring nsecs below a second after the fields were set by hand."""
+        """Normalize the fields, so that nsecs is below a second."""
         self.secs, self.nsecs = _carry(self.secs, self.nsecs)
 
     def to_sec(self) -> float:
@@ -174,14 +174,14 @@ class Duration(TVal):
 
 
 def new_stamp(stamp_class: type[TVal], fields: tuple[int, int]) -> TVal:
-    """Make a stamp of the two fields on the wire, as they are."""
+    """Create a stamp from the two fields on the wire, without a check."""
     stamp = object.__new__(stamp_class)
     stamp.secs, stamp.nsecs = fields
     return stamp
 
 
 def _kind(stamp: TVal) -> type[TVal]:
-    """Return the class whose values a stamp compares with: times with times, durations with durations."""
+    """Return the class that a stamp compares with: times with times, durations with durations."""
     return Time if isinstance(stamp, Time) else Duration if isinstance(stamp, Duration) else TVal
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rostether.errors import RostetherError
-from rostether.rospy.client.callback_thread import CallbackThread
+from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.rospy.client.exceptions import ROSException
 from rostether.rospy.client.logs import logerr
 from rostether.rospy.client.message import DeserializationError, Message, read_message
@@ -20,7 +20,7 @@ DEFAULT_BUFF_SIZE = 65536
 
 
 class SubscribedTopic:
-    """What all Subscribers of one topic and class share."""
+    """The state that all Subscribers of one topic and class share."""
 
     def __init__(self, name: str, data_class: type[Message]) -> None:
         self.resolved_name = name
@@ -35,7 +35,7 @@ class SubscribedTopic:
         self._full = 0
         self._subscriber: Any = None
         self._is_closed = False
-        self._has_told = False
+        self._reported = False
 
     def open(self) -> None:
         """Subscribe."""
@@ -47,7 +47,7 @@ class SubscribedTopic:
                     self.resolved_name,
                     message_type_of(self.data_class),
                     _ignore,
-                    on_connection=self._take_connection,
+                    on_publisher=self._take_connection,
                     tcp_nodelay=self.tcp_nodelay,
                 )
             )
@@ -78,7 +78,7 @@ class SubscribedTopic:
         return any(connection.node_name == node_name for connection in connections)
 
     def add_callback(self, callback: Callable[..., object], arguments: Any) -> None:
-        """Call back with every message from now on, and with each latched one that is here already."""
+        """Call back with every message from now on, and with the latched messages already received."""
         self.callbacks = [*self.callbacks, (callback, arguments)]
         for message in list(self._latched.values()):
             _invoke(message, callback, arguments)
@@ -121,8 +121,8 @@ class SubscribedTopic:
         try:
             message: Any = read_message(self.data_class, payload)
         except DeserializationError as error:
-            if not self._has_told:
-                self._has_told = True
+            if not self._reported:
+                self._reported = True
                 logerr("cannot deserialize a message of %s: %s", self.resolved_name, error)
             return
         message._connection_header = header
@@ -189,4 +189,4 @@ def _invoke(message: Message, callback: Callable[..., object], arguments: Any) -
 
 
 def _ignore(_: Sequence[bytes]) -> None:
-    """Handle messages of no connection; there are none."""
+    """Do nothing: without a connection there are no messages."""

@@ -1,4 +1,4 @@
-"""What Publisher and Subscriber share: their checks, and the table of the topics this node uses."""
+"""The common part of Publisher and Subscriber: their checks, and the table of this node's topics."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Topics:
         return found, is_new
 
     def release(self, table: dict[Hashable, Any], index: Hashable) -> None:
-        """Give a handle back; the last one closes the topic."""
+        """Release a handle; the last one closes the topic."""
         with self._lock:
             shared = table[index]
             shared.handle_count -= 1

@@ -20,14 +20,14 @@ from rostether.robot.transform import StampedTransform, Transform
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.ros_time import Duration, Time, get_rostime, sleep
 
-# Which part of a timeout passes between two looks, as in tf2_ros.
+# The part of a timeout that passes between two checks, as in tf2_ros.
 POLLING_SCALE = 0.01
 
 _NO_TIME = Duration(0)
 
 
 class TransformException(Exception):  # noqa: N818 - the names are tf2's
-    """Root of what a lookup raises."""
+    """The base of the errors of a lookup."""
 
 
 class ConnectivityException(TransformException):
@@ -39,15 +39,15 @@ class LookupException(TransformException):
 
 
 class ExtrapolationException(TransformException):
-    """The moment is before or after what is known."""
+    """The time is before or after the known transforms."""
 
 
 class InvalidArgumentException(TransformException):
-    """A frame's name or a quaternion that makes no sense."""
+    """A frame's name or a quaternion is invalid."""
 
 
 class TimeoutException(TransformException):
-    """An answer came too late."""
+    """The answer came too late."""
 
 
 class TypeException(Exception):  # noqa: N818
@@ -59,7 +59,7 @@ class TypeException(Exception):  # noqa: N818
 
 
 class NotImplementedException(Exception):  # noqa: N818
-    """A buffer that cannot look up."""
+    """The buffer cannot look up transforms."""
 
 
 class TransformRegistration:
@@ -68,18 +68,18 @@ class TransformRegistration:
     _by_class: ClassVar[dict[Any, Callable[[Any, Any], Any]]] = {}
 
     def add(self, key: Any, callback: Callable[[Any, Any], Any]) -> None:
-        """Say how to transform messages of a class."""
+        """Register a function that transforms messages of a class."""
         self._by_class[key] = callback
 
     def get(self, key: Any) -> Callable[[Any, Any], Any]:
-        """Return how. Raises TypeException."""
+        """Return the function for a class. Raises TypeException."""
         if key not in self._by_class:
             raise TypeException(f"Type {key} if not loaded or supported")
         return self._by_class[key]
 
 
 class BufferInterface:
-    """What transforms messages by looking up transforms."""
+    """Transforms messages by looking up transforms."""
 
     def __init__(self) -> None:
         self.registration = TransformRegistration()
@@ -111,7 +111,7 @@ class BufferInterface:
     def lookup_transform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any = _NO_TIME
     ) -> Any:
-        """Return where the source stands in the target."""
+        """Return the pose of the source in the target."""
         raise NotImplementedException
 
     def lookup_transform_full(
@@ -123,7 +123,7 @@ class BufferInterface:
         fixed_frame: str,
         timeout: Any = _NO_TIME,
     ) -> Any:
-        """Return where the source stood at one time in the target at another."""
+        """Return the pose of the source at one time in the target at another."""
         raise NotImplementedException
 
 
@@ -137,11 +137,11 @@ class Buffer(BufferInterface):
         self._lock = threading.RLock()
 
     def set_transform(self, transform: Any, authority: str = "default_authority") -> None:
-        """Remember a TransformStamped."""
+        """Store a TransformStamped."""
         self._set(transform, authority, is_static=False)
 
     def set_transform_static(self, transform: Any, authority: str = "default_authority") -> None:
-        """Remember a TransformStamped that holds for all times."""
+        """Store a TransformStamped that holds for all times."""
         self._set(transform, authority, is_static=True)
 
     def lookup_transform(
@@ -155,7 +155,7 @@ class Buffer(BufferInterface):
         return self.lookup_transform_core(target_frame, source_frame, time)
 
     def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
-        """Return what `lookup_transform` does, without waiting."""
+        """Return the result of `lookup_transform`, without waiting."""
         with self._lock, _tf2_errors():
             return _to_message(self._buffer.lookup(target_frame, source_frame, time.to_nsec()))
 
@@ -176,7 +176,7 @@ class Buffer(BufferInterface):
     def lookup_transform_full_core(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> Any:
-        """Return what `lookup_transform_full` does, without waiting."""
+        """Return the result of `lookup_transform_full`, without waiting."""
         with self._lock, _tf2_errors():
             return _to_message(
                 self._buffer.lookup_through(
@@ -218,7 +218,7 @@ class Buffer(BufferInterface):
         return result if return_debug_tuple else result[0]
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Time:
-        """Return the latest time at which a lookup succeeds; zero where everything is static."""
+        """Return the latest time at which a lookup succeeds; zero if all transforms are static."""
         with self._lock, _tf2_errors():
             return Time(0, self._buffer.latest_common_time_ns(target_frame, source_frame))
 
@@ -232,7 +232,7 @@ class Buffer(BufferInterface):
             )
 
     def all_frames_as_yaml(self) -> str:
-        """Return the frames that have a parent, with it, as YAML."""
+        """Return the frames with their parents as YAML."""
         import yaml
 
         with self._lock:
@@ -290,7 +290,7 @@ def _wait(can: Callable[[], tuple[bool, str]], timeout: Any) -> tuple[bool, str]
     result = can()
     if not result[0] and timeout.to_nsec() > 0:
         start = get_rostime()
-        # A large jump back in time is a bag that starts over.
+        # A large jump back in time means that a bag starts again.
         while not result[0] and start - Duration(3) <= get_rostime() < start + timeout:
             sleep(timeout * POLLING_SCALE)
             result = can()

@@ -40,18 +40,18 @@ class TransformListener:
         self.tf_static_sub = Subscriber(TF_STATIC_TOPIC, tf_class, self.static_callback, **options)
 
     def unregister(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         self.tf_sub.unregister()
         self.tf_static_sub.unregister()
 
     def callback(self, data: Any) -> None:
-        """Take transforms that move."""
+        """Store changing transforms."""
         self._check_for_reset()
         for transform in data.transforms:
             self.buffer.set_transform(transform, data._connection_header.get("callerid", UNKNOWN_AUTHORITY))
 
     def static_callback(self, data: Any) -> None:
-        """Take transforms that stay."""
+        """Store static transforms."""
         self._check_for_reset()
         authority = data._connection_header.get("callerid", UNKNOWN_AUTHORITY)
         for transform in data.transforms:
@@ -79,7 +79,7 @@ class TransformBroadcaster:
 
 
 class StaticTransformBroadcaster:
-    """Publishes transforms that stay; the last call holds for who comes later."""
+    """Publishes static transforms; later subscribers receive the last call."""
 
     def __init__(self) -> None:
         tf_class = all_types().message_class(TF_TYPE)

@@ -1,4 +1,4 @@
-"""Points, vectors, poses and wrenches in another frame: tf2_geometry_msgs, and what tf's listener offers."""
+"""Points, vectors, poses and wrenches in another frame, for tf2_geometry_msgs and tf's listener."""
 
 from __future__ import annotations
 

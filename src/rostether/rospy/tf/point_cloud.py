@@ -33,9 +33,9 @@ def read_points(
     skip_nans: bool = False,
     uvs: Iterable[tuple[int, int]] = (),
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield the points, or those at `uvs` (column, row), as tuples of the fields in the order they lie in.
+    """Yield the points, or those at `uvs` (column, row), as tuples of the fields in their order in the data.
 
-    Raises TypeError for another message than a cloud, struct.error where the data is too short.
+    Raises TypeError if the message is not a cloud, struct.error if the data is too short.
     """
     if not isinstance(cloud, Message) or cloud._type != _PointCloud2._type:
         raise TypeError("cloud is not a sensor_msgs.msg.PointCloud2")

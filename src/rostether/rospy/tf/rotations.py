@@ -26,7 +26,7 @@ def identity_matrix() -> Any:
 
 
 def translation_matrix(direction: Sequence[float]) -> Any:
-    """Return the matrix that moves by a vector."""
+    """Return the matrix of a translation."""
     matrix = _identity()
     for row in range(3):
         matrix[row][3] = float(direction[row])
@@ -34,12 +34,12 @@ def translation_matrix(direction: Sequence[float]) -> Any:
 
 
 def translation_from_matrix(matrix: Any) -> Any:
-    """Return the vector that a matrix moves by."""
+    """Return the translation of a matrix."""
     return _array([float(matrix[row][3]) for row in range(3)])
 
 
 def rotation_matrix(angle: float, direction: Sequence[float], point: Sequence[float] | None = None) -> Any:
-    """Return the matrix that turns by an angle about an axis, through the origin or a point."""
+    """Return the matrix of a rotation about an axis through the origin or a point."""
     matrix = _rows(quaternion_matrix(quaternion_about_axis(angle, direction)))
     if point is not None:
         for row in range(3):
@@ -77,7 +77,7 @@ def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Any:
 
 
 def euler_from_matrix(matrix: Any, axes: str = "sxyz") -> tuple[float, float, float]:
-    """Return the Euler angles of a matrix; of the many that there are, those that tf returns."""
+    """Return the Euler angles of a matrix; of several solutions, the one that tf returns."""
     turning, (i, j, k), repeats, is_odd = _convention(axes)
     m = _rows(matrix)
     if repeats:
@@ -114,7 +114,7 @@ def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -
 
 
 def quaternion_about_axis(angle: float, axis: Sequence[float]) -> Any:
-    """Return the quaternion that turns by an angle about an axis."""
+    """Return the quaternion of a rotation about an axis."""
     x, y, z = unit_vector(axis)
     sine = math.sin(angle / 2.0)
     return _array([float(x) * sine, float(y) * sine, float(z) * sine, math.cos(angle / 2.0)])
@@ -162,7 +162,7 @@ def quaternion_inverse(quaternion: Sequence[float]) -> Any:
 
 
 def quaternion_slerp(quat0: Sequence[float], quat1: Sequence[float], fraction: float) -> Any:
-    """Return the rotation a part of the way from one to another, along the shorter way."""
+    """Return the rotation at a fraction of the shorter way from one to another."""
     start, end = (_four(unit_vector(each)) for each in (quat0, quat1))
     if fraction in (0.0, 1.0):
         return _array(end if fraction else start)
@@ -170,7 +170,7 @@ def quaternion_slerp(quat0: Sequence[float], quat1: Sequence[float], fraction: f
 
 
 def random_quaternion() -> Any:
-    """Return any rotation, all equally likely."""
+    """Return a random rotation, uniformly distributed."""
     size, first, second = random.random(), 2 * math.pi * random.random(), 2 * math.pi * random.random()  # noqa: S311
     a, b = math.sqrt(1.0 - size), math.sqrt(size)
     return _array([math.sin(first) * a, math.cos(first) * a, math.sin(second) * b, math.cos(second) * b])

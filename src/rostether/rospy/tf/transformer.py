@@ -1,4 +1,4 @@
-"""The first tf's listener and broadcaster, over tf2's as in every ROS since Hydro."""
+"""The listener and broadcaster of the older tf, on top of tf2 as in every ROS since Hydro."""
 
 # ruff: noqa: N802 - the names are tf's
 
@@ -14,14 +14,14 @@ from rostether.rospy.tf.buffer import Buffer, TransformException
 
 
 class Transformer:
-    """Looks transforms up as lists of numbers; names may begin with a slash."""
+    """Looks up transforms as lists of numbers; names may begin with a slash."""
 
     def __init__(self, interpolate: bool = True, cache_time: Any = None) -> None:
         self._buffer = Buffer(cache_time, debug=False)
         self._using_dedicated_thread = False
 
     def setTransform(self, transform: Any, authority: str = "default_authority") -> None:
-        """Remember a TransformStamped."""
+        """Store a TransformStamped."""
         self._buffer.set_transform(transform, authority)
 
     def canTransform(self, target_frame: str, source_frame: str, time: Any) -> bool:
@@ -43,7 +43,7 @@ class Transformer:
         timeout: Any,
         polling_sleep_duration: Any = None,
     ) -> None:
-        """Wait until a lookup would succeed. Raises tf.Exception after the time."""
+        """Wait until a lookup would succeed. Raises tf.Exception at the timeout."""
         self._require_listening()
         can, reason = self._buffer.can_transform(
             _bare(target_frame), _bare(source_frame), time, timeout, return_debug_tuple=True
@@ -61,7 +61,7 @@ class Transformer:
         timeout: Any,
         polling_sleep_duration: Any = None,
     ) -> None:
-        """Wait until a lookup over time would succeed. Raises tf.Exception after the time."""
+        """Wait until a lookup over time would succeed. Raises tf.Exception at the timeout."""
         self._require_listening()
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         can, reason = self._buffer.can_transform_full(*route, timeout, return_debug_tuple=True)
@@ -71,14 +71,14 @@ class Transformer:
     def lookupTransform(
         self, target_frame: str, source_frame: str, time: Any
     ) -> tuple[list[float], list[float]]:
-        """Return where the source stands in the target: a translation and a quaternion."""
+        """Return the pose of the source in the target: a translation and a quaternion."""
         found = self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time)
         return _lists(found)
 
     def lookupTransformFull(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
     ) -> tuple[list[float], list[float]]:
-        """Return where the source stood at one time in the target at another."""
+        """Return the pose of the source at one time in the target at another."""
         route = (_bare(target_frame), target_time, _bare(source_frame), source_time, _bare(fixed_frame))
         return _lists(self._buffer.lookup_transform_full(*route))
 
@@ -103,11 +103,11 @@ class Transformer:
         self._buffer.clear()
 
     def setUsingDedicatedThread(self, value: bool) -> None:
-        """Say whether somebody fills the buffer meanwhile."""
+        """Set whether another thread fills the buffer."""
         self._using_dedicated_thread = value
 
     def getTFPrefix(self) -> str:
-        """Return the prefix of frames: there is none since tf2."""
+        """Return the prefix of frames: empty since tf2."""
         return ""
 
     def _require_listening(self) -> None:
@@ -118,7 +118,7 @@ class Transformer:
 
 
 class TransformerROS(Transformer):
-    """Transforms stamped messages as well."""
+    """A transformer that also transforms stamped messages."""
 
     def asMatrix(self, target_frame: str, hdr: Any) -> Any:
         """Return the transform from a header's frame as a matrix."""
@@ -179,7 +179,7 @@ class TransformListener(TransformerROS):
         self.setUsingDedicatedThread(True)
 
     def unregister(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         self._listener.unregister()
 
 
@@ -190,7 +190,7 @@ class TransformBroadcaster:
         self.tf2_broadcaster = tf2_ros.TransformBroadcaster()
 
     def sendTransform(self, translation: Any, rotation: Any, time: Any, child: str, parent: str) -> None:
-        """Publish where the frame `child` stands in `parent`."""
+        """Publish the pose of the frame `child` in `parent`."""
         message: Any = all_types().message_class("geometry_msgs/TransformStamped")()
         message.header.frame_id = parent
         message.header.stamp = time

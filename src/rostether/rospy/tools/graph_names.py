@@ -1,4 +1,4 @@
-"""rosgraph.names: names as programs join, resolve and check them themselves."""
+"""rosgraph.names: functions that join, resolve and check names."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def namespace(name: str) -> str:
 
 
 def ns_join(ns: str, name: str) -> str:
-    """Put a relative name into a namespace; others come back as they are."""
+    """Put a relative name into a namespace; return other names unchanged."""
     return join(ns, name)
 
 
@@ -52,7 +52,7 @@ def get_ros_namespace(env: Mapping[str, str] | None = None, argv: Iterable[str] 
 
 
 def make_caller_id(name: str) -> str:
-    """Return the name that a program has on the graph, with a slash at the end."""
+    """Return a program's name on the graph, with a slash at the end."""
     return make_global_ns(ns_join(get_ros_namespace(), name))
 
 
@@ -94,7 +94,7 @@ def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | Non
 
 
 def script_resolve_name(script_name: str, name: str) -> str:
-    """Return the full name, as seen from a program that is no node."""
+    """Return the full name, as seen from a program without a node."""
     if not name:
         return get_ros_namespace()
     if is_private(name):

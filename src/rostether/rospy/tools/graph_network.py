@@ -1,4 +1,4 @@
-"""rosgraph.network: under which name and address this machine is known."""
+"""rosgraph.network: the name and the address of this machine."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.transports.own_names import outward_address
 
 
 def get_address_override() -> str | None:
-    """Return what `__hostname:=`, `__ip:=`, ROS_HOSTNAME or ROS_IP say, None where nothing is said."""
+    """Return the value of `__hostname:=`, `__ip:=`, ROS_HOSTNAME or ROS_IP, or None."""
     for argument in sys.argv:
         name, separator, value = argument.partition(":=")
         if separator and name in ("__hostname", "__ip"):
@@ -20,7 +20,7 @@ def get_address_override() -> str | None:
 
 
 def get_host_name() -> str:
-    """Return the name that goes into this machine's URIs."""
+    """Return the host name in this machine's URIs."""
     if override := get_address_override():
         return override
     name = socket.gethostname()
@@ -28,14 +28,14 @@ def get_host_name() -> str:
 
 
 def get_local_address() -> str:
-    """Return this machine's address, that of loopback where it has no other."""
+    """Return this machine's address; loopback if it has no other."""
     if override := get_address_override():
         return override
     return outward_address() or "127.0.0.1"
 
 
 def parse_http_host_and_port(url: str) -> tuple[str, int]:
-    """Return the host and port of a URL, 80 where it has none. Raises ValueError."""
+    """Return the host and port (default 80) of a URL. Raises ValueError."""
     parts = urlsplit(url or "")
     if not parts.scheme or not parts.hostname:
         raise ValueError("not a valid URL")

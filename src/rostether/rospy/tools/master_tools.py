@@ -1,4 +1,4 @@
-"""What nodes use of the modules behind ROS's tools: rosgraph's Master, rosparam's files."""
+"""The functions of ROS's tools that nodes use: rosgraph's Master and rosparam's files."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from rostether.rospy.tools.graph_names import make_caller_id, make_global_ns, ns
 
 
 class MasterException(Exception):  # noqa: N818 - the names are rosgraph's
-    """Root of what a Master raises."""
+    """The base of a Master's errors."""
 
 
 class MasterFailure(MasterException):
-    """The master could not do it."""
+    """The master failed to do it."""
 
 
 class MasterError(MasterException):
-    """The master found the call wrong, as for a name that it does not know."""
+    """The master rejected the call, for example because a name is unknown."""
 
 
 class RosParamException(Exception):  # noqa: N818 - the name is rosparam's
-    """A file or a parameter that makes no sense."""
+    """A file or a parameter is invalid."""
 
 
 class RosParamIOException(RosParamException):
@@ -65,7 +65,7 @@ class Master:
 
 
 def get_master_uri(env: object = None, argv: object = None) -> str:
-    """Return the URI of the master that this program talks to."""
+    """Return the URI of the master that this program uses."""
     from rostether.rospy.client.node import node
 
     return node.environment().master_uri
@@ -102,14 +102,14 @@ def load_str(
 
 
 def upload_params(ns: str, values: Any, verbose: bool = False) -> None:
-    """Set a parameter, or those of a tree, beside the others that are there. Raises RosParamException."""
+    """Set a parameter, or the parameters of a tree; others stay. Raises RosParamException."""
     if ns == "/" and not isinstance(values, dict):
         raise RosParamException("global / can only be set to a dictionary")
     set_param_raw(ns, values)
 
 
 def set_param(param: str, value: str, verbose: bool = False) -> None:
-    """Set a parameter to what a YAML text says. Raises RosParamException."""
+    """Set a parameter to the value of a YAML text. Raises RosParamException."""
     try:
         set_param_raw(param, load(value))
     except YamlError as error:

@@ -1,4 +1,4 @@
-"""rosnode, as programs use it: which nodes there are, whether they answer, and ending them."""
+"""The functions of rosnode for programs: list nodes, ping them, and end them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _OWN_NAME = "/rosnode"
 
 
 class ROSNodeException(Exception):  # noqa: N818 - the names are rosnode's
-    """Root of rosnode's errors."""
+    """The base of rosnode's errors."""
 
 
 class ROSNodeIOException(ROSNodeException):
@@ -28,7 +28,7 @@ class ROSNodeIOException(ROSNodeException):
 
 
 def get_node_names(namespace: str | None = None) -> list[str]:
-    """Return the names of all nodes, or of those in a namespace, in no order. Raises ROSNodeIOException."""
+    """Return the names of all nodes, or of those in a namespace, unsorted. Raises ROSNodeIOException."""
     found = {name for table in _state() for _, nodes in table for name in nodes}
     if namespace:
         below = make_global_ns(namespace)
@@ -37,7 +37,7 @@ def get_node_names(namespace: str | None = None) -> list[str]:
 
 
 def get_api_uri(master: Master, caller_id: str, skip_cache: bool = False) -> str | None:
-    """Return a node's URI, None where the master does not know it. Raises ROSNodeIOException."""
+    """Return a node's URI, or None if the master does not know it. Raises ROSNodeIOException."""
     try:
         return str(master.lookupNode(caller_id))
     except MasterError:
@@ -52,14 +52,14 @@ def get_machines_by_nodes() -> list[str]:
 
 
 def get_nodes_by_machine(machine: str) -> list[str]:
-    """Return the nodes that run on a machine, by the name that they give it. Raises ROSNodeIOException."""
+    """Return the nodes on a machine, by the host name in their URIs. Raises ROSNodeIOException."""
     return [name for name, found in _machines() if found == machine]
 
 
 def rosnode_ping(
     node_name: str, max_count: int | None = None, verbose: bool = False, skip_cache: bool = False
 ) -> bool:
-    """Ask a node once a second, `max_count` times; False where it does not answer."""
+    """Ping a node once a second, `max_count` times; returns False if it does not answer."""
     uri = get_api_uri(Master(_OWN_NAME), node_name)
     if uri is None:
         sys.stderr.write(f"cannot ping [{node_name}]: unknown node\n")
@@ -102,7 +102,7 @@ def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
         try:
             _call(uri, "shutdown", "user request")
         except (RostetherError, TimeoutError):
-            # One that ends at once does not answer.
+            # A node that ends at once does not answer.
             continue
     return asked, unknown
 
@@ -131,7 +131,7 @@ def rosnode_listnodes(namespace: str | None = None, list_uri: bool = False, list
 
 
 def get_node_info_description(node_name: str) -> str:
-    """Return what a node publishes, subscribes to and offers, as text."""
+    """Return a node's topics and services as text."""
     state = _state()
     types = dict(Master(_OWN_NAME).getPublishedTopics("/"))
     text = f"Node [{node_name}]"

@@ -1,4 +1,4 @@
-"""rospkg and roslib.packages, as far as nodes use them: where packages are, and what is in them."""
+"""The parts of rospkg and roslib.packages that nodes use: where packages are, and their files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rostether.rospy.import_hook import package_folders
 
 
 class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
-    """A package that is nowhere to be found."""
+    """The package was not found."""
 
     def __init__(self, msg: str, ros_paths: list[str] | None = None) -> None:
         super().__init__(msg)
@@ -22,11 +22,11 @@ class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
 
 
 class InvalidManifest(Exception):  # noqa: N818 - the name is rospkg's
-    """A package.xml that cannot be read."""
+    """The package.xml cannot be read."""
 
 
 class Depend:
-    """A package that another needs."""
+    """A dependency on another package."""
 
     def __init__(self, name: str, type: str = "package") -> None:  # noqa: A002 - the name is rospkg's
         self.name = name
@@ -37,7 +37,7 @@ class Depend:
 
 
 class Manifest:
-    """What a package says of itself."""
+    """The contents of a package.xml."""
 
     def __init__(self, description: PackageXml, file: Path) -> None:
         self.name = description.name
@@ -53,11 +53,11 @@ class Manifest:
 
 
 class RosPack:
-    """Finds packages in ROS_PACKAGE_PATH and where this program was started."""
+    """Finds packages in ROS_PACKAGE_PATH and around the folder where this program was started."""
 
     @staticmethod
     def get_instance(ros_paths: list[str] | None = None) -> RosPack:
-        """Return one."""
+        """Return an instance."""
         return RosPack(ros_paths)
 
     def __init__(self, ros_paths: list[str] | None = None) -> None:
@@ -65,11 +65,11 @@ class RosPack:
 
     @property
     def ros_paths(self) -> list[str]:
-        """The folders below which packages are."""
+        """The folders that contain packages."""
         return get_ros_paths() if self._ros_paths is None else list(self._ros_paths)
 
     def get_ros_paths(self) -> list[str]:
-        """Return the folders below which packages are."""
+        """Return the folders that contain packages."""
         return self.ros_paths
 
     def get_path(self, name: str) -> str:
@@ -84,11 +84,11 @@ class RosPack:
         return sorted(self._folders())
 
     def get_manifest(self, name: str) -> Manifest:
-        """Return what a package says of itself. Raises ResourceNotFound, InvalidManifest."""
+        """Return the contents of a package.xml. Raises ResourceNotFound, InvalidManifest."""
         return _manifest_in(Path(self.get_path(name)))
 
     def get_depends(self, name: str, implicit: bool = True) -> Sequence[str]:
-        """Return the packages that one needs, with those that these need; only of those that are here.
+        """Return a package's dependencies, with theirs; only installed packages.
 
         Raises ResourceNotFound, InvalidManifest.
         """
@@ -103,7 +103,7 @@ class RosPack:
         return [*found]
 
     def get_depends_on(self, name: str, implicit: bool = True) -> Sequence[str]:
-        """Return the packages that need one."""
+        """Return the packages that depend on a package."""
         found = []
         for each in self._folders():
             try:
@@ -122,13 +122,13 @@ class RosPack:
 
 
 def get_package_name(path: str) -> str | None:
-    """Return the package that a file or folder is in, None outside of packages."""
+    """Return the package that contains a file or folder, or None."""
     folder, _ = get_dir_pkg(path)
     return None if folder is None else _manifest_in(Path(folder)).name
 
 
 def get_dir_pkg(d: str) -> tuple[str | None, str | None]:
-    """Return the folder and the folder's name of the package that a path is in, or two None."""
+    """Return the folder of the package that contains a path, and its name, or two None."""
     start = Path(d).resolve()
     for folder in (start, *start.parents):
         if (folder / PACKAGE_FILE).is_file() or (folder / ROSBUILD_FILE).is_file():
@@ -139,7 +139,7 @@ def get_dir_pkg(d: str) -> tuple[str | None, str | None]:
 def get_pkg_dir(
     package: str, required: bool = True, ros_root: object = None, ros_package_path: object = None
 ) -> str | None:
-    """Return a package's folder. Raises ResourceNotFound where it is `required`."""
+    """Return a package's folder. Raises ResourceNotFound if it is `required`."""
     try:
         return RosPack().get_path(package)
     except ResourceNotFound:

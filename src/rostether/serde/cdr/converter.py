@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import SerializationError
 from rostether.msgdef.ros2.spec import Ros2Message
+from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Record, Side, Slot
 from rostether.serde.cdr.converter_source import ERRORS, LITTLE_ENDIAN, compile_conversion
-from rostether.serde.cdr.pair_tree import DUMMY_NAME, Record, Side, Slot
-from rostether.serde.cdr.pairing import Lookup, pair
-from rostether.serde.cdr.walk import Misfit, Walk
+from rostether.serde.cdr.field_matching import Lookup, match_fields
+from rostether.serde.cdr.payload_walker import Misfit, PayloadWalker
 from rostether.serde.type_tree import Struct
 
 _BIG_ENDIAN = b"\0\0"
@@ -24,19 +24,20 @@ class CdrConverter:
 
     __slots__ = ("_tree", "from_cdr", "only_in_ros1", "only_in_ros2", "ros1_name", "ros2_name", "to_cdr")
 
+    # Convert ROS 1 serialization to CDR. Raises SerializationError.
     to_cdr: Callable[[bytes], bytes]
-    """Convert ROS 1 serialization to CDR. Raises SerializationError."""
 
+    # Convert CDR to ROS 1 serialization. Raises SerializationError.
     from_cdr: Callable[[bytes], bytes]
-    """Convert CDR to ROS 1 serialization. Raises SerializationError."""
 
     def __init__(self, tree: Record, ros1_name: str, ros2_name: str) -> None:
         self.ros1_name = ros1_name
         self.ros2_name = ros2_name
+
+        # Fields that ROS 2 does not have: dropped on the way there, zero on the way back.
         self.only_in_ros1 = tuple(_own(tree.ros1_slots, Side.ROS1))
-        """Fields that ROS 2 does not have: dropped on the way there, zero on the way back."""
+        # Fields that ROS 1 does not have: the definition's default, or zero, on the way to ROS 2.
         self.only_in_ros2 = tuple(_own(tree.ros2_slots, Side.ROS2))
-        """Fields that ROS 1 does not have: the definition's default, or zero, on the way to ROS 2."""
         self._tree = tree
         self.to_cdr = compile_conversion(tree, Side.ROS2, self._refuse_ros1)
         self.from_cdr = compile_conversion(tree, Side.ROS1, self._other_cdr)
@@ -46,14 +47,16 @@ class CdrConverter:
         return list(map(self.to_cdr, payloads))
 
     def _refuse_ros1(self, payload: bytes) -> bytes:
-        walk = Walk(payload, Side.ROS1)
+        walker = PayloadWalker(payload, Side.ROS1)
         try:
-            walk.over(self._tree)
+            walker.over(self._tree)
         except Misfit as reason:
             raise SerializationError(
                 f"{self.ros1_name}: the payload of {len(payload)} bytes {reason}"
             ) from None
-        raise SerializationError(f"the payload has {len(payload) - walk.at} bytes more than {self.ros1_name}")
+        raise SerializationError(
+            f"the payload has {len(payload) - walker.at} bytes more than {self.ros1_name}"
+        )
 
     def _other_cdr(self, cdr: bytes) -> bytes:
         """Convert big-endian CDR; report why other data is not CDR."""
@@ -64,15 +67,15 @@ class CdrConverter:
                 f"the payload starts with {cdr[:2].hex(' ')}, but ROS 2 sends plain CDR: 00 01 or 00 00"
             )
         turned = cdr[:2] == _BIG_ENDIAN
-        walk = Walk(cdr, Side.ROS2, turned=turned)
+        walker = PayloadWalker(cdr, Side.ROS2, turned=turned)
         try:
             if self._has_fields:
-                walk.over(self._tree)
+                walker.over(self._tree)
         except (Misfit, *ERRORS) as reason:
             raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes {reason}") from None
         if not turned:
             raise SerializationError(f"{self.ros2_name}: the CDR of {len(cdr)} bytes does not fit")
-        return self.from_cdr(LITTLE_ENDIAN + bytes(walk.payload[len(LITTLE_ENDIAN) :]))
+        return self.from_cdr(LITTLE_ENDIAN + bytes(walker.payload[len(LITTLE_ENDIAN) :]))
 
     @property
     def _has_fields(self) -> bool:
@@ -84,7 +87,7 @@ def compile_message(ros1: Struct, ros2: Ros2Message, lookup: Lookup) -> CdrConve
 
     Raises TypeMismatchError if their fields do not fit, and what `lookup` raises.
     """
-    return CdrConverter(pair(ros1, ros2, lookup), ros1.name, ros2.full_name)
+    return CdrConverter(match_fields(ros1, ros2, lookup), ros1.name, ros2.full_name)
 
 
 def _own(slots: Sequence[Slot], side: Side) -> list[str]:

@@ -24,15 +24,15 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import DefinitionError
-from rostether.serde.cdr.converting_body import ConvertingBody, row
-from rostether.serde.cdr.pair_tree import (
+from rostether.serde.cdr.conversion_tree import (
     DUMMY_NAME,
     Node,
     Record,
     Side,
     Translation,
 )
-from rostether.serde.cdr.place import Place
+from rostether.serde.cdr.converting_body import ConvertingBody, row
+from rostether.serde.cdr.offset import Offset
 from rostether.serde.cdr.wide_text import narrow, widen
 from rostether.serde.generated_source import indented
 
@@ -65,7 +65,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
     if cdr:
         body.pieces.add_constant(LITTLE_ENDIAN)
     body.convert_inline(tree)
-    end = body.source_place.text()
+    end = body.source_at.text()
     lines = [*body.lines, f"if {end} {'!=' if cdr else '>'} len(b): raise overrun"]
     if not cdr:
         lines.insert(0, f"if b[:2] != {LITTLE_ENDIAN[:2]!r}: return refuse(b)")
@@ -132,7 +132,7 @@ class _Source:
         body.convert_inline(node)
         if body.pieces:
             body.flush()
-        lines = [*body.lines, f"return {body.source_place.text()}, {body.target_place.text()}"]
+        lines = [*body.lines, f"return {body.source_at.text()}, {body.target_at.text()}"]
         self.functions += [f"def {name}(b, o, c, out):", *indented(lines, 4)]
         return name
 
@@ -143,7 +143,7 @@ class _Source:
         name = self._name("walk", node)
         body = self.body("o", 0, "c", 0, modulus=1)
         body.skip_inline(node)
-        lines = [*body.lines, f"return {body.source_place.text()}"]
+        lines = [*body.lines, f"return {body.source_at.text()}"]
         self.functions += [f"def {name}(b, o):", *indented(lines, 4)]
         return name
 
@@ -165,8 +165,8 @@ class _Source:
         return ConvertingBody(
             self,
             Side.ROS1 if cdr else Side.ROS2,
-            Place(source_start, source_offset, aligned=not cdr, modulus=modulus),
-            Place(target_start, target_offset, aligned=cdr, modulus=modulus),
+            Offset(source_start, source_offset, aligned=not cdr, modulus=modulus),
+            Offset(target_start, target_offset, aligned=cdr, modulus=modulus),
         )
 
     def _name(self, kind: str, key: object) -> str:

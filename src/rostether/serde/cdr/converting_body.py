@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import gcd
 from typing import Final
 
-from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Slot, Text
-from rostether.serde.cdr.pieces import Pieces
-from rostether.serde.cdr.place import Place
+from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side, Slot, Text
+from rostether.serde.cdr.offset import Offset
+from rostether.serde.cdr.output_parts import OutputParts
 from rostether.serde.cdr.reading_body import Functions, ReadingBody
 from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.generated_source import indented
@@ -19,17 +19,17 @@ _MAX_LOOPS: Final = 2
 class ConvertingBody(ReadingBody):
     """The body of one function: lines that find out lengths, and the pieces that they delimit.
 
-    `side` is the one read, of which `source_place` is; `target_place` is where the output has got to.
+    `side` is the one read, of which `source_at` is; `target_at` is where the output has got to.
     """
 
     def __init__(
-        self, functions: Functions, side: Side, source_place: Place, target_place: Place, *, loops: int = 0
+        self, functions: Functions, side: Side, source_at: Offset, target_at: Offset, *, loops: int = 0
     ) -> None:
-        super().__init__(functions, side, source_place)
+        super().__init__(functions, side, source_at)
         self._loops = loops
-        self.pieces = Pieces()
+        self.pieces = OutputParts()
         self.uses_out = False
-        self.target_place = target_place
+        self.target_at = target_at
 
     def convert(self, node: Node) -> None:
         """Convert one value, in a separate function if this one has become long."""
@@ -63,19 +63,19 @@ class ConvertingBody(ReadingBody):
         if record.is_ordered:
             self._convert_in_step(record, to)
             return
-        places: dict[int, Place] = {}
+        offsets: dict[int, Offset] = {}
         for slot in record.slots(self.side):
-            self.source_place.move(self.line("o", self.source_place.text()), 8)
-            places[id(slot)] = self.source_place.copy()
+            self.source_at.move(self.line("o", self.source_at.text()), 8)
+            offsets[id(slot)] = self.source_at.copy()
             self.skip(slot.node)
-        end = self.source_place.copy()
+        end = self.source_at.copy()
         for slot in record.slots(to):
             if slot.side is Side.BOTH:
-                self.source_place = places[id(slot)]
+                self.source_at = offsets[id(slot)]
                 self.convert(slot.node)
             else:
                 self._add_default(slot)
-        self.source_place = end
+        self.source_at = end
 
     def _convert_in_step(self, record: Record, to: Side) -> None:
         waiting = list(record.slots(to))
@@ -97,33 +97,33 @@ class ConvertingBody(ReadingBody):
         for alignment, value in slot.default:
             self._align_target(alignment)
             self.pieces.add_constant(value)
-            self.target_place.advance(len(value))
+            self.target_at.advance(len(value))
 
     def _copy(self, size: int, alignment: int) -> None:
         self.align_source(alignment)
         self._align_target(alignment)
-        start = self.source_place.text()
-        self.source_place.advance(size)
-        self.target_place.advance(size)
-        self.pieces.add_slice(start, self.source_place.text())
+        start = self.source_at.text()
+        self.source_at.advance(size)
+        self.target_at.advance(size)
+        self.pieces.add_slice(start, self.source_at.text())
 
     def _translate(self, node: Plain, size: int) -> None:
         assert node.translation is not None
         table = self.functions.table(node.translation)
         self.pieces.add_expression(
-            f"b[{self.source_place.text()}:{self.source_place.text(size)}].translate({table})"
+            f"b[{self.source_at.text()}:{self.source_at.text(size)}].translate({table})"
         )
-        self.source_place.advance(size)
-        self.target_place.advance(size)
+        self.source_at.advance(size)
+        self.target_at.advance(size)
 
     def _convert_text(self, text: Text) -> None:
         self._align_target(4)
         if text.is_wide:
             self._convert_wide_text(text)
             return
-        place, target = self.source_place, self.target_place
+        offset, target = self.source_at, self.target_at
         count = self.read_count(text.bound if self.to_cdr else None)
-        start = place.text()
+        start = offset.text()
         end = self.line("o", f"{start} + {count}")
         if self.to_cdr:
             self.pieces.add_expression(f"pack({count} + 1)")
@@ -132,15 +132,15 @@ class ConvertingBody(ReadingBody):
             target.move(f"{target.text(5)} + {count}")
         else:
             stop = self.line("o", f"{end} - 1 if {count} and not b[{end} - 1] else {end}")
-            length = f"{stop} - {place.text()}" if not place.start else f"{stop} - ({place.text()})"
+            length = f"{stop} - {offset.text()}" if not offset.start else f"{stop} - ({offset.text()})"
             self.pieces.add_expression(f"pack({length})")
             self.pieces.add_slice(start, stop)
-        place.move(end)
+        offset.move(end)
 
     def _convert_wide_text(self, text: Text) -> None:
-        place, target = self.source_place, self.target_place
+        offset, target = self.source_at, self.target_at
         count = self.read_count(None)
-        start = place.text()
+        start = offset.text()
         if self.to_cdr:
             end = self.line("o", f"{start} + {count}")
             units = self.line("w", f"widen(b[{start}:{end}])")
@@ -149,13 +149,13 @@ class ConvertingBody(ReadingBody):
             self.pieces.add_expression(f"pack(len({units}) // {UNIT_BYTES})")
             self.pieces.add_expression(units)
             target.move(self.line("c", f"{target.text(4)} + len({units})"), UNIT_BYTES)
-            place.move(end)
+            offset.move(end)
         else:
             end = self.line("o", f"{start} + {count} * {UNIT_BYTES}")
             narrow = self.line("w", f"narrow(b[{start}:{end}])")
             self.pieces.add_expression(f"pack(len({narrow}))")
             self.pieces.add_expression(narrow)
-            place.move(end, UNIT_BYTES)
+            offset.move(end, UNIT_BYTES)
 
     def _convert_array(self, array: Array) -> None:
         element = array.element
@@ -167,47 +167,47 @@ class ConvertingBody(ReadingBody):
             return
         self.align_source(4)
         self._align_target(4)
-        start = self.source_place.text()
+        start = self.source_at.text()
         count = self.read_count(array.bound if self.to_cdr else None)
-        self.pieces.add_slice(start, self.source_place.text())
-        self.target_place.advance(4)
+        self.pieces.add_slice(start, self.source_at.text())
+        self.target_at.advance(4)
         block = element.block
         if block is not None:
             self._copy_elements(count, block.size_bytes, block.alignment)
         elif isinstance(element, Plain):
             assert element.translation is not None
-            start = self.source_place.text()
+            start = self.source_at.text()
             end = self.line("o", f"{start} + {count}")
             self.pieces.add_expression(
                 f"b[{start}:{end}].translate({self.functions.table(element.translation)})"
             )
-            self.source_place.move(end)
-            self.target_place.move(f"{self.target_place.text()} + {count}")
+            self.source_at.move(end)
+            self.target_at.move(f"{self.target_at.text()} + {count}")
         else:
             self.limit(element, count)
             self._loop(element, count)
 
     def _copy_elements(self, count: str, size: int, alignment: int) -> None:
         """Copy a sequence of blocks: before the first there is padding, but not if there is none."""
-        self.align_if(self.source_place, count, alignment)
-        if self.target_place.padding(alignment) != 0:
-            before = self.line("c", self.target_place.text())
-            self.target_place.move(before, 8)
+        self.align_if(self.source_at, count, alignment)
+        if self.target_at.padding(alignment) != 0:
+            before = self.line("c", self.target_at.text())
+            self.target_at.move(before, 8)
             self.pieces.add_expression(f"pad{alignment}[{before} & {alignment - 1}] if {count} else b''")
-            self.align_if(self.target_place, count, alignment)
+            self.align_if(self.target_at, count, alignment)
         length = f"{count} * {size}" if size > 1 else count
-        start = self.source_place.text()
+        start = self.source_at.text()
         end = self.line("o", f"{start} + {length}")
-        self.source_place.move(end, size)
+        self.source_at.move(end, size)
         self.pieces.add_slice(start, end)
-        self.target_place.move(f"{self.target_place.text()} + {length}", size)
+        self.target_at.move(f"{self.target_at.text()} + {length}", size)
 
     def _loop(self, element: Node, count: str) -> None:
         self.flush()
         before, after = self.variable("o"), self.variable("c")
-        self.lines.append(f"{before} = {self.source_place.text()}")
+        self.lines.append(f"{before} = {self.source_at.text()}")
         if self.to_cdr:
-            self.lines.append(f"{after} = {self.target_place.text()}")
+            self.lines.append(f"{after} = {self.target_at.text()}")
         if self._loops >= _MAX_LOOPS or self.is_long_with(element):
             if not self.to_cdr:
                 self.lines.append(f"{after} = 0")
@@ -215,18 +215,18 @@ class ConvertingBody(ReadingBody):
             self.lines.append(
                 f"for _ in range({count}): {before}, {after} = {name}(b, {before}, {after}, out)"
             )
-            self.source_place.move(before)
-            self.target_place.move(after)
+            self.source_at.move(before)
+            self.target_at.move(after)
             return
         body, modulus, residue = self._loop_body(element, before, after)
         body.flush()
-        body.lines.append(f"{before} = {body.source_place.text()}")
+        body.lines.append(f"{before} = {body.source_at.text()}")
         if self.to_cdr:
-            body.lines.append(f"{after} = {body.target_place.text()}")
+            body.lines.append(f"{after} = {body.target_at.text()}")
         self.lines += [f"for _ in range({count}):", *indented(body.lines, 4)]
         self.continue_count(body)
-        self.source_place = self._place(before, modulus, residue, aligned=not self.to_cdr)
-        self.target_place = self._place(after, modulus, residue, aligned=self.to_cdr)
+        self.source_at = self._offset(before, modulus, residue, aligned=not self.to_cdr)
+        self.target_at = self._offset(after, modulus, residue, aligned=self.to_cdr)
 
     def _loop_body(self, element: Node, before: str, after: str) -> tuple[ConvertingBody, int, int]:
         """Return what converts one element, and what is known of where each of them begins in CDR.
@@ -234,19 +234,19 @@ class ConvertingBody(ReadingBody):
         That is what the first element's place and the end of every element have in common; the more of it is
         known the more is known of the ends, so that it is tried again.
         """
-        start = self.target_place if self.to_cdr else self.source_place
+        start = self.target_at if self.to_cdr else self.source_at
         modulus, residue = 1, 0
         while True:
             body = ConvertingBody(
                 self.functions,
                 self.side,
-                self._place(before, modulus, residue, aligned=not self.to_cdr),
-                self._place(after, modulus, residue, aligned=self.to_cdr),
+                self._offset(before, modulus, residue, aligned=not self.to_cdr),
+                self._offset(after, modulus, residue, aligned=self.to_cdr),
                 loops=self._loops + 1,
             )
             body.continue_count(self)
             body.convert_inline(element)
-            end = body.target_place if self.to_cdr else body.source_place
+            end = body.target_at if self.to_cdr else body.source_at
             shared = gcd(start.modulus, end.modulus)
             while (start.residue - end.residue) % shared:
                 shared //= 2
@@ -255,27 +255,27 @@ class ConvertingBody(ReadingBody):
             modulus, residue = shared, start.residue % shared
 
     @staticmethod
-    def _place(start: str, modulus: int, residue: int, *, aligned: bool) -> Place:
-        return Place(start, 0, aligned=aligned, modulus=modulus, residue=residue)
+    def _offset(start: str, modulus: int, residue: int, *, aligned: bool) -> Offset:
+        return Offset(start, 0, aligned=aligned, modulus=modulus, residue=residue)
 
     def _call_converter(self, name: str) -> None:
         self.flush()
         end, target_end = self.variable("o"), self.variable("c")
-        target = self.target_place.text() if self.to_cdr else "0"
-        self.lines.append(f"{end}, {target_end} = {name}(b, {self.source_place.text()}, {target}, out)")
-        self.source_place.move(end)
-        self.target_place.move(target_end)
+        target = self.target_at.text() if self.to_cdr else "0"
+        self.lines.append(f"{end}, {target_end} = {name}(b, {self.source_at.text()}, {target}, out)")
+        self.source_at.move(end)
+        self.target_at.move(target_end)
 
     def _align_target(self, alignment: int) -> None:
-        place = self.target_place
-        padding = place.padding(alignment)
+        offset = self.target_at
+        padding = offset.padding(alignment)
         if padding is not None:
             self.pieces.add_constant(bytes(padding))
-            place.advance(padding)
+            offset.advance(padding)
             return
         pads = "nul" if self.pieces.remove_final_nul() else "pad"
-        self.pieces.add_expression(f"{pads}{alignment}[{place.text()} & {alignment - 1}]")
-        self.lines.append(place.align(self.variable("c"), alignment))
+        self.pieces.add_expression(f"{pads}{alignment}[{offset.text()} & {alignment - 1}]")
+        self.lines.append(offset.align(self.variable("c"), alignment))
 
 
 def row(pieces: list[str]) -> str:

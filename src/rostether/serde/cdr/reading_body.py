@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final, Protocol
 
-from rostether.serde.cdr.pair_tree import Array, Node, Plain, Record, Side, Text, Translation
-from rostether.serde.cdr.place import Place
+from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side, Text, Translation
+from rostether.serde.cdr.offset import Offset
 from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
@@ -34,40 +34,40 @@ class Functions(Protocol):
 class ReadingBody:
     """The body of one function: lines that find out lengths of the payload `b`, from a place on."""
 
-    def __init__(self, functions: Functions, side: Side, source_place: Place) -> None:
+    def __init__(self, functions: Functions, side: Side, source_at: Offset) -> None:
         self.functions = functions
         self.side = side
         self.to_cdr = side is Side.ROS1
         self.lines: list[str] = []
-        self.source_place = source_place
+        self.source_at = source_at
         self.parts = 0
         self._count = 0
 
     def skip(self, node: Node) -> None:
         """Skip one value, in a separate function if this one has become long."""
         if isinstance(node, Record) and self.is_long_with(node):
-            place = self.source_place
-            place.move(self.line("o", f"{self.functions.walker(node)}(b, {place.text()})"))
+            offset = self.source_at
+            offset.move(self.line("o", f"{self.functions.walker(node)}(b, {offset.text()})"))
         else:
             self.skip_inline(node)
 
     def skip_inline(self, node: Node) -> None:
         """Read over one value here."""
-        place = self.source_place
+        offset = self.source_at
         size = node.ros1_size_bytes if self.to_cdr else None
         self.parts += not isinstance(node, Record)
         if size is not None:
-            place.advance(size)
+            offset.advance(size)
         elif node.block is not None or isinstance(node, Plain):
             block = node.block
             self.align_source(block.alignment if block else 1)
-            place.advance(block.size_bytes if block else 1)
+            offset.advance(block.size_bytes if block else 1)
         elif isinstance(node, Text):
             count = self.read_count(None)
             if node.is_wide and not self.to_cdr:
-                place.move(self.line("o", f"{place.text()} + {count} * {UNIT_BYTES}"), UNIT_BYTES)
+                offset.move(self.line("o", f"{offset.text()} + {count} * {UNIT_BYTES}"), UNIT_BYTES)
             else:
-                place.move(self.line("o", f"{place.text()} + {count}"))
+                offset.move(self.line("o", f"{offset.text()} + {count}"))
         elif isinstance(node, Array):
             self._skip_array(node)
         else:
@@ -80,58 +80,60 @@ class ReadingBody:
         if element.least_bytes(Side.ROS1) == 0:
             self.lines.append(f"if {count} > {MAX_EMPTY_ELEMENTS}: raise overrun")
         if least:
-            self.lines.append(f"if {count} * {least} > len(b) - ({self.source_place.text()}): raise overrun")
+            self.lines.append(f"if {count} * {least} > len(b) - ({self.source_at.text()}): raise overrun")
 
     def _skip_array(self, array: Array) -> None:
-        element, place = array.element, self.source_place
+        element, offset = array.element, self.source_at
         count = str(array.length)
         if array.length is None:
             count = self.read_count(None)
             size = element.ros1_size_bytes if self.to_cdr else None
             if size is not None:
-                place.move(self.line("o", f"{place.text()} + {count} * {size}"))
+                offset.move(self.line("o", f"{offset.text()} + {count} * {size}"))
                 return
             block = element.block or (Plain(1, 1).block if isinstance(element, Plain) else None)
             if block is not None:
-                self.align_if(place, count, block.alignment)
-                place.move(self.line("o", f"{place.text()} + {count} * {block.size_bytes}"), block.size_bytes)
+                self.align_if(offset, count, block.alignment)
+                offset.move(
+                    self.line("o", f"{offset.text()} + {count} * {block.size_bytes}"), block.size_bytes
+                )
                 return
             self.limit(element, count)
         elif isinstance(element, Plain):
-            place.advance(array.length)
+            offset.advance(array.length)
             return
         name = self.functions.walker(element)
-        variable = self.line("o", place.text())
+        variable = self.line("o", offset.text())
         self.lines.append(f"for _ in range({count}): {variable} = {name}(b, {variable})")
-        place.move(variable)
+        offset.move(variable)
 
     def read_count(self, bound: int | None) -> str:
         """Read a length, and refuse one over its bound."""
         self.align_source(4)
         count = self.variable("n")
-        self.lines.append(f"{count}, = u32(b, {self.source_place.text()})")
+        self.lines.append(f"{count}, = u32(b, {self.source_at.text()})")
         if bound is not None:
             self.lines.append(f"if {count} > {bound}: raise overrun")
-        self.source_place.advance(4)
+        self.source_at.advance(4)
         return count
 
     def align_source(self, alignment: int) -> None:
-        """Go to the next aligned place."""
-        padding = self.source_place.padding(alignment)
+        """Go to the next aligned offset."""
+        padding = self.source_at.padding(alignment)
         if padding is not None:
-            self.source_place.advance(padding)
+            self.source_at.advance(padding)
         else:
-            self.lines.append(self.source_place.align(self.variable("o"), alignment))
+            self.lines.append(self.source_at.align(self.variable("o"), alignment))
 
-    def align_if(self, place: Place, count: str, alignment: int) -> None:
+    def align_if(self, offset: Offset, count: str, alignment: int) -> None:
         """Go to where the first of `count` values begins: no padding is before none."""
-        if place.padding(alignment) == 0:
+        if offset.padding(alignment) == 0:
             return
         # Behind the count the place is a multiple of four; only values of eight bytes get here.
-        before = place.text()
+        before = offset.text()
         variable = self.variable("o")
-        self.lines.append(f"{place.align(variable, alignment)} if {count} else {before}")
-        place.modulus = min(alignment, 4)
+        self.lines.append(f"{offset.align(variable, alignment)} if {count} else {before}")
+        offset.modulus = min(alignment, 4)
 
     def line(self, prefix: str, expression: str) -> str:
         """Add a line that keeps an expression; returns its variable."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from rostether.serde.cdr.pair_tree import Translation
+from rostether.serde.cdr.conversion_tree import Translation
 
 # ROS 1's name to ROS 2's. Types of the same name need no row, nor do fields that changed only their case.
 RENAMED_MESSAGES = MappingProxyType(

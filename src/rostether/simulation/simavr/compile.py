@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import BoardError, first_error
+from rostether.mechanisms.program import run_program
 
 SOURCES = Path(__file__).parent / "runner"
 PACKAGES = "gcc libsimavr-dev libelf-dev"
@@ -105,27 +106,9 @@ def _key(compiler: str) -> str:
 
 async def _run(command: Sequence[str], limit: asyncio.Semaphore) -> None:
     async with limit:
-        process = await asyncio.create_subprocess_exec(
-            *command,
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.DEVNULL,
-            stderr=asyncio.subprocess.PIPE,
-            env={**os.environ, "LC_ALL": "C"},
-        )
-        printed = await _end(process)
-    if process.returncode != 0:
-        raise BoardError(_explain(command[0], printed.decode(errors="replace")))
-
-
-async def _end(process: asyncio.subprocess.Process) -> bytes:
-    try:
-        _, printed = await process.communicate()
-    except asyncio.CancelledError:
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
-        await process.wait()
-        raise
-    return printed
+        ended = await run_program(command, environ={**os.environ, "LC_ALL": "C"})
+    if ended.code:
+        raise BoardError(_explain(command[0], ended.output.decode(errors="replace")))
 
 
 def _explain(compiler: str, text: str) -> str:

@@ -191,6 +191,10 @@ class SimulatedBoard:
         """Return a pin's level now."""
         return bool((await self.ask(f"pin {pin}", "pin"))["level"])
 
+    async def pins(self) -> dict[str, str]:
+        """Return all digital pins: "in1", "out0", or "pwm0.503" with the part of the time that it is high."""
+        return dict((await self.ask("pins", "pins")).values)
+
     async def wait_for_pin(self, pin: str, level: bool, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
         """Wait until a pin has a level; at once when it has. Watches the pin from then on."""
         await self.send_command(f"watch {pin}")
@@ -282,7 +286,9 @@ class SimulatedBoard:
             self._listeners.remove(listener)
 
     def _take(self, event: BoardEvent) -> None:
-        self.recent.append(event)
+        # A look at all pins is large, and comes many times a second.
+        if event.name != "pins":
+            self.recent.append(event)
         if event.name == "pin":
             self._levels[event["pin"]] = bool(event["level"])
         elif event.name == "serial":

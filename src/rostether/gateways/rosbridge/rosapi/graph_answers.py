@@ -8,33 +8,33 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.type_names import long_type, short_type
-from rostether.graph.ports import Graph, ServiceInfo, Snapshot
+from rostether.graph.ports import Graph, ServiceEntry, Snapshot
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.cdr_form import CdrForm
 
+# Takes a service's name, and returns its server's answer. Raises RostetherError.
 AskServer: TypeAlias = Callable[[str], Awaitable[str]]
-"""Takes a service's name, and returns what its server says. Raises RostetherError."""
 
 Allows: TypeAlias = Callable[[str], bool]
 
+# How long one server may take to send its type; a server may hang.
 ASK_LIMIT_S: Final = 3.0
-"""How long one server may take to tell its type; in a graph there is always one that hangs."""
 
+# Servers that are asked at the same time.
 MAX_ASKED: Final = 32
-"""Servers that are asked side by side."""
 
+# Topics whose definitions one answer may contain: about 10 MB of text.
 MAX_TEXT_TOPICS: Final = 2000
-"""Topics whose definitions one answer may contain: about 10 MB of text."""
 
 _ACTION_TOPICS: Final = ("goal", "cancel", "status", "feedback", "result")
 _ROS2_ACTION_TOPICS: Final = ("/_action/status", "/_action/feedback")
 
 
 class GraphAnswers:
-    """Answers about the graph; what `allows_...` says no to is not there for clients."""
+    """Answers about the graph; clients do not see names that `allows_...` rejects."""
 
     def __init__(
         self,
@@ -47,8 +47,8 @@ class GraphAnswers:
         ask_type: AskServer | None,
         ask_host: AskServer | None,
     ) -> None:
+        # The known types of our own services.
         self.known_types: Mapping[str, str] = {}
-        """Types of services that need not be asked for: our own."""
         self._graph = graph
         self._registry = registry
         self._is_ros2 = is_ros2
@@ -70,7 +70,7 @@ class GraphAnswers:
         return list(found), list(found.values()), [texts[name] for name in found.values()]
 
     async def topics_for_type(self, type_name: str) -> list[str]:
-        """Return the topics of a type, spelled in either ROS's way."""
+        """Return the topics of a type, in the spelling of either ROS."""
         wanted = short_type(type_name)
         return [topic for topic, name in (await self._topic_types()).items() if short_type(name) == wanted]
 
@@ -93,7 +93,7 @@ class GraphAnswers:
         return list((await self._graph.snapshot()).nodes)
 
     async def node_details(self, node: str) -> tuple[list[str], list[str], list[str]]:
-        """Return what a node subscribes to, publishes and serves."""
+        """Return a node's subscriptions, publications and services."""
         snapshot = await self._graph.snapshot()
         name = node if node.startswith("/") else f"/{node}"
         topics = [each for each in snapshot.topics.values() if self._allows_topic(each.name)]
@@ -108,7 +108,7 @@ class GraphAnswers:
         return [each.name for each in self._services(await self._graph.snapshot())]
 
     async def services_for_type(self, type_name: str) -> list[str]:
-        """Return the services of a type; servers that do not tell theirs are left out."""
+        """Return the services of a type; servers that do not answer are left out."""
         wanted = short_type(type_name)
         services = self._services(await self._graph.snapshot())
         types = await self._types_of(services)
@@ -140,12 +140,12 @@ class GraphAnswers:
         return list(service.providers) if service is not None else []
 
     async def service_host(self, service: str) -> str:
-        """Return the machine that a service's server runs on, empty where the graph does not know."""
+        """Return the machine of a service's server, empty if the graph does not know it."""
         found = await self._service(service)
         return await self._asked(self._ask_host, found.name) if found is not None else ""
 
     async def action_servers(self) -> list[str]:
-        """Return the actions that are served: those whose five topics are there."""
+        """Return the available actions: those whose five topics exist."""
         snapshot = await self._graph.snapshot()
         if self._is_ros2:
             found = {name.partition("/_action/")[0] for name in snapshot.topics if "/_action/" in name}
@@ -172,7 +172,7 @@ class GraphAnswers:
         return {each.name: self._spelled(each.type) for each in topics if self._allows_topic(each.name)}
 
     def _spelled(self, type_name: str, kind: str = "msg") -> str:
-        # Several types on one ROS 2 topic stand with a space between them.
+        # Several types on one ROS 2 topic are separated by spaces.
         first = type_name.partition(" ")[0]
         if first == ANY_TYPE:
             return ""
@@ -194,17 +194,17 @@ class GraphAnswers:
             self._cdr_form = CdrForm(self._registry)
         return self._cdr_form.full_text(message_type)
 
-    def _services(self, snapshot: Snapshot) -> list[ServiceInfo]:
+    def _services(self, snapshot: Snapshot) -> list[ServiceEntry]:
         return [each for each in snapshot.services.values() if self._allows_service(each.name)]
 
-    async def _service(self, service: str) -> ServiceInfo | None:
+    async def _service(self, service: str) -> ServiceEntry | None:
         found = (await self._graph.snapshot()).services.get(self._graph.resolve(service))
         return found if found is not None and self._allows_service(found.name) else None
 
-    async def _types_of(self, services: Iterable[ServiceInfo]) -> list[str]:
+    async def _types_of(self, services: Iterable[ServiceEntry]) -> list[str]:
         places = asyncio.Semaphore(MAX_ASKED)
 
-        async def find(service: ServiceInfo) -> str:
+        async def find(service: ServiceEntry) -> str:
             known = self.known_types.get(service.name, service.type)
             if known != ANY_TYPE:
                 return self._spelled(known, "srv")

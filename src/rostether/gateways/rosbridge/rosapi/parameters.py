@@ -13,12 +13,12 @@ from rostether.errors import AccessDeniedError, SerializationError, UnknownNameE
 from rostether.gateways.rosbridge.values import write_json
 from rostether.graph.ports import Graph, ParamValue
 
+# The depth of trees on a parameter server: the limit of XML-RPC documents.
 MAX_NESTING = 100
-"""As deep as a parameter server takes trees: XML-RPC documents end there."""
 
 
 class ParameterServices:
-    """Answers about parameters; `is_allowed` says which names clients may use."""
+    """Answers about parameters; `is_allowed` returns whether clients may use a name."""
 
     def __init__(self, graph: Graph, is_allowed: Callable[[str], bool], *, is_ros2: bool) -> None:
         self._graph = graph
@@ -26,7 +26,7 @@ class ParameterServices:
         self._is_ros2 = is_ros2
 
     async def get(self, name: str, default: str) -> str:
-        """Return a parameter's value in JSON: `default` where it is unset, null where that is empty too."""
+        """Return a parameter's value in JSON: `default` if it is unset, null if that is empty too."""
         try:
             value = await self._graph.get_param(self._name(name))
         except UnknownNameError:
@@ -39,17 +39,17 @@ class ParameterServices:
         await self._graph.set_param(self._name(name), value)
 
     async def has(self, name: str) -> bool:
-        """Return whether a parameter is set; one that clients may not use is not."""
+        """Return whether a parameter is set; False if clients may not use it."""
         return self._is_allowed(name) and await self._graph.has_param(self._name(name))
 
     async def delete(self, name: str) -> None:
-        """Delete a parameter; nothing happens where there is none."""
+        """Delete a parameter, if there is one."""
         full_name = self._name(name)
         if await self._graph.has_param(full_name):
             await self._graph.delete_param(full_name)
 
     async def search(self, name: str) -> str:
-        """Return the full name of the nearest parameter of that name, an empty text without one."""
+        """Return the full name of the nearest parameter of that name, or an empty text."""
         return await self._graph.search_param(self._name(name)) or ""
 
     async def names(self) -> list[str]:
@@ -101,7 +101,7 @@ def _default(text: str) -> Any:
 
 
 def _plain(value: ParamValue) -> Any:
-    """Return a value as JSON has it; what XML-RPC calls binary becomes text."""
+    """Return a value for JSON; XML-RPC's binary data becomes text."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     if isinstance(value, dict):

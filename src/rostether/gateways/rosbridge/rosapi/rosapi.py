@@ -25,14 +25,15 @@ from rostether.serde.store import TypeStore
 
 NODE_NAME: Final = "/rosapi"
 PACKAGE: Final = "rosapi"
+
+# The package of the same services in ROS 2.
 ROS2_PACKAGE: Final = "rosapi_msgs"
-"""The package of the same services in ROS 2."""
 
 LocalAnswer: TypeAlias = Callable[[Any], Awaitable[dict[str, Any]]]
 
 
 class Rosapi:
-    """The answers of rosapi's services, on one node's graph.
+    """The handlers of rosapi's services, on one node's graph.
 
     `ask_type` and `ask_host` ask a service's server, which ROS 1 needs: its master does not know.
     """
@@ -82,7 +83,7 @@ class Rosapi:
         return {name: f"{self._package}/{row.type_name}" for name, row in self._rows.items()}
 
     def find(self, service: str) -> LocalAnswer | None:
-        """Return what answers a service, by its full name; it takes and returns values of JSON.
+        """Return the handler of a service by its full name; it takes and returns values of JSON.
 
         It raises SerializationError for a request that does not fit, and GraphError.
         """
@@ -98,7 +99,7 @@ class Rosapi:
         return answer
 
     def handler(self, service: str) -> ServiceHandler:
-        """Return what answers a service on the graph, payload by payload."""
+        """Return the handler of a service on the graph, for payloads."""
         row = self._rows[service]
         request, response = self._codecs(row)
 

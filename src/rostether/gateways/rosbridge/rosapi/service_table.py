@@ -42,7 +42,7 @@ class Row:
 def service_rows(
     graph: GraphAnswers, parameters: ParameterServices, system: SystemAnswers
 ) -> tuple[Row, ...]:
-    """Return all services that rosapi has."""
+    """Return all services of rosapi."""
     g, p, s = graph, parameters, system
     return (
         Row("topics", "Topics", lambda _: g.topics(), ("topics", "types")),
@@ -105,5 +105,5 @@ def service_rows(
 
 
 def _default(asked: Message) -> str:
-    """Return what a parameter's reader gets where it is unset; `default` is a word of ROS 2's definitions."""
+    """Return the value for an unset parameter; `default` is a field of ROS 2's definitions."""
     return str(asked.default_value if hasattr(asked, "default_value") else asked.default)

@@ -11,8 +11,8 @@ from typing import Any, Final
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import Field, MessageSpec
 
+# Types below one; those in use have some 30, and definitions also come from peers.
 MAX_TYPES: Final = 512
-"""Types below one; those in use have some 30, and definitions also come from peers."""
 
 _STAMPS: Final = ("time", "duration")
 _EXAMPLES: Final = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}

@@ -80,6 +80,26 @@ static const char *do_pin(int count, char **words) {
     return NULL;
 }
 
+/* All digital pins at once: "in1", "out0", or "pwm0.503" where a timer drives the pin. */
+static const char *do_pins(int count, char **words) {
+    (void)count, (void)words;
+    event_begin("pins");
+    for (size_t i = 0; i < board.kind->pin_count; i++) {
+        struct pin *pin = pin_named(board.kind->pins[i].name);
+        if (board.kind->pins[i].bit < 0) continue;
+        char text[24];
+        struct pwm pwm = timers_pwm(pin_place(pin));
+        bool output = pin_is_output(pin);
+        if (output && pwm.active)
+            snprintf(text, sizeof text, "pwm%.3f", pwm.duty);
+        else
+            snprintf(text, sizeof text, "%s%d", output ? "out" : "in", pin_level(pin));
+        event_text(pin_name(pin), text);
+    }
+    event_end_droppable();
+    return NULL;
+}
+
 static const char *watch(const char *name, bool on) {
     struct pin *pin;
     if (strcmp(name, "serial") == 0) return link_watch(on), NULL;
@@ -264,9 +284,9 @@ static const struct {
     {"adc", do_adc},         {"aref", do_aref},   {"attitude", do_attitude}, {"autoreset", do_autoreset},
     {"cycles", do_cycles},   {"fault", do_fault}, {"for", do_for},           {"guard", do_guard},
     {"hcsr04", do_hcsr04},   {"memory", do_memory}, {"network", do_network}, {"pause", do_pause},
-    {"pin", do_pin},         {"power", do_power}, {"quit", do_quit},         {"range", do_range},
-    {"reset", do_reset},     {"run", do_run},     {"send", do_send},         {"servo", do_servo},
-    {"stack", do_stack},     {"unwatch", do_unwatch}, {"watch", do_watch},
+    {"pin", do_pin},         {"pins", do_pins},   {"power", do_power},       {"quit", do_quit},
+    {"range", do_range},     {"reset", do_reset}, {"run", do_run},           {"send", do_send},
+    {"servo", do_servo},     {"stack", do_stack}, {"unwatch", do_unwatch},   {"watch", do_watch},
 };
 
 const char *command_perform(char *line) {
@@ -279,6 +299,6 @@ const char *command_perform(char *line) {
     if (count == 0 || *words[0] == '#') return NULL;
     for (size_t i = 0; i < sizeof vocabulary / sizeof *vocabulary; i++)
         if (strcmp(vocabulary[i].word, words[0]) == 0) return vocabulary[i].action(count, words);
-    return "no such word; words are adc aref attitude autoreset cycles fault guard hcsr04 memory network pause pin power "
+    return "no such word; words are adc aref attitude autoreset cycles fault guard hcsr04 memory network pause pin pins power "
            "quit range reset run send servo stack unwatch watch";
 }

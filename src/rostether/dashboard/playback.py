@@ -1,0 +1,125 @@
+"""Playing a recording that a page of the dashboard chose, from any time of it, one at a time."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError, RostetherError
+from rostether.graph.callbacks import report_error
+from rostether.graph.ports import Graph
+from rostether.recording.files import open_recording
+from rostether.recording.player import Player, PlaySettings
+from rostether.recording.recorded import RecordingReader
+from rostether.rostime import NS_PER_S
+
+MIN_RATE, MAX_RATE = 0.1, 10.0
+
+# Recorded commands must not drive the robot again by a slip of a finger.
+PREFIX = "/playback"
+
+
+class Playback:
+    """Plays files that `find` finds by name; `join` makes the node that plays."""
+
+    def __init__(self, find: Callable[[str], Path | None], join: Callable[[], Awaitable[Graph]]) -> None:
+        self._find = find
+        self._join = join
+        self._turn = asyncio.Lock()
+        self._task: asyncio.Task[None] | None = None
+        self._player: Player | None = None
+        self._settings = PlaySettings()
+        self._name = ""
+        self._failure = ""
+
+    @property
+    def is_active(self) -> bool:
+        """Whether a recording is played, or stands still while paused."""
+        return self._task is not None and not self._task.done()
+
+    async def start(self, name: str, settings: PlaySettings) -> None:
+        """Play a recording instead of the one before. Raises ConfigError, RecordingError, GraphError."""
+        if not MIN_RATE <= settings.rate <= MAX_RATE:
+            raise ConfigError(f"a recording is played at a rate from {MIN_RATE:g} to {MAX_RATE:g}")
+        async with self._turn:
+            await self._end()
+            path = await asyncio.to_thread(self._find, name)
+            if path is None:
+                raise ConfigError(f"there is no recording {name[:100]!r}")
+            reader = await asyncio.to_thread(open_recording, path)
+            self._name, self._settings, self._failure = name, settings, ""
+            started: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self._task = asyncio.ensure_future(self._play(reader, started))
+            await asyncio.wait([self._task, started], return_when=asyncio.FIRST_COMPLETED)
+            if not started.done():
+                self._task.result()
+
+    def pause(self, *, is_paused: bool) -> None:
+        """Stand still, or go on. Raises ConfigError when nothing is played."""
+        if self._player is None or not self.is_active:
+            raise ConfigError("nothing is being played")
+        if self._player.is_paused != is_paused:
+            self._player.toggle_pause()
+
+    async def stop(self) -> None:
+        """End it; nothing happens when nothing is played."""
+        async with self._turn:
+            await self._end()
+
+    def state(self) -> dict[str, Any] | None:
+        """Return what is played and where it is, as JSON has it; None when nothing is."""
+        player = self._player
+        if player is None or not self.is_active:
+            return None
+        passed_s = max(player.time_ns - player.start_ns, 0) / NS_PER_S
+        return {
+            "name": self._name,
+            "seconds": round(self._settings.start_s + passed_s, 2),
+            "length": round(player.length_s, 2),
+            "rate": self._settings.rate,
+            "paused": player.is_paused,
+            "prefix": self._settings.prefix,
+        }
+
+    def take_failure(self) -> str:
+        """Return why the last playback failed; once."""
+        failure, self._failure = self._failure, ""
+        return failure
+
+    async def _end(self) -> None:
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.wait([self._task])
+            self._task = None
+
+    async def _play(self, reader: RecordingReader, started: asyncio.Future[None]) -> None:
+        with contextlib.closing(reader):
+            graph = await self._join()
+            try:
+                self._player = player = Player(graph, [reader], self._settings)
+                started.set_result(None)
+                await self._play_until_left(graph, player)
+            except RostetherError as error:
+                if not started.done():
+                    raise
+                self._failure = str(error)
+            except Exception as error:  # noqa: BLE001 - a defect of the player must not end the dashboard
+                report_error(f"playing {self._name}", error)
+            finally:
+                with contextlib.suppress(RostetherError):
+                    await graph.close()
+
+    async def _play_until_left(self, graph: Graph, player: Player) -> None:
+        playing = asyncio.ensure_future(player.play())
+        leaving = asyncio.ensure_future(graph.wait_closed())
+        try:
+            await asyncio.wait([playing, leaving], return_when=asyncio.FIRST_COMPLETED)
+            if playing.done():
+                playing.result()
+        finally:
+            leaving.cancel()
+            playing.cancel()
+            await asyncio.gather(playing, leaving, return_exceptions=True)

@@ -1,0 +1,89 @@
+"""Messages that wait for a client that reads slowly: bounded in bytes, and fair to its topics."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
+
+# What a waiting message takes beside its payload, so that a flood of empty ones is bounded too.
+MESSAGE_COST_BYTES = 100
+
+# Full queues shrink to this share, so that the fullest topic is not searched for with each message.
+_SHRUNK_TO = 0.9
+
+TopicT = TypeVar("TopicT")
+TagT = TypeVar("TagT")
+
+
+class TopicQueues(Generic[TopicT, TagT]):
+    """One queue for each topic; when all together exceed `max_bytes`, the fullest loses its oldest messages.
+
+    A topic is any hashable key, and every message has a tag beside its payload. `on_drop` is called with the
+    topic for each message that is lost.
+    """
+
+    def __init__(self, max_bytes: int, on_drop: Callable[[TopicT], None]) -> None:
+        self._max_bytes = max_bytes
+        self._on_drop = on_drop
+        self._bytes = 0
+        # Dictionaries keep their order: the first topic is served next.
+        self._queues: dict[TopicT, deque[tuple[TagT, bytes]]] = {}
+        self._sizes: dict[TopicT, int] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._queues)
+
+    def add(
+        self, topic: TopicT, tag: TagT, payloads: Sequence[bytes], *, max_messages: int | None = None
+    ) -> None:
+        """Queue messages; beyond `max_messages` of the topic, its oldest are dropped."""
+        queue = self._queues.get(topic)
+        if queue is None:
+            queue = self._queues[topic] = deque()
+            self._sizes[topic] = 0
+        size = sum(map(len, payloads)) + MESSAGE_COST_BYTES * len(payloads)
+        queue.extend([(tag, payload) for payload in payloads])
+        self._sizes[topic] += size
+        self._bytes += size
+        while max_messages is not None and len(queue) > max_messages:
+            self._drop_oldest(topic)
+        if self._bytes > self._max_bytes:
+            self._shrink()
+
+    def forget(self, topic: TopicT) -> None:
+        """Discard the messages of a topic that is no longer subscribed."""
+        if self._queues.pop(topic, None) is not None:
+            self._bytes -= self._sizes.pop(topic)
+
+    def pop(self) -> tuple[TopicT, TagT, bytes]:
+        """Return the next topic, tag and payload; topics take turns."""
+        topic = next(iter(self._queues))
+        queue = self._queues.pop(topic)
+        tag, payload = queue.popleft()
+        cost = len(payload) + MESSAGE_COST_BYTES
+        self._bytes -= cost
+        if queue:
+            self._queues[topic] = queue
+            self._sizes[topic] -= cost
+        else:
+            del self._sizes[topic]
+        return topic, tag, payload
+
+    def _shrink(self) -> None:
+        limit = int(self._max_bytes * _SHRUNK_TO)
+        while self._bytes > limit:
+            fullest = max(self._sizes, key=self._sizes.__getitem__)
+            if len(self._queues[fullest]) == 1 and len(self._queues) == 1:
+                # A single message may exceed the limit; otherwise it would never arrive.
+                return
+            self._drop_oldest(fullest)
+
+    def _drop_oldest(self, topic: TopicT) -> None:
+        queue = self._queues[topic]
+        cost = len(queue.popleft()[1]) + MESSAGE_COST_BYTES
+        self._bytes -= cost
+        self._sizes[topic] -= cost
+        if not queue:
+            del self._queues[topic], self._sizes[topic]
+        self._on_drop(topic)

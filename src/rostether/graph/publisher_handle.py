@@ -1,0 +1,90 @@
+"""Handles on what one node publishes: several may share a topic, and the last one ends it."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Generic, Protocol, TypeVar
+
+from rostether.errors import TypeMismatchError
+from rostether.msgdef.interface import MessageType, agree
+
+
+class Publication(Protocol):
+    """One topic that a node publishes, shared by its handles."""
+
+    topic: str
+    type: MessageType
+    handle_count: int
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages slow subscribers have lost so far, summed over them."""
+
+    def publish(self, payloads: Sequence[bytes]) -> bool:
+        """Send or queue a batch; False asks the caller to await `drained`."""
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until little waits for every subscriber, `timeout_s` at most."""
+
+
+PublicationT = TypeVar("PublicationT", bound=Publication)
+
+
+class PublisherHandle(Generic[PublicationT]):
+    """A `graph.ports.Publisher`: one handle on a publication; `on_last_close` runs with the last handle."""
+
+    def __init__(
+        self, publication: PublicationT, on_last_close: Callable[[PublicationT], Awaitable[None]]
+    ) -> None:
+        self.publication = publication
+        self._on_last_close = on_last_close
+        self._is_closed = False
+        publication.handle_count += 1
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+        return self.publication.topic
+
+    @property
+    def type(self) -> MessageType:
+        """The advertised type."""
+        return self.publication.type
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return self.publication.subscriber_count
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages slow subscribers have lost so far, summed over them."""
+        return self.publication.dropped_count
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Queue the payloads for every subscriber; False asks the caller to await `drained`."""
+        return self._is_closed or self.publication.publish(payloads)
+
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until little waits for every subscriber, `timeout_s` at most: one pause of the source."""
+        await self.publication.drained(timeout_s)
+
+    async def close(self) -> None:
+        """Unadvertise, with the last handle. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            self.publication.handle_count -= 1
+            if self.publication.handle_count == 0:
+                await self._on_last_close(self.publication)
+
+
+def check_same_type(topic: str, published: MessageType, wanted: MessageType) -> None:
+    """Check that a handle may share what its node publishes. Raises TypeMismatchError."""
+    if not agree(published.md5sum, wanted.md5sum):
+        raise TypeMismatchError(
+            f"this node publishes {topic} as {published.name}, not as {wanted.name}; choose another topic"
+        )

@@ -1,0 +1,93 @@
+"""A thread that runs the callbacks of one source in order.
+
+It begins with the first item and ends when there has been none for a while, so that publishers that come and
+go leave no threads behind.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Generic, TypeVar
+
+_T = TypeVar("_T")
+
+# How long a thread waits for more before it ends; a new one costs a tenth of a millisecond.
+IDLE_S = 5.0
+
+HIGH_WATER_ITEMS = 1000
+# When to ask the source to stop and go on: a callback that is too slow must not fill the memory.
+LOW_WATER_ITEMS = 100
+
+
+class CallbackThread(Generic[_T]):
+    """Passes items to `run`, which must not raise. Calls `on_full` with True above high water, then False.
+
+    `limit` keeps only that many of the newest items waiting.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        run: Callable[[_T], object],
+        *,
+        limit: int | None = None,
+        on_full: Callable[[bool], object] | None = None,
+    ) -> None:
+        self.limit = limit
+        self._name = name
+        self._run = run
+        self._on_full = on_full
+        self._items: deque[_T] = deque()
+        self._news = threading.Condition()
+        self._is_alive = False
+        self._is_full = False
+        self._is_closed = False
+
+    def put(self, items: Iterable[_T]) -> None:
+        """Queue items. Never blocks."""
+        with self._news:
+            if self._is_closed:
+                return
+            self._items.extend(items)
+            while self.limit is not None and len(self._items) > self.limit:
+                self._items.popleft()
+            if not self._is_alive:
+                self._is_alive = True
+                threading.Thread(target=self._work, name=self._name, daemon=True).start()
+            self._news.notify()
+            self._report_fill()
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether there is a thread now."""
+        return self._is_alive
+
+    def close(self) -> None:
+        """Run nothing more than what is running now."""
+        with self._news:
+            self._is_closed = True
+            self._items.clear()
+            self._news.notify()
+
+    def _work(self) -> None:
+        while True:
+            with self._news:
+                while not self._items:
+                    if self._is_closed or not self._news.wait(IDLE_S):
+                        if self._items:
+                            continue
+                        self._is_alive = False
+                        return
+                item = self._items.popleft()
+                self._report_fill()
+            self._run(item)
+
+    def _report_fill(self) -> None:
+        count = len(self._items)
+        is_full = count > HIGH_WATER_ITEMS or (self._is_full and count > LOW_WATER_ITEMS)
+        if is_full != self._is_full:
+            self._is_full = is_full
+            if self._on_full is not None:
+                self._on_full(is_full)

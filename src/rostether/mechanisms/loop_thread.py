@@ -1,0 +1,112 @@
+"""An asyncio loop in a thread of its own, called from the program's threads."""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import threading
+from collections.abc import Callable, Coroutine
+from typing import Any, TypeVar
+
+_T = TypeVar("_T")
+
+
+class LoopThread:
+    """Runs coroutines for other threads; the thread begins with the first call and never blocks the exit.
+
+    `interrupted` makes the error of calls that `interrupt` ends.
+    """
+
+    def __init__(self, interrupted: Callable[[], BaseException] = concurrent.futures.CancelledError) -> None:
+        self._interrupted = interrupted
+        # Reentrant: a signal may end the node while its main thread is in here.
+        self._lock = threading.RLock()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._waiting: set[concurrent.futures.Future[Any]] = set()
+        self._tasks: set[asyncio.Task[Any]] = set()
+
+    @property
+    def loop(self) -> asyncio.AbstractEventLoop:
+        """The loop, running."""
+        with self._lock:
+            if self._loop is None:
+                ready = threading.Event()
+                loop = self._loop = asyncio.new_event_loop()
+                loop.call_soon(ready.set)
+                threading.Thread(target=self._run, args=(loop,), name="rostether graph", daemon=True).start()
+                ready.wait()
+            return self._loop
+
+    def call(self, coroutine: Coroutine[Any, Any, _T], *, timeout_s: float | None = None) -> _T:
+        """Run a coroutine and wait for its result, or raise what it raises.
+
+        Raises the error of `interrupted` after `interrupt`, TimeoutError after the time.
+        """
+        loop = self.loop
+        with self._lock:
+            future = asyncio.run_coroutine_threadsafe(coroutine, loop)
+            self._waiting.add(future)
+        try:
+            return future.result(timeout_s)
+        except concurrent.futures.CancelledError:
+            raise self._interrupted() from None
+        except BaseException:
+            future.cancel()
+            raise
+        finally:
+            self._waiting.discard(future)
+
+    def post(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Schedule a function in the loop, without waiting for its result."""
+        self.loop.call_soon_threadsafe(function, *arguments)
+
+    def start(self, coroutine: Coroutine[Any, Any, object]) -> None:
+        """Start a coroutine in the loop, without waiting for its result."""
+        self.post(self._begin, coroutine)
+
+    def interrupt(self) -> None:
+        """Wake every thread that waits in `call`."""
+        with self._lock:
+            waiting = list(self._waiting)
+        for future in waiting:
+            future.cancel()
+
+    def _begin(self, coroutine: Coroutine[Any, Any, object]) -> None:
+        task = asyncio.ensure_future(coroutine)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def _run(self, loop: asyncio.AbstractEventLoop) -> None:
+        asyncio.set_event_loop(loop)
+        loop.run_forever()
+
+
+async def run_in_thread(function: Callable[[], _T]) -> _T:
+    """Run a function that may block in a new thread, and wait for its result.
+
+    Each call has its own thread: handlers may wait for one another, so a pool could run dry.
+    """
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[_T] = loop.create_future()
+
+    def settle(result: Any, error: BaseException | None) -> None:
+        if future.done():
+            return
+        if error is None:
+            future.set_result(result)
+        else:
+            future.set_exception(error)
+
+    def run() -> None:
+        error: Exception | None = None
+        result: Any = None
+        try:
+            result = function()
+        except Exception as raised:  # noqa: BLE001 - it belongs to the waiting caller
+            error = raised
+        except BaseException as raised:  # noqa: BLE001 - sys.exit() in a handler ends its thread, not our loop
+            error = RuntimeError(repr(raised))
+        loop.call_soon_threadsafe(settle, result, error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return await future

@@ -1,0 +1,71 @@
+"""Running a program to its end; when the caller is cancelled, the program and its children end too."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import NamedTuple
+
+# How long a program may take to end after SIGTERM, such as to remove its temporary files.
+END_LIMIT_S = 5.0
+
+
+class Ended(NamedTuple):
+    """How a program ended: its exit code, what it printed, and its error output if that is apart."""
+
+    code: int
+    output: bytes
+    errors: bytes
+
+
+async def run_program(
+    command: Sequence[str],
+    *,
+    given: bytes | None = None,
+    environ: Mapping[str, str] | None = None,
+    merge: bool = True,
+) -> Ended:
+    """Run a program with `given` as its input; `merge` puts its error output into its output.
+
+    Raises OSError if it cannot be started.
+    """
+    starting = asyncio.ensure_future(
+        asyncio.create_subprocess_exec(
+            *command,
+            stdin=asyncio.subprocess.DEVNULL if given is None else asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT if merge else asyncio.subprocess.PIPE,
+            env=environ,
+            # A group of its own, so that a compiler's children can be ended with it.
+            start_new_session=True,
+        )
+    )
+    try:
+        process = await asyncio.shield(starting)
+        output, errors = await process.communicate(given)
+    except asyncio.CancelledError:
+        await asyncio.shield(_end(starting))
+        raise
+    return Ended(process.returncode or 0, output, errors or b"")
+
+
+async def _end(starting: asyncio.Future[asyncio.subprocess.Process]) -> None:
+    process = await starting
+    _signal(process, signal.SIGTERM)
+    with suppress(TimeoutError):
+        async with asyncio.timeout(END_LIMIT_S):
+            await process.communicate()
+            return
+    _signal(process, signal.SIGKILL)
+    await process.communicate()
+
+
+def _signal(process: asyncio.subprocess.Process, number: signal.Signals) -> None:
+    with suppress(ProcessLookupError):
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, number)
+        else:
+            process.send_signal(number)

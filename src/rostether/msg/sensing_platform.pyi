@@ -1,0 +1,22 @@
+# Written by scripts/write-message-stubs.
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from rostether import rostime
+from rostether.serde.values import Message
+
+class Sensor(Message):
+    id: str
+    name: str
+    platform_name: str
+    sensor_type: str
+    topic: str
+    message_type: str
+    unit: str
+    state: str
+    state_since: rostime.Time
+    def __init__(self, *, id: str = ..., name: str = ..., platform_name: str = ..., sensor_type: str = ..., topic: str = ..., message_type: str = ..., unit: str = ..., state: str = ..., state_since: rostime.Time | float | Literal["now"] = ...) -> None: ...
+
+class Sensors(Message):
+    sensors: list[Sensor]
+    def __init__(self, *, sensors: Sequence[Sensor | Mapping[str, Any]] = ...) -> None: ...

@@ -1,0 +1,120 @@
+"""Chooses the column of each vertex of a directed graph that is drawn from left to right.
+
+An edge never connects two vertices of one column. Edges to a column on the left are drawn backwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
+from typing import Final, TypeAlias
+
+Ends: TypeAlias = tuple[str, str]
+
+# Fewer columns are only a list.
+MIN_COLUMNS: Final = 3
+
+
+def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[str, int]]:
+    """Yield columns by vertex, from wide to narrow.
+
+    First every vertex is behind its farthest source, where edges that close a cycle are turned. Then it is
+    behind its nearest source, and then these columns are folded to and fro in fewer and fewer columns.
+    """
+    yield _longest_ways(keys, _without_cycles(keys, edges))
+    depths = _shortest_ways(keys, edges)
+    neighbours: dict[str, list[str]] = {key: [] for key in keys}
+    for source, target in edges:
+        neighbours[source].append(target)
+        neighbours[target].append(source)
+    for width in range(max(depths.values(), default=0) + 1, MIN_COLUMNS - 1, -1):
+        yield _apart({key: _folded(depth, width) for key, depth in depths.items()}, neighbours)
+
+
+def _folded(depth: int, width: int) -> int:
+    """Return the column of a depth: 0 1 2 1 0 1 2 for three columns. Neighbours stay neighbours."""
+    place = depth % (2 * width - 2)
+    return min(place, 2 * width - 2 - place)
+
+
+def _apart(wanted: Mapping[str, int], neighbours: Mapping[str, Sequence[str]]) -> dict[str, int]:
+    """Return the columns nearest to those wanted in which no neighbours meet, without empty columns."""
+    placed: dict[str, int] = {}
+    for key in sorted(wanted, key=lambda each: wanted[each]):
+        taken = {placed[each] for each in neighbours[key] if each in placed}
+        tried = (wanted[key] + offset for step in count() for offset in (step, -step))
+        placed[key] = next(each for each in tried if each >= 0 and each not in taken)
+    numbers = {column: number for number, column in enumerate(sorted(set(placed.values())))}
+    return {key: numbers[column] for key, column in placed.items()}
+
+
+def _shortest_ways(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
+    """Return how many edges each vertex is behind a source; a cycle without one begins at its first."""
+    following: dict[str, list[str]] = {key: [] for key in keys}
+    entered = dict.fromkeys(keys, 0)
+    for source, target in edges:
+        following[source].append(target)
+        entered[target] += 1
+    depths: dict[str, int] = {}
+    starts = [[key for key in keys if not entered[key]], *([key] for key in keys)]
+    for start in starts:
+        ready = [key for key in start if key not in depths]
+        depths.update(dict.fromkeys(ready, 0))
+        for key in ready:
+            for target in following[key]:
+                if target not in depths:
+                    depths[target] = depths[key] + 1
+                    ready.append(target)
+    return depths
+
+
+def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
+    """Return the edges with those turned that lead back, found by a walk in depth."""
+    following: dict[str, list[str]] = {key: [] for key in keys}
+    entered: dict[str, int] = dict.fromkeys(keys, 0)
+    for source, target in edges:
+        following[source].append(target)
+        entered[target] += 1
+    turned: set[Ends] = set()
+    done: set[str] = set()
+    # Vertices without incoming edges first: then only true cycles are cut.
+    for start in sorted(keys, key=lambda key: entered[key] > 0):
+        if start in done:
+            continue
+        on_path = {start}
+        walk = [(start, iter(following[start]))]
+        while walk:
+            key, rest = walk[-1]
+            step = next(rest, None)
+            if step is None:
+                walk.pop()
+                on_path.discard(key)
+                done.add(key)
+            elif step in on_path:
+                turned.add((key, step))
+            elif step not in done:
+                on_path.add(step)
+                walk.append((step, iter(following[step])))
+    oriented = (ends[::-1] if ends in turned else ends for ends in edges)
+    return list(dict.fromkeys(oriented))
+
+
+def _longest_ways(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
+    """Return each vertex's column: after its last source; one without sources is just before a target."""
+    following: dict[str, list[str]] = {key: [] for key in keys}
+    waiting = dict.fromkeys(keys, 0)
+    for source, target in edges:
+        following[source].append(target)
+        waiting[target] += 1
+    sources = [key for key in keys if not waiting[key]]
+    ready, column = list(sources), dict.fromkeys(keys, 0)
+    for key in ready:
+        for target in following[key]:
+            column[target] = max(column[target], column[key] + 1)
+            waiting[target] -= 1
+            if not waiting[target]:
+                ready.append(target)
+    for key in sources:
+        if following[key]:
+            column[key] = min(column[target] for target in following[key]) - 1
+    return column

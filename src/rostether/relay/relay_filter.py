@@ -1,0 +1,77 @@
+"""What a relay carries: topics and services by their names, `*` for anything, and in which directions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from fnmatch import fnmatchcase
+
+# Each graph has its own of these: they are carried only where they are named without a `*`.
+PRIVATE_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events", "/clock"})
+
+# Services that every node of a graph offers about itself; they are not relayed.
+PRIVATE_SERVICES = (
+    "*/get_loggers",
+    "*/set_logger_level",
+    "*/describe_parameters",
+    "*/get_parameter_types",
+    "*/get_parameters",
+    "*/list_parameters",
+    "*/set_parameters",
+    "*/set_parameters_atomically",
+    "*/get_type_description",
+)
+
+
+class Direction(Enum):
+    """From which graph to which."""
+
+    BOTH = "both"
+    FORTH = "forth"
+    BACK = "back"
+
+
+@dataclass(frozen=True, slots=True)
+class Topics:
+    """Topics that match a pattern, in one direction or both."""
+
+    pattern: str
+    direction: Direction = Direction.BOTH
+
+    def covers(self, name: str, direction: Direction) -> bool:
+        """Return whether a topic is carried in a direction."""
+        if self.direction not in (Direction.BOTH, direction):
+            return False
+        if name in PRIVATE_TOPICS:
+            return name == self.pattern
+        return fnmatchcase(name, self.pattern)
+
+
+@dataclass(frozen=True, slots=True)
+class Services:
+    """Services that match a pattern; `type` is needed where the graph does not know it."""
+
+    pattern: str
+    type: str = ""
+
+    def covers(self, name: str) -> bool:
+        """Return whether a service is carried: to the graph that has it not."""
+        if any(fnmatchcase(name, private) for private in PRIVATE_SERVICES):
+            return name == self.pattern
+        return fnmatchcase(name, self.pattern)
+
+
+@dataclass(frozen=True, slots=True)
+class RelayFilter:
+    """Everything that a relay carries."""
+
+    topics: tuple[Topics, ...] = ()
+    services: tuple[Services, ...] = ()
+
+    def carries_topic(self, name: str, direction: Direction) -> bool:
+        """Return whether a topic is carried in a direction."""
+        return any(each.covers(name, direction) for each in self.topics)
+
+    def service(self, name: str) -> Services | None:
+        """Return what was chosen for a service, None if it is not carried."""
+        return next((each for each in self.services if each.covers(name)), None)

@@ -1,0 +1,79 @@
+"""The types and names of an action on a ROS 2 graph; `msgdef.ros2.action_parts` has the table.
+
+A goal's id is 16 bytes, in front of goals and feedback. Payloads are those of the graph port.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final
+
+from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.ros2.action_parts import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
+from rostether.ros2.types.native_registry import NativeRegistry, short_name
+
+SEND_GOAL_SERVICE: Final = "_action/send_goal"
+GET_RESULT_SERVICE: Final = "_action/get_result"
+CANCEL_SERVICE: Final = "_action/cancel_goal"
+FEEDBACK_TOPIC: Final = "_action/feedback"
+STATUS_TOPIC: Final = "_action/status"
+
+ID_BYTES: Final = 16
+STAMP: Final = struct.Struct("<iI")
+
+
+class GoalStatus(IntEnum):
+    """How far a goal is, with the values of action_msgs/GoalStatus."""
+
+    UNKNOWN = 0
+    ACCEPTED = 1
+    EXECUTING = 2
+    CANCELING = 3
+    SUCCEEDED = 4
+    CANCELED = 5
+    ABORTED = 6
+
+
+class CancelCode(IntEnum):
+    """The answer to a cancel request, with the values of action_msgs/CancelGoal."""
+
+    NONE = 0
+    REJECTED = 1
+    UNKNOWN_GOAL = 2
+    TERMINATED = 3
+
+
+@dataclass(frozen=True, slots=True)
+class ActionTypes:
+    """One action type; `goal`, `result` and `feedback` are names of messages in the registry."""
+
+    goal: str
+    result: str
+    feedback: str
+    send_goal: ServiceType
+    get_result: ServiceType
+    cancel: ServiceType
+    feedback_message: MessageType
+    status: MessageType
+
+    @classmethod
+    def find(cls, registry: NativeRegistry, name: str) -> ActionTypes:
+        """Return the types of `package/Name` or `package/action/Name`.
+
+        Raises UnknownTypeError, DefinitionError.
+        """
+        package, _, rest = name.partition("/")
+        full_name = f"{package}/action/{rest.removeprefix('action/')}"
+        action = registry.definitions.action(full_name).action
+        return cls(
+            short_name(action.goal.full_name),
+            short_name(action.result.full_name),
+            short_name(action.feedback.full_name),
+            send_goal=registry.service_type(full_name + SEND_GOAL),
+            get_result=registry.service_type(full_name + GET_RESULT),
+            cancel=registry.service_type("action_msgs/srv/CancelGoal"),
+            feedback_message=registry.message_type(full_name + FEEDBACK_MESSAGE),
+            status=registry.message_type("action_msgs/msg/GoalStatusArray"),
+        )

@@ -1,0 +1,121 @@
+"""Which topics a router does not carry for this program: its access control drops messages without an answer.
+
+Two sessions with the certificates of the configuration try the way to the router and back. They use one more
+part behind each topic's key: access rules treat it as the topic, and no subscriber has it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import threading
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
+
+import zenoh
+
+from rostether.ros2.zenoh.foreign_threads import stay_known
+from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse_token
+
+# The topics that are tried; rules are usually about groups of them.
+MAX_TOPICS = 64
+
+# How long a probe may take: a router on a busy Wi-Fi carries it within a second, a busy machine in some.
+PROBE_LIMIT_S = 10.0
+
+# Time for a subscription to become known before the next probe.
+_REPEAT_S = 0.2
+
+_CONNECT_LIMIT_MS = 2000
+_LISTING_LIMIT_S = 2.0
+_PROBE = "_rostether_access"
+_TOPICS = (Kind.PUBLISHER, Kind.SUBSCRIBER)
+_log = logging.getLogger("rostether.ros2")
+
+
+async def find_denied_topics(
+    configuration: zenoh.Config, endpoint: str, domain_id: int, ends: Iterable[Token] | None = None
+) -> list[str]:
+    """Return the topics that the router at an endpoint does not carry, of some ends or of the whole graph.
+
+    A router that cannot be reached denies nothing.
+    """
+    ended = threading.Event()
+    try:
+        return await asyncio.to_thread(_find, configuration, endpoint, domain_id, ends, ended)
+    finally:
+        # The end of the program must not wait for the thread.
+        ended.set()
+
+
+def _find(
+    configuration: zenoh.Config,
+    endpoint: str,
+    domain_id: int,
+    ends: Iterable[Token] | None,
+    ended: threading.Event,
+) -> list[str]:
+    stay_known()
+    with ExitStack() as stack:
+        try:
+            sender, receiver = (
+                stack.enter_context(zenoh.open(_as_client(configuration, endpoint))) for _ in range(2)
+            )
+        except zenoh.ZError as error:
+            _log.debug("access at %s is not checked: %s", endpoint, error)
+            return []
+        keys = _keys(_listed(sender, domain_id) if ends is None else ends)
+        missing = _missing(sender, receiver, keys, ended)
+        return sorted({topic for key, topic in keys.items() if key in missing})
+
+
+def _listed(session: zenoh.Session, domain_id: int) -> Iterable[Token]:
+    replies = session.liveliness().get(all_tokens(domain_id), timeout=_LISTING_LIMIT_S)
+    texts = [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
+    return [token for token in map(parse_token, texts) if token is not None]
+
+
+def _keys(ends: Iterable[Token]) -> dict[str, str]:
+    """Return the topics by the keys of their probes."""
+    found = {
+        f"{data_key(end.domain_id, end.name, end.type, end.type_hash)}/{_PROBE}": end.name
+        for end in ends
+        if end.kind in _TOPICS
+    }
+    return dict(list(found.items())[:MAX_TOPICS])
+
+
+def _missing(
+    sender: zenoh.Session, receiver: zenoh.Session, keys: Mapping[str, str], ended: threading.Event
+) -> set[str]:
+    """Send a probe to each key until all have arrived or the time is over; returns what is missing."""
+    missing = set(keys)
+
+    def take(sample: zenoh.Sample) -> None:
+        stay_known()
+        missing.discard(str(sample.key_expr))
+
+    for key in keys:
+        receiver.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
+    for _ in range(round(PROBE_LIMIT_S / _REPEAT_S)):
+        for key in list(missing):
+            sender.put(key, b"")
+        if ended.wait(_REPEAT_S) or not missing:
+            return set()
+    return set(missing)
+
+
+def _as_client(configuration: zenoh.Config, endpoint: str) -> zenoh.Config:
+    """Return the configuration of a client of one router."""
+    client = zenoh.Config.from_json5(str(configuration))
+    for path, value in (
+        ("mode", "client"),
+        ("connect/endpoints", [endpoint]),
+        ("connect/timeout_ms", _CONNECT_LIMIT_MS),
+        ("connect/exit_on_failure", True),
+        ("listen/endpoints", []),
+        ("access_control/enabled", False),
+    ):
+        client.insert_json5(path, json.dumps(value))
+    return client

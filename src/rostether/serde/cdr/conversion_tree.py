@@ -1,0 +1,187 @@
+"""One ROS 1 type and one ROS 2 type laid over each other: what a converter is compiled from.
+
+ROS 1 puts value after value without gaps. CDR (XCDR1, as ROS 2's middlewares write it) aligns numbers of
+two, four and eight bytes to their size, counted from after the four bytes of encapsulation; a struct has no
+alignment of its own. So most values are the same bytes on both sides, and only where they stand differs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Final, TypeAlias
+
+# The one uint8 that a ROS 2 message without fields has, as rosidl writes it.
+DUMMY_NAME: Final = "structure_needs_at_least_one_member"
+
+
+class Side(Enum):
+    """Which of the two definitions has a field."""
+
+    BOTH = "both"
+    ROS1 = "ROS 1"
+    ROS2 = "ROS 2"
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Bytes that both sides have alike: nothing to pad inside once its first byte is aligned."""
+
+    size_bytes: int
+    alignment: int
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """Two tables of 256 bytes, as `bytes.translate` takes them."""
+
+    to_ros2: bytes
+    to_ros1: bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plain:
+    """A number, or a stamp (two of four bytes).
+
+    `translation` is given where values of one byte change: what each becomes in ROS 2, and what in ROS 1.
+    """
+
+    size_bytes: int
+    alignment: int
+    translation: Translation | None = None
+
+    @property
+    def block(self) -> Block | None:
+        """The value as a block; None if it is translated."""
+        return None if self.translation is not None else Block(self.size_bytes, self.alignment)
+
+    @property
+    def ros1_size_bytes(self) -> int:
+        """The size in ROS 1."""
+        return self.size_bytes
+
+    def least_bytes(self, _side: Side) -> int:
+        """Return the size."""
+        return self.size_bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Text:
+    """A string, or a wstring where it `is_wide`: UTF-16 in ROS 2, UTF-8 in ROS 1.
+
+    `bound` is the most bytes, or units of UTF-16, that ROS 2 takes, None for any number.
+    """
+
+    bound: int | None = None
+    is_wide: bool = False
+    block: None = None
+    ros1_size_bytes: None = None
+
+    def least_bytes(self, _side: Side) -> int:
+        """Return the size of a length, which is all that is sure."""
+        return 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Array:
+    """An array of `length` elements; if it is None, of any length up to `bound`."""
+
+    element: Plain | Text | Record
+    length: int | None
+    bound: int | None = None
+    block: Block | None = field(init=False)
+    ros1_size_bytes: int | None = field(init=False)
+
+    def __post_init__(self) -> None:
+        element = self.element.block
+        block = None
+        if element is not None and self.length:
+            block = Block(self.length * element.size_bytes, element.alignment)
+        object.__setattr__(self, "block", block)
+        size = self.element.ros1_size_bytes
+        if self.length is None or size is None:
+            size = 0 if self.length == 0 else None
+        else:
+            size *= self.length
+        object.__setattr__(self, "ros1_size_bytes", size)
+
+    def least_bytes(self, side: Side) -> int:
+        """Return how few bytes an array takes on a side, without padding."""
+        return 4 if self.length is None else self.length * self.element.least_bytes(side)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slot:
+    """One field of a record, under its name on each side ("" where it has none).
+
+    `default` is what a field that only ROS 2 has becomes: bytes with their alignment, one after the other.
+    """
+
+    ros1_name: str
+    ros2_name: str
+    node: Node
+    default: tuple[tuple[int, bytes], ...] = ()
+
+    @property
+    def side(self) -> Side:
+        """Who has the field."""
+        if not self.ros1_name:
+            return Side.ROS2
+        return Side.BOTH if self.ros2_name else Side.ROS1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Record:
+    """A message: its slots in the order of ROS 1, and in the order of ROS 2."""
+
+    name: str
+    ros1_slots: tuple[Slot, ...]
+    ros2_slots: tuple[Slot, ...]
+    block: Block | None = field(init=False)
+
+    # The size in bytes of every ROS 1 value, None where it varies.
+    ros1_size_bytes: int | None = field(init=False)
+    _least: tuple[int, int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        # Worked out once: a type holding a type twice, which holds one twice ..., has many paths.
+        object.__setattr__(self, "block", _record_block(self))
+        sizes = [slot.node.ros1_size_bytes for slot in self.ros1_slots]
+        size = None if None in sizes else sum(size or 0 for size in sizes)
+        object.__setattr__(self, "ros1_size_bytes", size)
+        least = [
+            sum(slot.node.least_bytes(side) for slot in self.slots(side)) for side in (Side.ROS1, Side.ROS2)
+        ]
+        object.__setattr__(self, "_least", tuple(least))
+
+    def least_bytes(self, side: Side) -> int:
+        """Return how few bytes a message takes on a side, without padding."""
+        return self._least[0 if side is Side.ROS1 else 1]
+
+    @property
+    def is_ordered(self) -> bool:
+        """Whether the fields of both sides are in the same order."""
+        shared = [slot for slot in self.ros1_slots if slot.side is Side.BOTH]
+        return shared == [slot for slot in self.ros2_slots if slot.side is Side.BOTH]
+
+    def slots(self, side: Side) -> tuple[Slot, ...]:
+        """Return the slots in the order of one side."""
+        return self.ros1_slots if side is Side.ROS1 else self.ros2_slots
+
+
+Node: TypeAlias = Plain | Text | Array | Record
+
+
+def _record_block(record: Record) -> Block | None:
+    if record.ros1_slots != record.ros2_slots or not record.ros1_slots:
+        return None
+    size = 0
+    first = record.ros1_slots[0].node.block
+    for slot in record.ros1_slots:
+        block = slot.node.block
+        # Alignments hold wherever the record stands only if that of its first byte is the strictest.
+        if first is None or block is None or block.alignment > first.alignment or size % block.alignment:
+            return None
+        size += block.size_bytes
+    assert first is not None
+    return None if size % first.alignment else Block(size, first.alignment)

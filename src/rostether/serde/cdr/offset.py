@@ -1,0 +1,60 @@
+"""Where generated code is in its input or output, as far as that is known when the code is written."""
+
+from __future__ import annotations
+
+from math import gcd
+
+
+class Offset:
+    """An expression of an index into a payload.
+
+    With `aligned`, the payload is CDR: its alignment counts from index 4, and of the expression the remainder
+    `residue` by `modulus` (1, 2, 4 or 8) is known. Without, nothing is aligned.
+    """
+
+    __slots__ = ("aligned", "modulus", "offset", "residue", "start")
+
+    def __init__(self, start: str, offset: int, *, aligned: bool, modulus: int = 8, residue: int = 0) -> None:
+        self.start = start
+        self.offset = offset
+        self.aligned = aligned
+        self.modulus = modulus
+        self.residue = residue
+
+    def text(self, ahead: int = 0) -> str:
+        """Return the expression, or that of a place ahead."""
+        offset = self.offset + ahead
+        if not self.start:
+            return str(offset)
+        return f"{self.start} + {offset}" if offset else self.start
+
+    def advance(self, size: int) -> None:
+        """Go over bytes."""
+        self.offset += size
+        self.residue = (self.residue + size) % self.modulus
+
+    def move(self, start: str, step: int = 1) -> None:
+        """Go to the place that an expression holds, any multiple of `step` bytes further."""
+        self.start, self.offset = start, 0
+        self.modulus = gcd(self.modulus, step)
+        self.residue %= self.modulus
+
+    def padding(self, alignment: int) -> int | None:
+        """Return the padding to an alignment, None if it is known only at run time."""
+        if not self.aligned or alignment == 1:
+            return 0
+        return -self.residue % alignment if self.modulus >= alignment else None
+
+    def align(self, variable: str, alignment: int) -> str:
+        """Go to the next aligned place, which is written to a variable; returns the line that does."""
+        line = f"{variable} = ({self.text(3)} & -8) + 4" if alignment == 8 else ""
+        line = line or f"{variable} = {self.text(alignment - 1)} & -{alignment}"
+        self.start, self.offset = variable, 0
+        self.modulus, self.residue = alignment, 0
+        return line
+
+    def copy(self) -> Offset:
+        """Return the same place, to come back to it."""
+        return Offset(
+            self.start, self.offset, aligned=self.aligned, modulus=self.modulus, residue=self.residue
+        )

@@ -1,0 +1,51 @@
+"""The pieces that a converter joins to its output, as Python expressions; neighbours become one."""
+
+from __future__ import annotations
+
+
+class OutputParts:
+    """Collects slices of the input `b`, constants and other expressions, in the order of the output."""
+
+    def __init__(self) -> None:
+        self._pieces: list[str | bytes | tuple[str, str]] = []
+
+    def __bool__(self) -> bool:
+        return bool(self._pieces)
+
+    def add_slice(self, start: str, end: str) -> None:
+        """Add input from a place to a place, both as expressions."""
+        last = self._pieces[-1] if self._pieces else None
+        if isinstance(last, tuple) and last[1] == start:
+            self._pieces[-1] = (last[0], end)
+        elif start != end:
+            self._pieces.append((start, end))
+
+    def add_constant(self, value: bytes) -> None:
+        """Add bytes."""
+        last = self._pieces[-1] if self._pieces else None
+        if isinstance(last, bytes):
+            self._pieces[-1] = last + value
+        elif value:
+            self._pieces.append(value)
+
+    def add_expression(self, expression: str) -> None:
+        """Add what an expression gives."""
+        self._pieces.append(expression)
+
+    def remove_final_nul(self) -> bool:
+        """Take back a constant that is one zero byte, if that came last."""
+        if self._pieces and self._pieces[-1] == b"\0":
+            self._pieces.pop()
+            return True
+        return False
+
+    def pop_all(self) -> list[str]:
+        """Return all expressions, and clear them."""
+        taken, self._pieces = self._pieces, []
+        return [_expression(piece) for piece in taken]
+
+
+def _expression(piece: str | bytes | tuple[str, str]) -> str:
+    if isinstance(piece, tuple):
+        return f"b[{piece[0]}:{piece[1]}]"
+    return piece if isinstance(piece, str) else repr(piece)

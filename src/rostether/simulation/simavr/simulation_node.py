@@ -1,0 +1,132 @@
+"""A simulated board on the graph: its pins as a topic, and words that change its surroundings.
+
+`~state` is JSON for people's pages, `~command` takes the words of docs/reference/simulated-boards.md.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Iterable
+from contextlib import aclosing
+from typing import Any
+
+from rostether.errors import BoardError
+from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms.text import escape_line
+from rostether.simulation.simavr.board_events import BoardEvent
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
+
+STRING = "std_msgs/String"
+
+# Every node of the graph may use these; others read memory, connect elsewhere or end the board.
+WORDS = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset"))
+# These have a value for each pin.
+_BY_PIN = ("adc", "pin")
+
+MAX_COMMAND_CHARS = 200
+# What a person sees as live; without a subscriber the board is not asked.
+PERIOD_S = 0.1
+
+
+class SimulationNode:
+    """The node of one board; `words` are those that it was started with."""
+
+    def __init__(self, board: SimulatedBoard, graph: TypedGraph, words: Iterable[str] = ()) -> None:
+        self._board = board
+        self._graph = graph
+        self._words: dict[str, Any] = {}
+        self._servos: dict[str, float] = {}
+        self._watched: set[str] = set()
+        self._error = ""
+        for line in words:
+            self._note(line)
+
+    async def run(self) -> None:
+        """Publish and obey until the board has ended or the task is cancelled. Raises GraphError."""
+        parts = [asyncio.create_task(each) for each in (self._publish(), self._obey(), self._follow_servos())]
+        try:
+            done, _ = await asyncio.wait(parts, return_when=asyncio.FIRST_COMPLETED)
+            for part in done:
+                part.result()
+        except BoardError:
+            # It has ended; the command that started it says so.
+            return
+        finally:
+            for part in parts:
+                part.cancel()
+            await asyncio.gather(*parts, return_exceptions=True)
+
+    async def _publish(self) -> None:
+        publisher = await self._graph.publisher("~state", STRING, latch=True)
+        shown = ""
+        while not self._board.has_ended:
+            if publisher.subscriber_count:
+                pins = await self._board.pins()
+                await self._watch_servos(pins)
+                state = self._state(pins)
+                if state != shown:
+                    shown = state
+                    publisher.publish(data=state)
+            await asyncio.sleep(PERIOD_S)
+
+    def _state(self, pins: dict[str, str]) -> str:
+        return json.dumps(
+            {
+                "board": self._board.kind,
+                "mcu": self._board.mcu,
+                "pins": pins,
+                "servos": self._servos,
+                "words": self._words,
+                "error": self._error,
+            }
+        )
+
+    async def _watch_servos(self, pins: dict[str, str]) -> None:
+        """Have servo pulses reported on each pin that is an output; others cannot have a servo."""
+        for pin, state in pins.items():
+            if state.startswith("in") or pin in self._watched:
+                continue
+            self._watched.add(pin)
+            await self._board.send_command(f"servo {pin}")
+
+    async def _follow_servos(self) -> None:
+        async for event in self._board.events():
+            self._note_event(event)
+
+    def _note_event(self, event: BoardEvent) -> None:
+        if event.name == "servo":
+            self._servos[event["pin"]] = round(float(event["angle_deg"]), 1)
+        elif event.name == "reset":
+            self._servos.clear()
+
+    async def _obey(self) -> None:
+        async with aclosing(aiter(self._graph.messages("~command", STRING))) as messages:
+            async for message in messages:
+                try:
+                    await self._do(message.data)
+                    self._error = ""
+                except BoardError as error:
+                    self._error = escape_line(str(error), MAX_COMMAND_CHARS)
+
+    async def _do(self, line: str) -> None:
+        word = line.split(maxsplit=1)[0] if line.strip() else ""
+        if word not in WORDS:
+            raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(WORDS))}")
+        if len(line) > MAX_COMMAND_CHARS or not line.isprintable():
+            raise BoardError(f"a command is one line of at most {MAX_COMMAND_CHARS} characters")
+        await self._board.send_command(line)
+        self._note(line)
+
+    def _note(self, line: str) -> None:
+        word, _, rest = line.strip().partition(" ")
+        if word not in WORDS or word == "reset":
+            return
+        if word not in _BY_PIN:
+            self._words[word] = rest.strip()
+            return
+        values = self._words.setdefault(word, {})
+        for part in rest.split():
+            pin, has_value, value = part.partition("=")
+            if has_value:
+                values[pin if pin[:1].isalpha() else f"D{pin}"] = value

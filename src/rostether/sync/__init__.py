@@ -1,0 +1,13 @@
+"""The Python API without asyncio: the same names, and calls that wait where the others are awaited.
+
+with rostether.sync.join("nearest") as graph:
+    for message in graph.messages("/ultrasound"):
+        print(message.range)
+"""
+
+from __future__ import annotations
+
+from rostether.sync.device import Device
+from rostether.sync.graph import Graph, join
+
+__all__ = ["Device", "Graph", "join"]

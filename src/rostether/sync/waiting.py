@@ -1,0 +1,125 @@
+"""Objects of the event loop, used from the program's own threads."""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import logging
+from collections.abc import Callable, Coroutine
+from contextlib import AbstractAsyncContextManager
+from functools import wraps
+from types import TracebackType
+from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
+
+from rostether.mechanisms.loop_thread import LoopThread
+
+P = ParamSpec("P")
+T = TypeVar("T")
+Wrapped = TypeVar("Wrapped")
+
+_LOG = logging.getLogger(__name__)
+
+# One loop for the whole program: nodes and devices wait in it most of the time.
+LOOP = LoopThread()
+
+# What leaving a graph may take when its master or its peers do not answer.
+CLOSE_TIMEOUT_S = 10.0
+
+
+class Waiting(Generic[Wrapped]):
+    """Has the methods of `wrapped`, an object of the loop, as methods that wait."""
+
+    def __init__(self, wrapped: Wrapped) -> None:
+        self.wrapped = wrapped
+
+
+def waiting(
+    method: Callable[Concatenate[Wrapped, P], Coroutine[Any, Any, T]],
+) -> Callable[Concatenate[Waiting[Wrapped], P], T]:
+    """Return a method that runs a coroutine method in the loop and waits for its result."""
+
+    @wraps(method)
+    def call(self: Waiting[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
+        # By name: `method` may be a protocol's.
+        found: Callable[P, Coroutine[Any, Any, T]] = getattr(self.wrapped, method.__name__)
+        return LOOP.call(found(*args, **kwargs))
+
+    return call
+
+
+def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
+    """Return a callback that logs what the program's own one raises."""
+
+    def call(item: T) -> None:
+        try:
+            callback(item)
+        except Exception:  # noqa: BLE001 - it is the user's code
+            _LOG.exception("the callback %s failed", getattr(callback, "__name__", callback))
+
+    return call
+
+
+def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenate[Waiting[Wrapped], P], T]:
+    """Return a method that runs a plain method in the loop and waits for its result."""
+
+    @wraps(method)
+    def call(self: Waiting[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
+        async def run() -> T:
+            return method(self.wrapped, *args, **kwargs)
+
+        return LOOP.call(run())
+
+    return call
+
+
+class Member(Waiting[Wrapped]):
+    """Something that an asynchronous context holds open until `close`, or the end of the program."""
+
+    def __init__(self, make_context: Callable[[], AbstractAsyncContextManager[Wrapped]]) -> None:
+        super().__init__(LOOP.call(self._open(make_context)))
+        self.is_closed = False
+        atexit.register(self.close)
+
+    async def _open(self, make_context: Callable[[], AbstractAsyncContextManager[Wrapped]]) -> Wrapped:
+        opened: asyncio.Future[Wrapped] = asyncio.get_running_loop().create_future()
+        self._leave = asyncio.Event()
+        # One task opens and closes: contexts may not change their task.
+        self._task = asyncio.create_task(self._hold(make_context, opened))
+        try:
+            return await asyncio.shield(opened)
+        except asyncio.CancelledError:
+            self._task.cancel()
+            raise
+
+    async def _hold(
+        self,
+        make_context: Callable[[], AbstractAsyncContextManager[Wrapped]],
+        opened: asyncio.Future[Wrapped],
+    ) -> None:
+        try:
+            async with make_context() as wrapped:
+                opened.set_result(wrapped)
+                await self._leave.wait()
+        except Exception as error:
+            if opened.done():
+                raise
+            opened.set_exception(error)
+
+    async def _end(self) -> None:
+        self._leave.set()
+        await self._task
+
+    def close(self) -> None:
+        """Leave. Idempotent. Raises TimeoutError when peers keep it for 10 s."""
+        if not self.is_closed:
+            self.is_closed = True
+            atexit.unregister(self.close)
+            LOOP.call(self._end(), timeout_s=CLOSE_TIMEOUT_S)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
