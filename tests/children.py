@@ -17,6 +17,8 @@ from types import FrameType
 
 import pytest
 
+from warm_start import interpreter_pids
+
 # Each test process adds its name to the value: "CONTROLLER.WORKER." marks what a worker has started.
 MARK = "STARTED_BY_TESTS"
 # CI systems let what they start in the background ignore the first two, nohup the third.
@@ -34,6 +36,14 @@ def pytest_configure() -> None:
     os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."
 
 
+def is_running(number: int) -> bool:
+    """Return whether a process runs; one whose parent has not read its exit code yet does not."""
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(") ")[2][0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
 def _ignore(_number: int, _frame: FrameType | None) -> None:
     pass
 
@@ -46,12 +56,13 @@ def end_left_running() -> list[str]:
     if sys.platform != "linux":
         return []
     mark = f"{MARK}={os.environ[MARK]}".encode()
+    kept = {os.getpid(), *interpreter_pids()}
     ended = []
     for folder in Path("/proc").glob("[0-9]*"):
         # Other users' processes cannot be read. The environment of a zombie is empty.
         with contextlib.suppress(OSError):
             variables = (folder / "environ").read_bytes().split(b"\0")
-            if int(folder.name) != os.getpid() and any(each.startswith(mark) for each in variables):
+            if int(folder.name) not in kept and any(each.startswith(mark) for each in variables):
                 command = (folder / "cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ")
                 os.kill(int(folder.name), signal.SIGKILL)
                 ended.append(command.decode(errors="replace"))

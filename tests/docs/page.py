@@ -1,67 +1,88 @@
-"""A documentation page as its reader sees it: which commands it tells to type, and what they should print.
+"""A documentation page as its reader sees it: which commands it tells to type, and what they print.
 
 Fenced blocks count when their language is `sh` (commands, one a line, `\\` continues), followed or not by a
-`text` block (lines that must appear in that order; `...` stands for anything). A title that begins with
-"Terminal 1" means that the last command is left running, as the reader would leave it; the title
-"not run" marks commands that need a board, "on NAME" those that need a machine of that name, and titles that
-are names of files mark what the reader is to save.
+`text` block: lines that the last command prints, in that order. Numbers and times may differ, and output that
+is too long may be left out. The attribute `test` of a block is for the tests, the build of the pages removes
+it: "leave running" means that the last command is left running, as the reader would leave it, "not run" marks
+commands that need a board, and "on NAME" those that need a machine of that name. Titles that are names of
+files mark what the reader is to save.
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 _FENCE = re.compile(r"^```(?P<language>\w+)(?P<info>[^\n]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+_MARK = re.compile(r' test="([^"]*)"')
+_NOT_TYPED_HERE = re.compile(r'test="not run|test="on |title="[\w.]+\.sh"')
 
-
-_NOT_TYPED_HERE = re.compile(r'not run|title="on |title="[\w.]+\.sh"')
+# What differs from run to run: bars, hexadecimal numbers with a digit, numbers, and widths of columns.
+_VARYING = re.compile(
+    r"(?P<bar>[█▒·▁▂▃▄▅▆▇]+(?:\s+[█▒·]+)*)|(?P<hex>\b(?=[a-f]*\d)[0-9a-f]{8,}\b)"
+    r"|(?P<number>[+-]?(?:\b\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|\b(?:inf|null)\b))|(?P<space>\s+)"
+)
+_PATTERNS = {
+    "bar": r"[█▒·▁▂▃▄▅▆▇\s]*",
+    "hex": r"[0-9a-f]+",
+    "number": r"\s*[+-]?(?:\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|inf|null)",
+    "space": r"\s*",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Commands of one block, whether the last is left running, and the lines they should print."""
+    """Commands of one block, whether the last is left running, the lines they print, and where those are.
+
+    `output` is the place of the lines in the page, from and to; None without any.
+    """
 
     commands: tuple[str, ...]
     leave_running: bool
     expected: tuple[str, ...]
+    output: tuple[int, int] | None = None
 
 
 def steps(page: Path) -> list[Step]:
     """Return the steps of a page, in order."""
-    blocks = [
-        (match["language"], match["info"], match["body"]) for match in _FENCE.finditer(page.read_text())
-    ]
+    blocks = list(_FENCE.finditer(page.read_text()))
     found: list[Step] = []
-    for index, (language, info, body) in enumerate(blocks):
-        if language != "sh" or _NOT_TYPED_HERE.search(info):
+    for block, after in zip_longest(blocks, blocks[1:]):
+        if block["language"] != "sh" or _NOT_TYPED_HERE.search(block["info"]):
             continue
         commands = [
-            line for line in body.replace("\\\n", " ").splitlines() if line and not line.startswith("#")
+            line
+            for line in block["body"].replace("\\\n", " ").splitlines()
+            if line and not line.startswith("#")
         ]
         expected: list[str] = []
-        if index + 1 < len(blocks) and blocks[index + 1][0] == "text":
-            expected = [line for line in blocks[index + 1][2].splitlines() if line.strip() not in ("", "...")]
-        found.append(Step(tuple(commands), "Terminal 1" in info, tuple(expected)))
+        output = None
+        if after is not None and after["language"] == "text":
+            expected = [line for line in after["body"].splitlines() if line.strip()]
+            output = after.span("body")
+        mark = _MARK.search(block["info"])
+        is_left = mark is not None and mark[1] == "leave running"
+        found.append(Step(tuple(commands), is_left, tuple(expected), output))
     return found
 
 
 def programs(page: Path) -> dict[str, str]:
-    """Return the programs, sketches and settings that the page tells to save, by file name."""
+    """Return the programs, sketches and settings to save, by file name."""
     titled = (
-        (re.search(r'title="([\w.]+\.(?:py|ino|urdf|launch|yaml|json5|sh))"', match["info"]), match)
+        (re.search(r'title="([\w.]+\.(?:py|toml|ino|urdf|launch|yaml|json5|sh))"', match["info"]), match)
         for match in _FENCE.finditer(page.read_text())
     )
     return {title[1]: match["body"] for title, match in titled if title is not None}
 
 
 def on_machines(page: Path) -> dict[str, tuple[str, ...]]:
-    """Return the commands of blocks titled "on NAME...", by title."""
+    """Return the commands of blocks marked "on NAME...", by mark."""
     found = {}
     for match in _FENCE.finditer(page.read_text()):
-        if title := re.search(r'title="(on [^"]+)"', match["info"]):
-            found[title[1]] = tuple(match["body"].splitlines())
+        if (mark := _MARK.search(match["info"])) and mark[1].startswith("on "):
+            found[mark[1]] = tuple(match["body"].splitlines())
     return found
 
 
@@ -69,9 +90,31 @@ def missing_lines(expected: tuple[str, ...], printed: str) -> list[str]:
     """Return the expected lines that have not been printed, in order, so far."""
     position = 0
     for index, line in enumerate(expected):
-        pattern = ".*?".join(re.escape(part) for part in line.strip().split("..."))
-        match = re.compile(pattern).search(printed, position)
+        match = _line_pattern(line).search(printed, position)
         if match is None:
             return list(expected[index:])
         position = match.end()
     return []
+
+
+def matching_lines(expected: tuple[str, ...], printed: str) -> list[str]:
+    """Return the whole lines in which the expected ones were printed."""
+    found: list[str] = []
+    position = 0
+    for line in expected:
+        match = _line_pattern(line).search(printed, position)
+        assert match is not None
+        position = match.end()
+        whole = printed[printed.rfind("\n", 0, match.start()) + 1 :].partition("\n")[0].rstrip()
+        if found[-1:] != [whole]:
+            found.append(whole)
+    return found
+
+
+def _line_pattern(line: str) -> re.Pattern[str]:
+    parts, position = [], 0
+    text = line.strip()
+    for match in _VARYING.finditer(text):
+        parts += [re.escape(text[position : match.start()]), _PATTERNS[match.lastgroup or "space"]]
+        position = match.end()
+    return re.compile("".join([*parts, re.escape(text[position:])]))

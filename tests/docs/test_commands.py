@@ -1,4 +1,7 @@
-"""Every command of the README and the docs is typed here, in order, and prints what the page says."""
+"""Every command of the README and the docs is typed here, in order, and prints what the page says.
+
+With WRITE_OUTPUT=1 in the environment the pages get the output of this run.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,9 @@ import contextlib
 import fcntl
 import os
 import re
+import runpy
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -16,19 +21,32 @@ from pathlib import Path
 
 import pytest
 
-from docs.page import Step, missing_lines, programs, steps
+from docs.page import Step, matching_lines, missing_lines, programs, steps
 from interop.machines import own_loopback
 from interop.ros1_peers import free_port
 from unit.firmware.sketches import users_cache
 
 REPOSITORY = Path(__file__).parents[2]
+on_page_markdown = runpy.run_path(str(REPOSITORY / "docs" / "hooks.py"))["on_page_markdown"]
 PAGES = sorted(
     page for page in [REPOSITORY / "README.md", *(REPOSITORY / "docs").rglob("*.md")] if steps(page)
 )
 PATIENCE_S = 60.0
+# Longer output is shown in part: the lines that the page has.
+MAX_WHOLE_LINES = 30
+WRITES_OUTPUT = bool(os.environ.get("WRITE_OUTPUT"))
 SIMULATING = ("board run", "firmware sim ", "sim:")
 # A port by its number, or ROS 2's of everybody: what the pages of two test processes may fight over.
 SHARING = re.compile(r"\b1\d{4}\b|ros2|zenoh|demo\b")
+# Times of runs and names of this machine, and what the pages show for them.
+NEUTRAL = {
+    r"\[\d{10}\.\d{6}\]": "[1700000000.123456]",
+    r"(?<![\d.])1[789]\d{8}(?!\d)": "1700000000",
+    r"(?<![\d.])1[789]\d{17}(?!\d)": "1700000000123456789",
+    r"\b[A-Z][a-z]{2} \d\d \d{4} \d\d:\d\d:\d\d\.\d\d": "Jan 01 2025 12:00:00.00",
+    r"/dev/pts/\d+": "/dev/pts/3",
+    r"\b(?:the ports are|no serial port found)[^\n\"]*": "the ports are /dev/ttyS0 (serial port)",
+}
 # Commands that set a machine up are typed by tests of their own.
 NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 
@@ -56,55 +74,75 @@ class Terminal:
         self._network = network
         self._home = home
         self._running: list[subprocess.Popen[bytes]] = []
+        self._master = f"http://localhost:{free_port()}"
         self._environment = {
             name: value
             for name, value in os.environ.items()
             if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST"))
         } | {
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
-            "ROS_MASTER_URI": f"http://localhost:{free_port()}",
+            "ROS_MASTER_URI": self._master,
             "HOME": str(home),
             "XDG_CACHE_HOME": users_cache(),
             "PYTHONUNBUFFERED": "1",
             "COLUMNS": "120",
         }
 
-    def type(self, command: str, expected: tuple[str, ...], *, leave_running: bool) -> None:
-        """Run one command until it has printed what is expected and, unless left running, has ended."""
-        printed = self._home / f"output-{time.monotonic_ns()}"
-        with printed.open("wb") as output:
+    def type(self, command: str, expected: tuple[str, ...], *, leave_running: bool) -> list[str]:
+        """Run one command until it has printed what is expected and, unless left running, has ended.
+
+        Returns the output as the page shows it.
+        """
+        output = self._home / f"output-{time.monotonic_ns()}"
+        process = self._start(command, output)
+        deadline = time.monotonic() + PATIENCE_S
+        is_settled = False
+        while not is_settled:
+            ended = process.poll() is not None
+            printed = self._neutral(output)
+            missing = missing_lines(expected, printed)
+            is_settled = not missing and (leave_running or bool(expected) or ended)
+            if not is_settled:
+                if (ended and missing) or time.monotonic() > deadline:
+                    pytest.fail(f"`{command}` printed no {missing}, or did not end; it printed:\n{printed}")
+                time.sleep(0.02)
+        if leave_running:
+            assert process.poll() is None, f"`{command}` ended:\n{self._neutral(output)}"
+            return matching_lines(expected, printed)
+        try:
+            ended = process.wait(0.5) is not None
+        except subprocess.TimeoutExpired:
+            ended = False
+        status = self._end(process)
+        printed = self._neutral(output)
+        assert status in (0, 130, -signal.SIGINT), f"`{command}` gave {status}:\n{printed}"
+        assert "Traceback" not in printed
+        lines = printed.rstrip().splitlines()
+        return lines if ended and len(lines) <= MAX_WHOLE_LINES else matching_lines(expected, printed)
+
+    def _start(self, command: str, output: Path) -> subprocess.Popen[bytes]:
+        with output.open("wb") as written:
             process = subprocess.Popen(
                 [*self._network, "bash", "-c", command],
                 cwd=self._folder,
                 env=self._environment,
                 stdin=subprocess.DEVNULL,
-                stdout=output,
+                stdout=written,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
         self._running.append(process)
-        deadline = time.monotonic() + PATIENCE_S
-        while (missing := missing_lines(expected, printed.read_text(errors="replace"))) or (
-            not leave_running and not expected and process.poll() is None
-        ):
-            ended = process.poll() is not None
-            if (ended or time.monotonic() > deadline) and missing_lines(
-                expected, printed.read_text(errors="replace")
-            ):
-                pytest.fail(
-                    f"`{command}` never printed {missing}; it printed:\n{printed.read_text(errors='replace')}"
-                )
-            if time.monotonic() > deadline:
-                pytest.fail(f"`{command}` did not end; it printed:\n{printed.read_text(errors='replace')}")
-            time.sleep(0.02)
-        if leave_running:
-            assert process.poll() is None, f"`{command}` ended:\n{printed.read_text(errors='replace')}"
-            return
-        status = self._end(process)
-        assert status in (0, 130, -signal.SIGINT), (
-            f"`{command}` gave {status}:\n{printed.read_text(errors='replace')}"
-        )
-        assert "Traceback" not in printed.read_text(errors="replace")
+        return process
+
+    def _neutral(self, output: Path) -> str:
+        """Return what was printed, without the names and times of this machine and this run."""
+        text = output.read_text(errors="replace").replace(str(self._home), "/home/me")
+        text = text.replace(str(REPOSITORY), "/home/me/rostether")
+        text = text.replace(self._master, "http://localhost:11311").replace(socket.gethostname(), "robot")
+        text = text.replace(self._master.replace("localhost", "127.0.0.1"), "http://127.0.0.1:11311")
+        for pattern, neutral in NEUTRAL.items():
+            text = re.sub(pattern, neutral, text)
+        return text
 
     @staticmethod
     def _end(process: subprocess.Popen[bytes]) -> int:
@@ -151,27 +189,39 @@ def test_page(page: Path, network: tuple[str, ...], tmp_path: Path) -> None:
     terminal = Terminal(REPOSITORY if page.name == "README.md" else tmp_path, tmp_path, network)
     for name, text in programs(page).items():
         (tmp_path / name).write_text(text)
+    outputs = []
     try:
         for step in steps(page):
-            _type_step(terminal, step)
+            lines = _type_step(terminal, step)
+            if step.output is not None:
+                outputs.append((step.output, lines))
     finally:
         terminal.close()
+    if WRITES_OUTPUT:
+        text = page.read_text()
+        for (start, end), lines in reversed(outputs):
+            text = text[:start] + "".join(f"{line.rstrip()}\n" for line in lines) + text[end:]
+        page.write_text(text)
 
 
-def _type_step(terminal: Terminal, step: Step) -> None:
+def _type_step(terminal: Terminal, step: Step) -> list[str]:
     commands = [command for command in step.commands if not command.startswith(NOT_TYPED)]
+    lines = []
     for command in commands:
         last = command is commands[-1]
         expected = step.expected if last else ()
         if "demo" in command.split() and not expected:
             # The reader watches until the demo's board is there.
             expected = ("Setup publisher on ultrasound",)
-        terminal.type(command, expected, leave_running=last and step.leave_running)
+        lines = terminal.type(command, expected, leave_running=last and step.leave_running)
+    return lines
 
 
-def test_command_reference_is_up_to_date() -> None:
-    script = REPOSITORY / "scripts" / "write-command-reference"
-    subprocess.run([sys.executable, str(script), "--check"], check=True)
+def test_pages_show_readers_no_marks_and_no_patterns() -> None:
+    for page in PAGES:
+        shown = on_page_markdown(page.read_text())
+        assert not re.search(r'^```.*(test=|title="(Terminal|not run))', shown, re.MULTILINE), page
+        assert not [line for step in steps(page) for line in step.expected if "..." in line], page
 
 
 def test_there_are_pages() -> None:

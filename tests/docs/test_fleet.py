@@ -128,7 +128,7 @@ def test_machines_are_joined(network: Machines, tmp_path: Path, board: Path) -> 
             assert "data: hello world!" in typing.type("laptop", command)
 
 
-def test_only_those_whom_you_know_are_let_in(network: Machines, tmp_path: Path, board: Path) -> None:
+def test_only_known_certificates_are_admitted(network: Machines, tmp_path: Path, board: Path) -> None:
     files = programs(PAGE)
     for name, text in files.items():
         (tmp_path / name).write_text(text)
@@ -152,7 +152,7 @@ def test_only_those_whom_you_know_are_let_in(network: Machines, tmp_path: Path, 
             assert time.monotonic() < deadline_s
             time.sleep(0.02)
         assert "x: 1.0" not in orders.read_text()
-        # A stranger finds a port and nobody behind it.
+        # Without a certificate the port does not answer.
         for address in ("tcp/robot1:7447", "tls/robot1:7448"):
             place = f"ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{address}\"]'"
             assert "data:" not in typing.type("robot2", f"{place} {ECHO}", 2.0)

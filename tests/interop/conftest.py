@@ -18,9 +18,7 @@ async def roscore(tmp_path: Path) -> AsyncIterator[Ros1Peers]:
         yield peers
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_itemcollected(item: pytest.Item) -> None:
     """Everything in this folder needs Debian's ROS 1."""
-    for item in items:
-        if "interop" in item.path.parts:
-            item.add_marker("ros1")
-            item.add_marker(pytest.mark.timeout(300))
+    item.add_marker("ros1")
+    item.add_marker(pytest.mark.timeout(300))

@@ -1,6 +1,6 @@
 """Machines of a network, on one: each is a network namespace with a loopback and an address of its own.
 
-They live in a namespace that nobody needs to be root for, where the system lets users make one.
+They need no root where the system lets users make namespaces.
 """
 
 from __future__ import annotations

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
-from collections.abc import AsyncIterator
+import time
+import xmlrpc.client
+from collections.abc import AsyncIterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -31,6 +35,10 @@ class Stage:
         self._nodes.append(node)
         return node
 
+    async def wait_for_rosout(self, *nodes: str) -> None:
+        """Wait until the node /rosout of Debian's roscore has subscribed to the logs of these nodes."""
+        await asyncio.to_thread(_wait_for_rosout, self.peers.master_uri, nodes)
+
     async def close(self) -> None:
         """Leave with every node."""
         for node in self._nodes:
@@ -51,3 +59,20 @@ async def stage_on(master: str, home: Path) -> AsyncIterator[Stage]:
         stage = Stage(peers)
         stack.push_async_callback(stage.close)
         yield stage
+
+
+def _wait_for_rosout(master_uri: str, nodes: Sequence[str]) -> None:
+    """Wait until the node /rosout, if there is one, is connected to these nodes."""
+
+    def ask(uri: str, method: str, *arguments: str) -> Any:
+        with xmlrpc.client.ServerProxy(uri) as server:
+            return getattr(server, method)("/test", *arguments)
+
+    if ask(master_uri, "lookupNode", "/rosout")[0] != 1:
+        return
+    deadline_s = time.monotonic() + 60
+    for node in nodes:
+        uri = ask(master_uri, "lookupNode", node)[2]
+        while not any(row[4] == "/rosout" for row in ask(uri, "getBusInfo")[2]):
+            assert time.monotonic() < deadline_s, f"/rosout never subscribed to {node}"
+            time.sleep(0.01)

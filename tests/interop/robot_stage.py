@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from interop.ros1_peers import Peer, Ros1Peers
+from rostether.ros1.node.master_client import MasterClient
 
 RECORDER = Path(__file__).parent / "peers" / "robot_recorder.py"
 LIBRARIES = "/usr/lib"
@@ -29,12 +31,10 @@ class RobotStage:
 
     async def set_params(self, parameters: Mapping[str, Any]) -> None:
         """Set parameters at the master."""
-        script = (
-            "import json, sys, rosgraph\n"
-            "master = rosgraph.Master('/setter')\n"
-            "for name, value in json.loads(sys.argv[1]).items(): master.setParam(name, value)\n"
-        )
-        await self._peers.run("python", "-c", script, json.dumps(dict(parameters)))
+        master = MasterClient(self._peers.master_uri, "/setter")
+        for name, value in parameters.items():
+            await master.set_param(name, value)
+        await master.close()
 
     async def start_node(self, side: str, package: str, *arguments: str) -> Peer:
         """Start a package's node, as `side` has it."""
@@ -52,9 +52,9 @@ class RobotStage:
         await self._recorder.wait_for('"ready"')
 
     async def stop_recorder(self) -> None:
-        """Stop recording, so that another recorder starts from nothing."""
+        """End the recorder, so that another one starts from nothing. A shutdown of rospy would take 0.6 s."""
         assert self._recorder is not None
-        await self._recorder.stop()
+        await self._recorder.stop(signal.SIGKILL)
 
     @property
     def records(self) -> list[dict[str, Any]]:
@@ -69,7 +69,7 @@ class RobotStage:
         await self._recorder.wait_for(lambda _: condition(self.records))
 
     async def wait_for_subscribers(self, count: int) -> None:
-        """Wait until so many nodes hear our joint states."""
+        """Wait until so many nodes subscribe to our joint states."""
         self._send({"wait_for": count})
         assert self._recorder is not None
         await self._recorder.wait_for('"connected"')

@@ -83,7 +83,7 @@ def missing_robot() -> str:
 
 
 def free_port() -> int:
-    """Return a TCP port that is free, and that nobody else is given before it is used.
+    """Return a free TCP port that no other test is given before it is used.
 
     It lies below the ports that the system gives to connections and to who asks for any; beside us only the
     other test processes take such ports, each its own.
@@ -268,13 +268,13 @@ class Ros1Peers:
         return await self.start(str(program), role, *arguments)
 
     async def close(self) -> None:
-        """End every program still running; how one takes its leave is for a test to see, not to wait for."""
+        """End every program that still runs, without waiting for an orderly end."""
         await asyncio.gather(*(peer.stop(signal.SIGKILL) for peer in self._peers))
 
 
 @contextlib.asynccontextmanager
 async def debian_roscore(home: Path) -> AsyncIterator[Ros1Peers]:
-    """Run what Debian's roscore runs, on a free port; roslaunch between them would only take its time."""
+    """Run what Debian's roscore runs, on a free port, without the slower roslaunch."""
     port = free_port()
     peers = Ros1Peers(f"http://localhost:{port}/", home)
     master = MasterClient(peers.master_uri, "/roslaunch")

@@ -208,16 +208,16 @@ async def test_both_record_the_same_and_each_plays_the_others(stage: Stage, tmp_
     read = [[row[:3] + row[4:] for row in _ours(tmp_path / f"{each}.bag")] for each in ("ours", "theirs")]
     assert read[0] == read[1]
     assert len(read[0]) == 50
-    heard: list[bytes] = []
-    await node.subscribe("/chat", STORE.registry.message_type("std_msgs/String"), heard.extend)
+    received: list[bytes] = []
+    await node.subscribe("/chat", STORE.registry.message_type("std_msgs/String"), received.extend)
     expected = [codec.encode({"data": f"message {number}"}) for number in range(50)]
     await stage.peers.start("rosbag", "play", "--wait-for-subscribers", str(tmp_path / "ours.bag"))
-    await _until(lambda: len(heard) == 50)
-    assert heard == expected
-    heard.clear()
+    await _until(lambda: len(received) == 50)
+    assert received == expected
+    received.clear()
     await _run(stage, "bag", "play", "--wait-for-subscribers", str(tmp_path / "theirs.bag"))
-    await _until(lambda: len(heard) == 50)
-    assert heard == expected
+    await _until(lambda: len(received) == 50)
+    assert received == expected
 
 
 async def test_a_killed_recording_lacks_a_second_at_most(stage: Stage, tmp_path: Path) -> None:

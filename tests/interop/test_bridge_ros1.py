@@ -138,23 +138,23 @@ async def test_rostopic_echoes_a_boards_topic(bridged: Bridged) -> None:
 @ON_BOTH_MASTERS
 async def test_rostopic_publishes_to_a_board(bridged: Bridged) -> None:
     device = await bridged.device()
-    heard: list[Any] = []
-    device.subscriber("velocity", "geometry_msgs/Twist", heard.append)
+    received: list[Any] = []
+    device.subscriber("velocity", "geometry_msgs/Twist", received.append)
     await bridged.announced("subscriber", "velocity")
     await bridged.peers.run(
         "rostopic", "pub", "-1", "/velocity", "geometry_msgs/Twist", "{linear: {x: 0.25}}"
     )
-    await until(lambda: heard, "the message", 60)
-    assert heard[0].linear.x == 0.25
+    await until(lambda: received, "the message", 60)
+    assert received[0].linear.x == 0.25
 
 
 async def test_a_latched_message_reaches_a_board_that_comes_later(bridged: Bridged) -> None:
     await bridged.peers.start("rostopic", "pub", "-l", "/mode", "std_msgs/UInt8", "7")
     device = await bridged.device()
-    heard: list[Any] = []
-    device.subscriber("mode", "std_msgs/UInt8", heard.append)
-    await until(lambda: heard, "the latched message", 60)
-    assert heard[0].data == 7
+    received: list[Any] = []
+    device.subscriber("mode", "std_msgs/UInt8", received.append)
+    await until(lambda: received, "the latched message", 60)
+    assert received[0].data == 7
 
 
 @ON_BOTH_MASTERS
@@ -191,7 +191,7 @@ async def test_a_board_calls_a_rospy_service(bridged: Bridged) -> None:
     assert (response.success, response.message) == (True, "gripped")
 
 
-async def test_a_board_that_calls_nobody_is_not_left_waiting(bridged: Bridged) -> None:
+async def test_a_call_without_a_server_fails(bridged: Bridged) -> None:
     device = await bridged.device()
     client = device.service_client("nobody", "std_srvs/SetBool")
     await bridged.announced("service client", "nobody")
@@ -231,7 +231,7 @@ async def test_a_boards_log_is_in_rosout_under_its_name(bridged: Bridged) -> Non
     assert "4 battery low" in listener.text
 
 
-async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_anew(bridged: Bridged) -> None:
+async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_again(bridged: Bridged) -> None:
     first, second = await bridged.device(), await bridged.device()
     first.publisher("first", "std_msgs/String")
     second.publisher("second", "std_msgs/String")

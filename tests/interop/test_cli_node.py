@@ -51,6 +51,7 @@ async def join_board(stage: Stage) -> None:
     talker = await stage.peers.rospy(TALKER)
     await talker.wait_for("ready")
     await until(lambda: orders.subscriber_count == chatter.publisher_count == 1)
+    await stage.wait_for_rosout("/lab/board", "/talker")
 
 
 @ON_BOTH_MASTERS

@@ -44,7 +44,7 @@ async def servo_angles(peers: Ros1Peers, count: int = 1) -> list[tuple[int, ...]
 
 
 async def becomes(peers: Ros1Peers, wanted: Sequence[int]) -> None:
-    """Wait until the controller tells the servos these angles."""
+    """Wait until the controller sends the servos these angles."""
     async with asyncio.timeout(60):
         while (await servo_angles(peers))[0] != tuple(wanted):
             pass

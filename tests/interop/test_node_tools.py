@@ -107,6 +107,7 @@ async def test_roswtf_finds_no_error_in_our_nodes(stage: Stage, tmp_path: Path) 
     subscriber = await other.subscribe("/chat", STRING, lambda _: None)
     await board.advertise_service("/switch", SET_BOOL, no_answer)
     await until(lambda: publisher.subscriber_count == subscriber.publisher_count == 1)
+    await stage.wait_for_rosout("/board", "/other")
     # Debian has no ROS_ROOT folder; roswtf would call that an error.
     (tmp_path / "ros").mkdir()
     stage.peers.environment["ROS_ROOT"] = str(tmp_path / "ros")

@@ -16,8 +16,8 @@ from rostether.cli.bridge.relay import finding_types
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.msgdef.registry import Registry
-from rostether.relay.choice import Choice, Services, Topics
 from rostether.relay.relay import Relay
+from rostether.relay.relay_filter import RelayFilter, Services, Topics
 from rostether.relay.side import Side
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
@@ -61,7 +61,7 @@ async def world() -> AsyncIterator[World]:
         relay = Relay(
             Side("ROS 1", ros1_nodes[0], finding_types(ros2_types(), probe)),
             Side("ROS 2", ros2_nodes[0], finding_types(ros2_types())),
-            Choice((Topics("*"),), (Services("/add*"),)),
+            RelayFilter((Topics("*"),), (Services("/add*"),)),
             lambda _level, line: lines.append(line),
         )
         running = asyncio.ensure_future(relay.run())
@@ -73,7 +73,7 @@ async def world() -> AsyncIterator[World]:
 
 
 async def listen(target: Graph, topic: str, taken: MessageType) -> Inbox:
-    """Wait until the topic is carried; returns what the target will hear."""
+    """Wait until the topic is relayed; returns the target's inbox."""
     inbox = Inbox()
     await snapshot_when(target, lambda seen: topic in seen.topics and seen.topics[topic].publishers)
     await target.subscribe(topic, taken, inbox.take, on_connection=inbox.take_header)
@@ -126,7 +126,7 @@ async def test_a_latched_topic_of_a_type_that_only_its_publisher_knows(world: Wo
     assert inbox.headers[0]["latching"] == "1"
 
 
-async def test_any_listener_of_ros1_hears_ros2(world: World) -> None:
+async def test_a_subscriber_of_any_type_receives_ros2(world: World) -> None:
     text = STORE.registry.message_type("std_msgs/String")
     talker = await world.ros2.advertise("/text", text, latch=True)
     talker.publish_raw([string("hello")])

@@ -82,7 +82,7 @@ async def world() -> AsyncIterator[World]:
 
 
 class Flow:
-    """Numbered messages on a topic of one graph or both, and what each graph's own subscriber hears."""
+    """Numbered messages on a topic of one graph or both, and what each graph's own subscriber receives."""
 
     def __init__(self, world: World, topic: str) -> None:
         self.inboxes = [Inbox() for _ in world.graphs]
@@ -98,7 +98,7 @@ class Flow:
         self._talkers = [await graphs[number].advertise(self._topic, STRING) for number in talking]
 
     async def arrives(self, *others: Inbox) -> None:
-        """Send until both graphs and the others hear every talker, then begin to count."""
+        """Send until both graphs and the others receive from every talker, then begin to count."""
         seen: set[bytes] = set()
         while True:
             for number, talker in enumerate(self._talkers):
@@ -110,7 +110,7 @@ class Flow:
                     break
             else:
                 break
-        # What is under way arrives, and what two do at once while they start has ended.
+        # Messages on their way arrive, and the start of both relays is over.
         await asyncio.sleep(3)
         for inbox in (*self.inboxes, *others):
             inbox.payloads.clear()
@@ -128,15 +128,15 @@ class Flow:
         return sent
 
 
-async def hears_each_once(inbox: Inbox, sent: list[bytes]) -> None:
-    """Wait for everything that was sent, and a little for what should not come."""
+async def arrives_once(inbox: Inbox, sent: list[bytes]) -> None:
+    """Wait for everything that was sent, and half a second for duplicates."""
     await until(lambda: len(inbox.payloads) >= len(sent))
     await asyncio.sleep(0.5)
     counts = Counter(inbox.payloads)
     twice = {text: count for text, count in counts.items() if count > 1}
     assert not twice, f"{len(twice)} of {len(sent)} messages came more than once"
     assert counts.keys() == set(sent)
-    print(f"sent {len(sent)}, heard {len(inbox.payloads)}")
+    print(f"sent {len(sent)}, received {len(inbox.payloads)}")
 
 
 async def test_two_relays_carry_a_topic_once(world: World) -> None:
@@ -147,7 +147,7 @@ async def test_two_relays_carry_a_topic_once(world: World) -> None:
     await flow.arrives()
     sent = await flow.run()
     for inbox in flow.inboxes:
-        await hears_each_once(inbox, sent)
+        await arrives_once(inbox, sent)
     lines = [line for relay in relays for line in relay.lines if "/chatter" in line]
     for direction in ("from ROS 1 to ROS 2", "from ROS 2 to ROS 1"):
         assert sum("relaying /chatter" in line and direction in line for line in lines) >= 1, lines
@@ -180,7 +180,7 @@ async def test_two_relays_offer_a_service_once_and_leave_with_its_server(world: 
     except RostetherError as error:
         assert str(error).count("responded with an error") <= 2, str(error)
     assert calls == 1
-    # Neither relay takes the other one for a server.
+    # Neither relay treats the other one as a server.
     await server.close()
     await mine.close()
     for graph in world.graphs:
@@ -194,8 +194,8 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
     relay = await world.relay("/*")
     flow = Flow(world, "/command")
     await flow.open(0, 1)
-    heard = [Inbox() for _ in world.graphs]
-    for graph, inbox in zip(world.graphs, heard, strict=True):
+    received = [Inbox() for _ in world.graphs]
+    for graph, inbox in zip(world.graphs, received, strict=True):
         await graph.subscribe("/sensor", STRING, inbox.take)
     commands = Inbox()
     async with Device(f"tcp://127.0.0.1:{port}") as device:
@@ -203,11 +203,11 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
         sensor = device.publisher("sensor", "std_msgs/String")
         await world.until_nodes("board", at_least=1)
         await flow.arrives(commands)
-        while not all(inbox.payloads for inbox in heard):
+        while not all(inbox.payloads for inbox in received):
             sensor.publish(data="start")
             await asyncio.sleep(0.05)
         await asyncio.sleep(0.5)
-        for inbox in heard:
+        for inbox in received:
             inbox.payloads.clear()
         running = asyncio.ensure_future(flow.run())
         count = int(FLOW_S / PERIOD_S)
@@ -216,9 +216,9 @@ async def test_a_relay_beside_a_board_in_both_graphs(world: World) -> None:
             await asyncio.sleep(PERIOD_S)
         sent = await running
         for inbox in (*flow.inboxes, commands):
-            await hears_each_once(inbox, sent)
-        for inbox in heard:
-            await hears_each_once(inbox, [string(f"{number}") for number in range(count)])
+            await arrives_once(inbox, sent)
+        for inbox in received:
+            await arrives_once(inbox, [string(f"{number}") for number in range(count)])
     await relay.wait_for("board")
 
 
@@ -238,8 +238,8 @@ async def test_relays_of_two_robots_carry_from_one_master_to_the_other(world: Wo
         await flow.arrives(inbox)
         sent = await flow.run()
         for each in (*flow.inboxes, inbox):
-            await hears_each_once(each, sent)
-        # To the second robot the first one's relay is a node as any other.
+            await arrives_once(each, sent)
+        # For the second robot the first one's relay is an ordinary node.
         assert "carries it" not in other.text
     finally:
         await far.close()
@@ -269,7 +269,7 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
     await serve_across()
     relay.process.kill()
     await relay.finish()
-    # Once for a relay that comes later, once for one that has waited.
+    # Once for a relay that starts later, once for one that waits.
     successor = await world.relay("/*", "--service", "/pull", "--service", "/push")
     await serve_across()
     waiting = await world.relay("/*", "--service", "/pull", "--service", "/push")
@@ -281,4 +281,4 @@ async def test_a_killed_relay_is_followed(world: World) -> None:
     await flow.arrives()
     sent = await flow.run()
     for inbox in flow.inboxes:
-        await hears_each_once(inbox, sent)
+        await arrives_once(inbox, sent)

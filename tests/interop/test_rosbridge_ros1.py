@@ -1,4 +1,4 @@
-"""A web client on Debian's ROS 1: what it publishes, hears, calls and serves, Debian's tools see."""
+"""A web client on Debian's ROS 1: it publishes, receives, calls and serves for Debian's tools."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Page:
     async def say(self, op: str, **fields: Any) -> None:
         await self._connection.send(json.dumps({"op": op, **fields}))
 
-    async def hear(self, op: str) -> dict[str, Any]:
+    async def receive(self, op: str) -> dict[str, Any]:
         while True:
             message: dict[str, Any] = json.loads(await self._connection.recv())
             if message["op"] == op:
@@ -31,7 +31,7 @@ class Page:
 
     async def call(self, service: str, args: object = None) -> Any:
         await self.say("call_service", service=service, args=args)
-        return (await self.hear("service_response"))["values"]
+        return (await self.receive("service_response"))["values"]
 
 
 async def test_a_page_and_debians_tools(roscore: Ros1Peers) -> None:
@@ -53,7 +53,7 @@ async def _topics(page: Page, debian: Ros1Peers) -> None:
     assert ",1.5,0.0,0.0" in await echo.finish()
     await page.say("subscribe", topic="/from_debian", type="std_msgs/String")
     await debian.start("rostopic", "pub", "-r", "5", "/from_debian", "std_msgs/String", "hello")
-    assert (await page.hear("publish"))["msg"] == {"data": "hello"}
+    assert (await page.receive("publish"))["msg"] == {"data": "hello"}
     await page.say("unsubscribe", topic="/from_debian")
 
 
@@ -74,7 +74,7 @@ async def _services(page: Page, debian: Ros1Peers) -> None:
         ({"values": "no power", "result": False}, "no power"),
     ]:
         calling = await debian.start("rosservice", "call", "/flip", "true")
-        request = await page.hear("call_service")
+        request = await page.receive("call_service")
         assert request["args"] == {"data": True}
         await page.say("service_response", service="/flip", id=request["id"], **answer)
         assert printed in await calling.finish()

@@ -85,7 +85,7 @@ def require_round_trips(name: str, codec: Codec, converter: CdrConverter) -> Non
 
 
 def codec_of(message_type: MessageType) -> Codec:
-    """Return the codec of a type as its own text tells it."""
+    """Return the codec of a type from its own definition."""
     registry = Registry(bundled=False)
     registry.add_full_text(message_type.name, message_type.definition)
     return TypeStore(registry).codec(message_type.name)

@@ -10,9 +10,14 @@ import pytest
 from contract.graphs import Inbox, answer
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from ros2_domains import own_domain
+from rostether.errors import UnknownTypeError
 from rostether.graph.ports import JoinGraph
+from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.distribution import find_distribution
 from rostether.ros2.rclpy.context import RclpyContext
+from rostether.ros2.type_description import SERVICE_TYPE, learn_type
+from rostether.ros2.types.type_hash import message_hash
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
@@ -56,6 +61,8 @@ async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> No
         if "/seen" in snapshot.topics:
             break
     assert PEER_NAME in snapshot.nodes
+    assert await find_distribution(node, {}) == "kilted"
+    assert await find_distribution(node, {"ROS_DISTRO": "jazzy"}) == "jazzy"
     assert snapshot.topics["/seen"].type == "std_msgs/msg/String"
     assert snapshot.topics["/seen"].publishers == (PEER_NAME,)
     assert snapshot.services[f"{PEER_NAME}/get_parameters"].providers == (PEER_NAME,)
@@ -71,6 +78,36 @@ async def test_a_node_that_leaves_is_gone_over_there(join: JoinGraph, peer: Rclp
     await node.close()
     while ["leaver", "/"] in await peer.ask("nodes"):
         await asyncio.sleep(0.01)
+
+
+@pytest.mark.parametrize("name", ["sensor_msgs/msg/Imu", "diagnostic_msgs/msg/DiagnosticArray"])
+async def test_a_node_of_rclpy_describes_its_types(join: JoinGraph, peer: RclpyPeer, name: str) -> None:
+    known = Ros2Definitions()
+    types = Ros2Types(Registry(), known)
+    # The service's own type stays known.
+    types.native_service(SERVICE_TYPE)
+    types.definitions = Ros2Definitions(bundled=False)
+    node = await join("/learner")
+    await peer.ask("advertise", topic="/described", type=name)
+    type_hash = message_hash(known.message(name), known)
+    while True:
+        # The peer's service may not be announced yet.
+        try:
+            await learn_type(node, types, PEER_NAME, name, type_hash)
+            break
+        except UnknownTypeError as error:
+            assert "no node offers" in str(error)
+    learned = types.definitions.message(name)
+    assert [(each.name, each.type) for each in learned.fields] == [
+        (each.name, each.type) for each in known.message(name).fields
+    ]
+    assert types.by_name(name).type_hash == type_hash
+    with pytest.raises(UnknownTypeError, match="it describes another type than std_msgs/msg/Char"):
+        await learn_type(node, types, PEER_NAME, "std_msgs/msg/Char", type_hash)
+    with pytest.raises(UnknownTypeError, match="its node does not describe it: "):
+        await learn_type(node, types, PEER_NAME, name, f"RIHS01_{'0' * 64}")
+    await peer.ask("unadvertise", topic="/described")
+    await node.close()
 
 
 async def test_time_comes_from_clock_where_a_node_is_told_to(join: JoinGraph, peer: RclpyPeer) -> None:

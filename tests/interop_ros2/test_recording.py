@@ -45,13 +45,13 @@ async def test_what_rclpy_says_is_recorded_and_played_to_it(peer: RclpyPeer, tmp
     assert [offers[name]["durability"] for name in ("/scan", "/place")] == ["volatile", "transient_local"]
     assert topics["/scan"]["type_description_hash"] == JAZZY.hash_rihs01("sensor_msgs/msg/LaserScan")
     with Reader(folder) as reader:
-        heard: list[Any] = [
+        received: list[Any] = [
             JAZZY.deserialize_cdr(data, connection.msgtype)
             for connection, _, data in reader.messages()
             if connection.topic == "/scan"
         ]
-    assert [list(each.ranges) for each in heard] == [scan["ranges"]] * 3
-    assert {each.header.frame_id for each in heard} == {"laser"}
+    assert [list(each.ranges) for each in received] == [scan["ranges"]] * 3
+    assert {each.header.frame_id for each in received} == {"laser"}
 
     await peer.ask("subscribe", topic="/again", type="sensor_msgs/msg/LaserScan")
     words = ["-i", "-d", "2", "--wait-for-subscribers", "--topics", "/scan"]

@@ -91,8 +91,8 @@ async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> As
         yield Sides(ros1, peer, relays)
 
 
-async def heard(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
-    """Wait until ROS 2 has heard so many messages."""
+async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
+    """Wait until ROS 2 has received so many messages."""
     while len(found := await peer.ask("receive", topic=topic, count=0)) < count:
         await asyncio.sleep(0.05)
     assert isinstance(found, list)
@@ -102,7 +102,7 @@ async def heard(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
 async def test_ros1_is_heard_in_ros2_and_nothing_is_lost_or_twice(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/sensors/joints", type="sensor_msgs/msg/JointState")
     counter = await sides.ros1.rospy(COUNTER)
-    joints = await heard(sides.ros2, "/sensors/joints", 100)
+    joints = await received(sides.ros2, "/sensors/joints", 100)
     await counter.stop()
     assert joints[0]["name"] == ["left", "right"]
     numbers = [each["position"][0] for each in joints]
@@ -122,7 +122,7 @@ async def test_both_ways_without_an_echo(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/chatter", type="std_msgs/msg/String")
     echo = await sides.ros1.start("rostopic", "echo", "/chatter")
     talker = await sides.ros1.rospy(TALKER)
-    await heard(sides.ros2, "/chatter", 20)
+    await received(sides.ros2, "/chatter", 20)
     await talker.stop()
     await sides.ros2.ask("advertise", topic="/chatter", type="std_msgs/msg/String")
     said = 0

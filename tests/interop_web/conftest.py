@@ -30,9 +30,7 @@ async def web_peers(node_modules: Path, tmp_path: Path) -> AsyncIterator[WebPeer
     await peers.close()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_itemcollected(item: pytest.Item) -> None:
     """Everything in this folder needs Node; the first test of a run also waits for npm."""
-    for item in items:
-        if "interop_web" in item.path.parts:
-            item.add_marker("web")
-            item.add_marker(pytest.mark.timeout(240))
+    item.add_marker("web")
+    item.add_marker(pytest.mark.timeout(240))

@@ -27,7 +27,7 @@ from rostether.serde.store import TypeStore
 
 @dataclass(frozen=True, slots=True)
 class GraphOfTest:
-    """A graph that nobody else is in, and how a gateway is on it."""
+    """A graph with nothing else on it, and how a gateway joins it."""
 
     join: JoinGraph
     store: TypeStore

@@ -1,4 +1,4 @@
-"""What a client's program has told so far."""
+"""What a client's program has reported so far."""
 
 from __future__ import annotations
 

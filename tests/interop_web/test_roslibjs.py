@@ -58,6 +58,11 @@ async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
         assert found["nodeDetails"][:2] == ["/fast", "/image"]
         assert found["action"] == "tool to base"
         assert found["served"] is True
+        if ros == "zenoh":
+            done, canceled = found["ros2Action"]
+            assert done == {"feedback": {"sequence": [3]}, "result": {"sequence": [3, 3]}}
+            assert canceled["feedback"] == {"sequence": [9]}
+            assert "canceled" in canceled["error"].lower()
         assert found["reconnected"] == {"data": "kept"}
         is_ros1 = ros == "ros1"
         assert found["rosapi"] == {

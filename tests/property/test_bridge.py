@@ -45,7 +45,7 @@ def chunks_of(data: bytes, cuts: list[int]) -> list[bytes]:
 def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int]) -> None:
     async def scenario() -> list[bytes]:
         world = await World().open()
-        heard = await world.listen("/chatter")
+        received = await world.listen("/chatter")
         session = await bridged(world)
         data = ANNOUNCED + b"".join(encode_frame(125, text(word)) for word in words)
         for chunk in chunks_of(data, cuts):
@@ -53,7 +53,7 @@ def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int])
             await asyncio.sleep(0)
         await asyncio.sleep(0.01)
         session.connection_lost(None)
-        return heard
+        return received
 
     assert run(scenario()) == [text(word) for word in words]
 
@@ -63,7 +63,7 @@ def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int])
 def test_garbage_stops_nothing_and_says_little(garbage: list[bytes]) -> None:
     async def scenario() -> tuple[list[bytes], World]:
         world = await World().open()
-        heard = await world.listen("/chatter")
+        received = await world.listen("/chatter")
         session = await bridged(world)
         session.data_received(ANNOUNCED)
         await asyncio.sleep(1.0)
@@ -75,10 +75,10 @@ def test_garbage_stops_nothing_and_says_little(garbage: list[bytes]) -> None:
         session.data_received(encode_frame(125, text("good")))
         await asyncio.sleep(3.0)
         session.connection_lost(None)
-        return heard, world
+        return received, world
 
-    heard, world = run(scenario())
-    assert heard[-1:] == [text("good")]
+    received, world = run(scenario())
+    assert received[-1:] == [text("good")]
     assert not world.reporter.having("session failed")
     assert len(world.reporter.lines) < 15 + len(garbage)
 

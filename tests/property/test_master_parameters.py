@@ -46,7 +46,7 @@ def weight(value: Any) -> int:
 
 
 class Watchers:
-    """Each watcher's own copy of what it watches, from what it was told."""
+    """Each watcher's own copy of what it watches, from its updates."""
 
     def __init__(self) -> None:
         self.views: dict[str, ParameterTree] = {}
@@ -61,7 +61,7 @@ class Watchers:
         assert api
 
     def shut_down(self, api: str, reason: str) -> None:
-        raise AssertionError("nobody is replaced here")
+        raise AssertionError("no node is replaced here")
 
 
 class MasterUnderChanges(RuleBasedStateMachine):

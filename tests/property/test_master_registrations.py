@@ -1,4 +1,4 @@
-"""The master under random registrations: its tables agree with each other, and nobody is misinformed."""
+"""The master under random registrations: its tables agree with each other, and every node knows the truth."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Nodes:
         self.publishers[api, topic] = publishers
 
     def param_update(self, api: str, key: str, value: XmlRpcValue) -> None:
-        raise AssertionError("nobody watches parameters here")
+        raise AssertionError("no parameter is watched here")
 
     def ping(self, api: str) -> None:
         self.stopped.discard(api)

@@ -13,7 +13,7 @@ from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import Form, open_recording
 from rostether.recording.recorded import Connection
 from rostether.recording.reindexing import copy
-from rostether.serde.cdr.pair_tree import DUMMY_NAME
+from rostether.serde.cdr.conversion_tree import DUMMY_NAME
 from unit.recording.bags import START_NS
 from unit.serde.random_messages import RandomMessages
 

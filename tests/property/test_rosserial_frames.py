@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import VERSIONS, encode_frame, encode_frames
 from rostether.rosserial.frame_decoder import MAX_LOOK_S, Decoded, FrameDecoder
+from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import by_topic, frame
 
 versions = st.sampled_from(VERSIONS)
@@ -103,7 +104,7 @@ def test_a_frame_after_garbage_is_found_when_the_line_pauses(garbage: bytes, pay
     # last byte, at the look that is due then; nothing need follow it. That what came before completes a sound
     # frame by swallowing the beginning of this one is possible, but not what this is about.
     sound = frame(125, payload)
-    decoder = FrameDecoder(limits={125: 100})
+    decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
     decoded = decoder.feed(garbage + sound, 0.0)
     last_look_s = 0.0
     while (due_s := decoder.get_timer()) is not None:

@@ -231,7 +231,7 @@ async def test_mearm(terminals: Terminals, tmp_path: Path) -> None:
     source.mkdir(parents=True)
     for _ in range(3):
         await terminals.type(next(typed))
-    # What the document tells to write into the package, and the second one that it launches from.
+    # The file that the document writes into the package, and the second package that it launches from.
     shutil.copytree(EXAMPLES, source, dirs_exist_ok=True)
     display = await terminals.leave(next(typed))
     await display.wait_for("joint_state_publisher_gui")

@@ -9,7 +9,13 @@ import pytest_asyncio
 
 import rostether
 from interop.ros1_peers import free_port
-from rostether.errors import ConfigError, MasterUnreachableError
+from rostether.errors import (
+    ConfigError,
+    MasterUnreachableError,
+    SerializationError,
+    UnknownTypeError,
+)
+from rostether.msg.sensor_msgs import Range
 from rostether.ros1.master.server import MasterServer
 
 
@@ -54,6 +60,7 @@ async def test_no_master() -> None:
             pass
 
 
+@pytest.mark.usefixtures("cold_start")
 def test_the_package_starts_without_what_is_not_asked_for() -> None:
     code = (
         "import sys, rostether; print(*sys.modules); "
@@ -93,3 +100,28 @@ async def test_join_ros2_takes_nothing_of_ros1() -> None:
     with pytest.raises(ConfigError, match="work only with ROS 1"):
         async with rostether.join(ros2="zenoh", master="http://127.0.0.1:9"):
             pass
+
+
+async def test_arrays_as_numpy_has_them(master: MasterServer) -> None:
+    async with rostether.join("/lidar", master=master.uri, numpy=True) as graph:
+        scans = await graph.publisher("/scan", "sensor_msgs/LaserScan", latch=True)
+        scans.publish(ranges=[1.0, 3.0])
+        message = await graph.wait_for_message("/scan", timeout_s=60)
+        assert message.ranges.mean() == 2.0
+
+
+async def test_types_as_classes(master: MasterServer) -> None:
+    async with rostether.join("/talker", master=master.uri) as graph:
+        ranges = await graph.publisher("/range", Range, latch=True)
+        ranges.publish(range=1.5, radiation_type=Range.INFRARED, header={"stamp": "now"})
+        ranges.publish(Range(range=1.5))
+        # mypy checks this file: an ignore without an error would fail.
+        with pytest.raises(SerializationError, match="rnge"):
+            ranges.publish(rnge=3)  # type: ignore[call-overload]
+        message = await graph.wait_for_message("/range", Range, timeout_s=60)
+        assert message.range == 1.5
+        async for each in graph.messages("/range", Range):
+            assert each.range + 1 == 2.5
+            break
+        with pytest.raises(UnknownTypeError, match="not a message type"):
+            await graph.publisher("/x", dict)  # type: ignore[arg-type]

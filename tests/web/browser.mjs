@@ -10,12 +10,13 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--js-flags=--expose-gc"],
 });
 const pages = [];
-const hosts = new Set();
-const errors = [];
+const seen = [];
 
 async function open({ url, width = 1280, height = 800, touch = false }) {
   const context = await browser.newContext({ viewport: { width, height }, hasTouch: touch, isMobile: touch });
   const page = await context.newPage();
+  const hosts = new Set();
+  const errors = [];
   page.on("request", (request) => hosts.add(new URL(request.url()).host));
   page.on("websocket", (socket) => hosts.add(new URL(socket.url()).host));
   page.on("pageerror", (error) => errors.push(String(error)));
@@ -24,8 +25,8 @@ async function open({ url, width = 1280, height = 800, touch = false }) {
     if (message.type() === "error" && !/WebSocket|ERR_CONNECTION/.test(message.text())) errors.push(message.text());
   });
   await page.goto(url);
-  pages.push(page);
-  return pages.length - 1;
+  seen.push({ hosts, errors });
+  return pages.push(page) - 1;
 }
 
 const commands = {
@@ -40,16 +41,18 @@ const commands = {
       document.dispatchEvent(new Event("visibilitychange"));
     }, hidden),
   screenshot: ({ page, path }) => pages[page].screenshot({ path }).then(() => null),
-  heap: async ({ page }) => {
+  memory: async ({ page }) => {
     const session = await pages[page].context().newCDPSession(pages[page]);
     await session.send("HeapProfiler.collectGarbage");
     const { usedSize } = await session.send("Runtime.getHeapUsage");
+    const { nodes, jsEventListeners } = await session.send("Memory.getDOMCounters");
     await session.detach();
-    return usedSize;
+    return { bytes: usedSize, nodes, listeners: jsEventListeners };
   },
   reload: ({ page }) => pages[page].reload().then(() => null),
   close: ({ page }) => pages[page].context().close(),
-  seen: () => ({ hosts: [...hosts], errors }),
+  seen: ({ page }) => ({ hosts: [...seen[page].hosts], errors: seen[page].errors }),
+  closeAll: () => Promise.all(browser.contexts().map((each) => each.close())).then(() => null),
 };
 
 for await (const line of createInterface({ input: process.stdin })) {

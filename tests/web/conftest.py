@@ -22,27 +22,41 @@ def packages() -> Path:
         pytest.skip(f"npm ci failed, is the network up? {error}")
 
 
-@pytest_asyncio.fixture
-async def browser(packages: Path) -> AsyncIterator[Browser]:
-    """Chromium; it ends with the test."""
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def chromium(packages: Path) -> AsyncIterator[Browser]:
+    """The browser of the tests of a file."""
     browser = await Browser.start(packages)
     yield browser
     await browser.close()
 
 
-@pytest_asyncio.fixture
-async def robot(tmp_path: Path) -> AsyncIterator[Robot]:
-    """A simulated board, and the dashboard beside it."""
-    robot = Robot(tmp_path)
-    await robot.start()
-    yield robot
-    await robot.close()
+@pytest_asyncio.fixture(loop_scope="module")
+async def browser(chromium: Browser) -> AsyncIterator[Browser]:
+    """Chromium; its pages, with what they store, are closed after each test."""
+    yield chromium
+    await chromium.do("closeAll")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def board(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Robot]:
+    """The board and dashboard of the tests of a file."""
+    robot = Robot(tmp_path_factory.mktemp("robot"))
+    try:
+        await robot.start()
+        yield robot
+    finally:
+        await robot.close()
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def robot(board: Robot) -> Robot:
+    """A simulated board, and beside it the dashboard without options."""
+    await board.restore_dashboard()
+    return board
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
     """Everything in this folder needs Node and a browser."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker("web")
-            item.add_marker("browser")
-            item.add_marker(pytest.mark.timeout(300))
+    item.add_marker("web")
+    item.add_marker("browser")
+    item.add_marker(pytest.mark.timeout(300))

@@ -11,7 +11,7 @@ import urllib.error
 import urllib.request
 import xmlrpc.client
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from interop.ros1_peers import free_port
 
@@ -28,6 +28,7 @@ class Robot:
         self._port = free_port()
         self._board: asyncio.subprocess.Process | None = None
         self._dashboard: asyncio.subprocess.Process | None = None
+        self._options: tuple[str, ...] = ()
 
     @property
     def url(self) -> str:
@@ -37,7 +38,7 @@ class Robot:
     async def start(self) -> None:
         """Start the board, then the dashboard."""
         # With its own page, which stays unused, the board publishes /diagnostics as other boards do.
-        self._board = await self._run("demo", "--ros1")
+        self._board = await self._run("demo", "--board", "python", "--ros1")
         await self.start_dashboard()
 
     @property
@@ -47,30 +48,34 @@ class Robot:
 
     async def start_dashboard(self, *options: str) -> None:
         """Start the dashboard, the second time at the same address, and wait until it answers."""
+        self._options = options
         port = str(self._port)
         recordings = str(self._home / "recordings")
         self._dashboard = await self._run(
             *("dashboard", "--port", port, "--no-open", "--ros1", "--master", self._master),
             *("--recordings", recordings, *options),
         )
-        async with asyncio.timeout(PATIENCE_S):
-            while not await asyncio.to_thread(self._answers):
-                assert self._dashboard.returncode is None, "the dashboard has ended"
-                await asyncio.sleep(POLL_S)
+        await wait_page(self.url, self._dashboard)
+
+    async def restore_dashboard(self) -> None:
+        """Start the dashboard again if a test has ended it, or gave it options."""
+        if self._options or self._dashboard is None or self._dashboard.returncode is not None:
+            await self.kill_dashboard()
+            await self.start_dashboard()
 
     async def kill_dashboard(self) -> None:
-        """Let it go without a word."""
-        await _end(self._dashboard, signal.SIGKILL)
+        """End it without a chance to close its connections."""
+        await end(self._dashboard, signal.SIGKILL)
 
     async def close(self) -> None:
         """End both."""
-        await _end(self._dashboard, signal.SIGTERM)
-        await _end(self._board, signal.SIGTERM)
+        await end(self._dashboard, signal.SIGTERM)
+        await end(self._board, signal.SIGTERM)
 
     async def subscribed_topics(self) -> set[str]:
         """Return the topics that the dashboard's node subscribes, as the master knows them."""
-        master = xmlrpc.client.ServerProxy(self._master)
-        answer: Any = await asyncio.to_thread(master.getSystemState, "/test")
+        with xmlrpc.client.ServerProxy(self._master) as master:
+            answer: Any = await asyncio.to_thread(master.getSystemState, "/test")
         _, _, (_, subscriptions, _) = answer
         return {topic for topic, nodes in subscriptions if any("dashboard" in node for node in nodes)}
 
@@ -80,28 +85,65 @@ class Robot:
             while (topic in await self.subscribed_topics()) is not wanted:
                 await asyncio.sleep(POLL_S)
 
-    def _answers(self) -> bool:
-        try:
-            with urllib.request.urlopen(self.url, timeout=5) as answer:
-                return bool(answer.status == 200)
-        except (urllib.error.URLError, OSError):
-            return False
-
     async def _run(self, *arguments: str) -> asyncio.subprocess.Process:
-        return await asyncio.create_subprocess_exec(
-            sys.executable,
-            "-m",
-            "rostether",
-            *arguments,
-            env=os.environ | {"ROS_MASTER_URI": self._master, "HOME": str(self._home)},
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.DEVNULL,
-            stderr=asyncio.subprocess.DEVNULL,
-            start_new_session=True,
+        return await run_rostether(self._home, self._master, *arguments)
+
+
+class LaunchedRobot:
+    """What a launch file starts, with a master and a dashboard of its own."""
+
+    def __init__(self, home: Path, launch: Path) -> None:
+        self._home = home
+        self._launch = launch
+        self._process: asyncio.subprocess.Process | None = None
+        self.master = f"http://127.0.0.1:{free_port()}"
+        self.url = f"http://127.0.0.1:{free_port()}/"
+
+    async def __aenter__(self) -> Self:
+        place = self.url.removeprefix("http://").rstrip("/")
+        self._process = await run_rostether(
+            self._home, self.master, "launch", str(self._launch), "--dashboard", place
         )
+        await wait_page(self.url, self._process)
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await end(self._process, signal.SIGTERM)
 
 
-async def _end(process: asyncio.subprocess.Process | None, number: signal.Signals) -> None:
+async def wait_page(url: str, process: asyncio.subprocess.Process) -> None:
+    """Wait until a process serves its page."""
+    async with asyncio.timeout(PATIENCE_S):
+        while not await asyncio.to_thread(_answers, url):
+            assert process.returncode is None, "the dashboard has ended"
+            await asyncio.sleep(POLL_S)
+
+
+def _answers(url: str) -> bool:
+    try:
+        with urllib.request.urlopen(url, timeout=5) as answer:
+            return bool(answer.status == 200)
+    except (urllib.error.URLError, OSError):
+        return False
+
+
+async def run_rostether(home: Path, master: str, *arguments: str) -> asyncio.subprocess.Process:
+    """Start a command of rostether that belongs to a master."""
+    return await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "rostether",
+        *arguments,
+        env=os.environ | {"ROS_MASTER_URI": master, "HOME": str(home)},
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+async def end(process: asyncio.subprocess.Process | None, number: signal.Signals) -> None:
+    """End a process by a signal, and wait for that."""
     if process is not None and process.returncode is None:
         with contextlib.suppress(ProcessLookupError):
             process.send_signal(number)

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 import rostether
 from web.browser import Browser
 from web.robot import Robot
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 PATIENCE_S = 60.0
 LED = "rostether.feed('/led').lastMessage()?.data"
@@ -29,7 +33,7 @@ async def test_a_switch_calls_a_service(robot: Robot, browser: Browser) -> None:
     await browser.wait_for(page, "document.querySelector('.controls-grid').innerText.includes('LED on')")
 
 
-async def test_the_robot_stops_when_the_tab_is_killed(robot: Robot, browser: Browser) -> None:
+async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Browser) -> None:
     async with rostether.join("driven", master=robot.master) as graph:
         commands: list[float] = []
 
@@ -46,7 +50,7 @@ async def test_the_robot_stops_when_the_tab_is_killed(robot: Robot, browser: Bro
                 # The page listens to keys a moment after it is drawn.
                 await browser.do("evaluate", page=page, script=press)
                 await asyncio.sleep(0.1)
-        await browser.close()
+        await browser.do("close", page=page)
         async with asyncio.timeout(PATIENCE_S):
             while commands[-1] != 0:
                 await asyncio.sleep(0.02)
@@ -54,7 +58,7 @@ async def test_the_robot_stops_when_the_tab_is_killed(robot: Robot, browser: Bro
         following.cancel()
 
 
-async def test_a_recording_is_made_and_listed(robot: Robot, browser: Browser) -> None:
+async def test_a_recording_is_made_listed_and_played(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/recording")
     await browser.do("click", page=page, selector=".recording .primary")
     await browser.wait_for(
@@ -62,6 +66,14 @@ async def test_a_recording_is_made_and_listed(robot: Robot, browser: Browser) ->
     )
     await browser.do("click", page=page, selector=".recording .button")
     await browser.wait_for(page, "document.querySelector('.recording-files a[download$=\".bag\"]') !== null")
+    # Slowly, so that it does not end first.
+    play = "rostether.gateway.playRecording(rostether.recordings.value.files[0].name, 0, 0.1, true)"
+    await browser.do("evaluate", page=page, script=play)
+    await browser.wait_for(page, "document.querySelector('.recording-playback') !== null")
+    await browser.do("evaluate", page=page, script="void rostether.subscribe('/playback/ultrasound')")
+    await browser.wait_for(page, "rostether.feed('/playback/ultrasound').last !== undefined")
+    await browser.do("click", page=page, selector=".recording-playback [aria-label='Stop playing']")
+    await browser.wait_for(page, "document.querySelector('.recording-playback') === null")
 
 
 async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Browser) -> None:

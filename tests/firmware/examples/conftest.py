@@ -11,8 +11,6 @@ def kind(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_itemcollected(item: pytest.Item) -> None:
     """Everything in this folder needs an AVR compiler and simulated boards."""
-    for item in items:
-        if "examples" in item.path.parts:
-            item.add_marker("simavr")
+    item.add_marker("simavr")

@@ -28,14 +28,14 @@ class Operation:
 
 
 OPERATIONS = (
-    Operation("first words", None, 1, 800),
+    Operation("first words", None, 1, 590),
     # Theirs is of a like sketch.
-    Operation("answer with 7 topics", 24852, 1, 17500),
-    Operation("publish String, 12 letters", 1023, 1, 920),
-    Operation("publish Range", 1444, 1, 1370),
-    Operation("publish Imu", 26431, 1 / 3, 6100),
+    Operation("answer with 7 topics", 24852, 1, 15800),
+    Operation("publish String, 12 letters", 1023, 1, 910),
+    Operation("publish Range", 1444, 1, 1444),
+    Operation("publish Imu", 26431, 1 / 3, 5950),
     Operation("publish Odometry", 60277, 1 / 3, 13000),
-    Operation("idle spinOnce", 309, 1 / 2, 90),
+    Operation("idle spinOnce", 309, 1 / 2, 120),
     Operation("receive and dispatch Int16", 1909, 1, 1660),
     Operation("receive and dispatch Empty", 1660, 1, 1390),
     Operation("receive and dispatch String, 12 letters", 4042, 1, 2400),

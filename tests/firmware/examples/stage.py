@@ -11,7 +11,8 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
 from rostether.graph.ports import Graph
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
@@ -107,7 +108,7 @@ class Stage:
         """Hear what the board logs."""
         return await self.listen("/rosout", "rosgraph_msgs/Log")
 
-    async def publisher(self, topic: str, type_name: str) -> TypedPublisher:
+    async def publisher(self, topic: str, type_name: str) -> TypedPublisher[...]:
         """Advertise a topic, and wait for the board's subscription."""
         publisher = await self.graph.publisher(topic, type_name)
         assert await publisher.wait_for_subscriber(PATIENCE_S), f"nobody subscribed to {topic}"

@@ -11,14 +11,14 @@ import pytest
 
 from firmware.examples.attitudes import yaw_of
 from firmware.examples.stage import PATIENCE_S, Stage, running
-from rostether.graph.typed_graph import TypedPublisher
+from rostether.graph.typed_handles import TypedPublisher
 
 ODOM = "nav_msgs/Odometry"
 WHEEL_RADIUS, WHEEL_SEPARATION = 0.033, 0.16
 
 
 @contextlib.asynccontextmanager
-async def driving(cmd_vel: TypedPublisher, speed: float, turn_rate: float) -> AsyncIterator[None]:
+async def driving(cmd_vel: TypedPublisher[...], speed: float, turn_rate: float) -> AsyncIterator[None]:
     """Command a speed ten times a second, as a driver does."""
 
     async def command() -> None:

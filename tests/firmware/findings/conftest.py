@@ -3,8 +3,6 @@ from __future__ import annotations
 import pytest
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_itemcollected(item: pytest.Item) -> None:
     """Everything in this folder needs an AVR compiler and simulated boards."""
-    for item in items:
-        if "findings" in item.path.parts and "firmware" in item.path.parts:
-            item.add_marker("simavr")
+    item.add_marker("simavr")

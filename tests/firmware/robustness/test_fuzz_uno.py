@@ -14,7 +14,7 @@ from rostether.firmware.build import BuildOptions, build_sketch, find_board
 SKETCH = Path(__file__).parent / "sketches" / "Target"
 # Frames for each baud; slow lines take their time.
 BAUDS = {9600: 80, 57600: 320, 115200: 400, 250000: 400, 500000: 400, 1000000: 400}
-BATCH = 20
+BATCH = 40
 # A gap in a frame lasts 0.2 s; each start left behind takes a spin, and callbacks wait for parameters.
 QUIET_MS = 500
 

@@ -13,7 +13,7 @@ from rostether.rostime import Time
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 SKETCH = Path(__file__).parent / "sketches" / "SlowLoop"
-STEP_S = 0.01
+STEP_S = 0.02
 
 
 class LinkedBoard:
@@ -53,7 +53,7 @@ async def test_a_slow_loop_is_no_reset(loop_ms: int) -> None:
             linked = LinkedBoard(board)
             await linked.run(host_starts_s)
             linked.link.start(linked.now_s)
-            await linked.run(16.0)
+            await linked.run(12.0)
             # A board that spins every 2 s may be silent for 4 s; after 3 s the host asks it again: wait.
             for _ in range(round(4.0 / STEP_S)):
                 if linked.link.is_settled:
@@ -63,7 +63,7 @@ async def test_a_slow_loop_is_no_reset(loop_ms: int) -> None:
             assert linked.resets_s == []
             await board.reset()
             reset_s = linked.now_s
-            await linked.run(10.0)
+            await linked.run(6.0)
             (found_s,) = linked.resets_s
             # Its first time request may be taken for a late answer, the one of its next loop() is not.
             assert found_s - reset_s < max(2.0, loop_ms / 1000 + 0.5)

@@ -167,6 +167,38 @@ const checks = {
     client.dispose();
     return result.error.error_string;
   },
+  // An action of ROS 2, offered by this page and called by it.
+  async ros2Action() {
+    if (!ROSLIB.Action || !parameterName.includes(":")) return null;
+    const name = "/from_page/count";
+    const actionType = "example_interfaces/action/Fibonacci";
+    const server = new ROSLIB.Action({ ros, name, actionType });
+    server.advertise(
+      ({ order }, id) => {
+        server.sendFeedback(id, { sequence: [order] });
+        // A goal of 9 goes on until it is canceled.
+        if (order !== 9) server.setSucceeded(id, { sequence: [order, order] });
+      },
+      (id) => server.setCanceled(id, { sequence: [] }),
+    );
+    const client = new ROSLIB.Action({ ros, name, actionType });
+    const run = (order, onFeedback) =>
+      settle((resolve) => {
+        let feedback = null;
+        const id = client.sendGoal(
+          { order },
+          (result) => resolve({ feedback, result }),
+          (found) => {
+            feedback = found;
+            onFeedback?.(id);
+          },
+          (error) => resolve({ feedback, error }),
+        );
+      }, "result of a ROS 2 action");
+    const found = [await run(3), await run(9, (id) => client.cancelGoal(id))];
+    server.unadvertise();
+    return found;
+  },
   async served() {
     const service = new ROSLIB.Service({ ros, name: "/from_page/double", serviceType: "std_srvs/SetBool" });
     service.advertise((request, response) => {

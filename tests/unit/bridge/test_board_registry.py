@@ -62,8 +62,7 @@ async def test_each_node_that_has_left_is_reported() -> None:
     for name in ("/arm", "/leg", "/eye"):
         board, _ = await served(boards, name)
         boards.lose(board, board.session)
-    await until(lambda: len(left) == 3, "the nodes to leave")
-    assert not list(boards)
+    await until(lambda: len(left) == 3 and not list(boards), "the nodes to leave")
     await boards.close()
 
 

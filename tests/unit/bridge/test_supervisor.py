@@ -2,10 +2,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from rostether.bridge.findings.board_health import BoardHealth
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.errors import InvalidNameError, MasterUnreachableError, TransportOpenError
@@ -223,6 +225,26 @@ async def test_a_board_that_is_not_silent_keeps_its_name(site: Site, monkeypatch
     await site.serving("/tcp_192_168_1_7")
     site.connect("tcp 192.168.1.7:40001")
     await site.serving("/tcp_192_168_1_7", "/tcp_192_168_1_7_2")
+
+
+def _has(items: list[bool], count: int) -> bool:
+    return len(items) == count
+
+
+async def test_what_connects_from_this_machine_is_a_program(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    endings: list[bool] = []
+    monkeypatch.setattr(
+        BoardHealth, "disconnected", lambda self, error, *, is_program: endings.append(is_program)
+    )
+    await site.start("tcp://0.0.0.0:11411")
+    for count, peer in enumerate(("tcp 127.0.0.1:40000", "tcp [::1]:40000", "tcp 192.168.1.7:40000"), 1):
+        board = site.connect(peer)
+        await until(partial(board.received.__getitem__, ids.TOPIC_REQUEST), "the topic request")
+        board.transport.close()
+        await until(partial(_has, endings, count), "the end")
+    assert endings == [True, True, False]
 
 
 async def test_a_master_that_is_away_is_waited_for(site: Site) -> None:

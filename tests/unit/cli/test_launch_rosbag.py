@@ -74,14 +74,14 @@ def test_played_and_then_the_launch_ends(graph: LiveGraph, tmp_path: Path, node_
     written = write_bag(bag)
     (tmp_path / "play.launch").write_text(PLAY.format(type=node_type, verb=verb, bag=bag))
     node = graph.node("/node")
-    heard: list[bytes] = []
+    received: list[bytes] = []
     clocks: list[bytes] = []
-    graph.do(node.subscribe("/played", ANY_MESSAGE, heard.extend))
+    graph.do(node.subscribe("/played", ANY_MESSAGE, received.extend))
     graph.do(node.subscribe("/clock", ANY_MESSAGE, clocks.extend))
     arguments = (str(tmp_path / "play.launch"),)
     with launched(*arguments, master_uri=graph.uri, cwd=tmp_path) as process:
         output, _ = process.communicate(timeout=LIMIT_S)
     assert "played 15 messages" in output
-    graph.wait_until(lambda: len(heard) == 15)
-    assert heard == [payload for topic, _, payload in written if topic == "/a"]
+    graph.wait_until(lambda: len(received) == 15)
+    assert received == [payload for topic, _, payload in written if topic == "/a"]
     assert clocks

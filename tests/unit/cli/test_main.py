@@ -65,6 +65,7 @@ def test_arguments_that_roslaunch_adds(graph: LiveGraph, shell: Shell) -> None:
     assert shell.output("param", "get", "/arm/speed", master) == "1\n"
 
 
+@pytest.mark.usefixtures("cold_start")
 def test_only_what_is_used_is_imported() -> None:
     code = (
         "import sys; from rostether.cli.main import main; "

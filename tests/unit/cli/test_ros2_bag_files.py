@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
-from rostether.cli.bag.recording_graph import native_types
+from rostether.cli.bag.recording_graph import recording_types
 from rostether.errors import RecordingError
 from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
@@ -45,8 +45,8 @@ def test_converted_all_the_way_round_it_is_the_same(bag: Path, tmp_path: Path, s
     steps = [bag, *(tmp_path / name for name in ("a", "b.db3", "c.mcap", "d", "e.mcap", "f.bag"))]
     options = {"d": ["--storage", "sqlite3"], "e.mcap": ["--format", "ros1"]}
     for source, target in pairwise(steps):
-        told = shell.output("bag", "convert", str(source), str(target), *options.get(target.name, []))
-        assert told == f"{target}: 6 messages\n"
+        printed = shell.output("bag", "convert", str(source), str(target), *options.get(target.name, []))
+        assert printed == f"{target}: 6 messages\n"
     versions = [open_recording(path).format_version for path in steps]
     assert versions == [
         "2.0",
@@ -119,7 +119,7 @@ def test_a_bag_without_its_summary_is_mended(bag: Path, tmp_path: Path, shell: S
 def test_types_that_only_a_recording_knows_are_played_as_they_were(tmp_path: Path) -> None:
     written = foreign_bag(tmp_path / "theirs", StoragePlugin.MCAP)
     reader = open_recording(tmp_path / "theirs", is_native=True)
-    types = native_types(each.origin for each in reader.counts if each.origin is not None)
+    types = recording_types(each.origin for each in reader.counts if each.origin is not None)
     for topic, _, payload in reader.messages():
         support = types.message(topic.type)
         assert topic.origin is not None

@@ -1,4 +1,4 @@
-"""What `serve` tells of a board that is not well: lines, and /diagnostics on the ROS 1 graph."""
+"""What `serve` reports about an unhealthy board: lines, and /diagnostics on the ROS 1 graph."""
 
 from __future__ import annotations
 

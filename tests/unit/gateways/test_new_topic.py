@@ -9,12 +9,12 @@ import pytest
 from rostether.errors import GraphError
 from rostether.gateways import new_topic
 from rostether.gateways.new_topic import wait_for_subscribers
-from rostether.graph.ports import Snapshot, TopicInfo
+from rostether.graph.ports import Snapshot, TopicEntry
 
 
 def graph(*subscribers: str) -> Any:
     async def snapshot() -> Snapshot:
-        return Snapshot(topics={"/a": TopicInfo("/a", "std_msgs/String", ("/us",), subscribers)})
+        return Snapshot(topics={"/a": TopicEntry("/a", "std_msgs/String", ("/us",), subscribers)})
 
     return SimpleNamespace(snapshot=snapshot)
 

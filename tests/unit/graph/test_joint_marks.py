@@ -10,13 +10,13 @@ from rostether.graph.joint_marks import (
     relay_marks,
     replace_names,
 )
-from rostether.graph.ports import Snapshot, TopicInfo
+from rostether.graph.ports import Snapshot, TopicEntry
 from rostether.names.graph_name import validate_name
 
 
 def seen(**nodes_by_mark: tuple[str, ...]) -> Snapshot:
     return Snapshot(
-        topics={mark: TopicInfo(mark, "std_msgs/Empty", nodes, ()) for mark, nodes in nodes_by_mark.items()}
+        topics={mark: TopicEntry(mark, "std_msgs/Empty", nodes, ()) for mark, nodes in nodes_by_mark.items()}
     )
 
 

@@ -1,10 +1,11 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pytest
 
-from rostether.pictures.axis import Axis
+from rostether.pictures.axis import Axis, clock_ticks
 
 
 @pytest.mark.parametrize(
@@ -37,3 +38,21 @@ def test_every_range_can_be_drawn(values: list[float]) -> None:
     assert axis.low < axis.high
     assert math.isfinite(axis.part(0.0))
     assert 0 < len(axis.ticks(6)) <= 50
+
+
+def test_marks_of_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TZ", "Asia/Kolkata")
+    time.tzset()
+    try:
+        # 12:00:07 in a time zone of half hours.
+        begin_s = 6 * 3600 + 30 * 60 + 7.0
+        assert clock_ticks(Axis(0.0, 20.0), 4, begin_s) == [
+            (3.0, "12:00:10"),
+            (8.0, "12:00:15"),
+            (13.0, "12:00:20"),
+            (18.0, "12:00:25"),
+        ]
+        assert clock_ticks(Axis(0.0, 8000.0), 3, begin_s) == [(3593.0, "13:00:00"), (7193.0, "14:00:00")]
+    finally:
+        monkeypatch.undo()
+        time.tzset()

@@ -67,7 +67,7 @@ def test_old_recorded_and_forged_commands_have_no_effect(robot: CommandReceiver)
     assert robot.receive(CommandSender(replace(TO_ROBOT, key=bytes(16)), 2_000).stop(0.0)[0], 0.0) is None
     assert "another key" in robot.last_refusal
     # After a later sender, all that an earlier one has sent is refused, stops too.
-    robot.receive(CommandSender(TO_ROBOT, 2_000).release(), 0.1)
+    robot.receive(CommandSender(TO_ROBOT, 2_000).stop(0.1)[0], 0.1)
     assert robot.receive(sender.stop(0.1)[0], 99.0) is None
     assert "started before the last one" in robot.last_refusal
     assert robot.refused_count == 4
@@ -79,7 +79,11 @@ def test_one_sender_at_a_time(robot: CommandReceiver) -> None:
     assert robot.receive(second.command(b"go", 0.0)[0], 0.2) is None
     assert robot.last_refusal == "another sender commands this robot"
     assert robot.is_moving
-    # The first one is silent for its time to live.
+    # The first one is silent for its time to live; a record of what was refused moves nothing.
+    recorded = second.command(b"go", 0.2)[0]
+    assert robot.receive(recorded, 0.21) is None
+    assert robot.receive(recorded, 0.3) is None
+    assert robot.last_refusal == "the command is not newer than the last one"
     assert robot.receive(second.repeat(0.3)[0], 0.3) is not None
     # A release hands over at once.
     robot.receive(second.release(), 0.31)
@@ -93,6 +97,18 @@ def test_a_stop_of_a_later_sender_is_obeyed_at_once(robot: CommandReceiver) -> N
     robot.receive(CommandSender(TO_ROBOT, 2_000).stop(0.0)[0], 0.1)
     assert not robot.is_moving
     assert robot.receive(first.repeat(0.1)[0], 0.15) is None
+
+
+def test_a_sender_that_ends_does_not_stop_robots_of_another(robot: CommandReceiver) -> None:
+    first, second = CommandSender(TO_ROBOT, 1_000), CommandSender(TO_ROBOT, 2_000)
+    robot.receive(first.command(b"go", 0.0)[0], 0.0)
+    for each in (second.query(), *second.command(b"go", 0.1), *second.halt(0.1), second.release()):
+        assert robot.receive(each, 0.1) is None
+    assert (robot.is_moving, robot.holder_epoch_us) == (True, 1_000)
+    robot.receive(first.halt(0.2)[0], 0.2)
+    assert (robot.is_moving, robot.holder_epoch_us) == (False, 1_000)
+    robot.receive(first.release(), 0.2)
+    assert robot.holder_epoch_us is None
 
 
 def test_lost_commands_are_counted(robot: CommandReceiver) -> None:

@@ -20,7 +20,7 @@ def test_our_own_use_is_none(tmp_path: Path) -> None:
 def test_a_program_without_any_lock_is_seen(tmp_path: Path) -> None:
     port = tmp_path / "ttyACM0"
     port.touch()
-    code = f"import sys; port = open({str(port)!r}); print(); sys.stdin.read()"
+    code = f"import sys; port = open({str(port)!r}); print(flush=True); sys.stdin.read()"
     with subprocess.Popen(
         [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as program:

@@ -13,7 +13,13 @@ from rostether.recording.compression import BZ2, LZ4, ZSTD, check_unpacked_size,
 from rostether.recording.files import create_recording, open_recording
 from unit.recording.bags import connection, text
 
-SIZES = (0, 1, compression._STEP_BYTES - 1, compression._STEP_BYTES, 3 * compression._STEP_BYTES + 5)
+STEP_BYTES = 1 << 18
+SIZES = (0, 1, STEP_BYTES - 1, STEP_BYTES, 3 * STEP_BYTES + 5)
+
+
+@pytest.fixture(autouse=True)
+def _small_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compression, "_STEP_BYTES", STEP_BYTES)
 
 
 def packed(name: str, data: bytes) -> bytes:
@@ -86,9 +92,9 @@ def test_a_signal_comes_through_between_two_steps(monkeypatch: pytest.MonkeyPatc
             sizes.append(max_length)
             return self._inner.decompress(data, max_length)
 
-    size = 5 * compression._STEP_BYTES
+    size = 5 * STEP_BYTES
     stored = bz2.compress(bytes(size))
     monkeypatch.setattr(bz2, "BZ2Decompressor", Watched)
     assert len(decompress(BZ2, stored, size)) == size
-    assert max(sizes) <= compression._STEP_BYTES
+    assert max(sizes) <= STEP_BYTES
     assert len(sizes) >= 5

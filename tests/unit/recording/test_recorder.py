@@ -48,7 +48,7 @@ class Stage:
             limits or RecordLimits(),
             create=create,
             name=lambda number: self.folder / f"{number}.bag",
-            tell=self.lines.append,
+            report=self.lines.append,
             repeat_latched=repeat_latched,
             buffer_bytes=buffer_bytes,
         )

@@ -28,8 +28,8 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ServiceType
 from rostether.relay import relay as relay_module
-from rostether.relay.choice import Choice, Direction, Services, Topics
 from rostether.relay.relay import Relay
+from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.relay.side import ForgetNode, Side
 
 SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
@@ -69,7 +69,7 @@ class World:
         def report(_: Level, line: str) -> None:
             self.lines.append(line)
 
-        relay = Relay(sides[0], sides[1], Choice(topics, services), report)
+        relay = Relay(sides[0], sides[1], RelayFilter(topics, services), report)
         running = asyncio.ensure_future(relay.run())
         try:
             yield relay
@@ -240,7 +240,7 @@ async def test_what_a_graph_refuses_is_tried_again(world: World, monkeypatch: py
 
 async def test_a_node_that_is_told_to_leave_ends_the_relay(world: World) -> None:
     sides = [Side(str(number), graph, service_type) for number, graph in enumerate(world.relays)]
-    relay = Relay(sides[0], sides[1], Choice(), lambda _level, _text: None)
+    relay = Relay(sides[0], sides[1], RelayFilter(), lambda _level, _text: None)
     running = asyncio.ensure_future(relay.run())
     await asyncio.sleep(0)
     await world.networks[1].join("/relay")
@@ -261,11 +261,11 @@ async def test_a_node_that_is_told_to_leave_ends_the_relay(world: World) -> None
     ],
 )
 def test_choosing_topics(topics: Topics, name: str, direction: Direction, *, carried: bool) -> None:
-    assert Choice((topics,)).carries_topic(name, direction) is carried
+    assert RelayFilter((topics,)).carries_topic(name, direction) is carried
 
 
 def test_choosing_services() -> None:
-    choice = Choice(services=(Services("/lab/*", "a/B"), Services("/node/get_loggers")))
+    choice = RelayFilter(services=(Services("/lab/*", "a/B"), Services("/node/get_loggers")))
     assert choice.service("/lab/switch") == Services("/lab/*", "a/B")
     assert choice.service("/lab/node/set_parameters") is None
     assert choice.service("/node/get_loggers") == Services("/node/get_loggers")

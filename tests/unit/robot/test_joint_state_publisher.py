@@ -7,7 +7,7 @@ import pytest
 from rostether.errors import ConfigError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import ParamValue
-from rostether.robot.joint_state_publisher import publish_joint_states, read_joint_states
+from rostether.robot.joint_state_publisher import SLIDERS_TOPIC, publish_joint_states, read_joint_states
 from unit.robot.graphs import entered, first, running
 from unit.robot.robots import ARM
 
@@ -28,18 +28,23 @@ async def test_sources_and_parameters_are_heard() -> None:
         for name, value in parameters.items():
             await node.set_param(name, value)
         states = await read_joint_states(node)
-        async with running(publish_joint_states(node, states, lambda: heard.append(None))):
+        async with running(publish_joint_states(node, states, lambda: heard.append(None), [SLIDERS_TOPIC])):
             before = await first(arm, "/joint_states", STATE)
             source = await arm.publisher("/source", STATE)
             assert await source.wait_for_subscriber(5)
             source.publish(name=["j1"], position=[0.75])
             after = await first(arm, "/joint_states", STATE, lambda message: 0.75 in message.position)
+            sliders = await arm.publisher("/jsp/sliders", STATE)
+            assert await sliders.wait_for_subscriber(5)
+            sliders.publish(name=["j0"], position=[0.5])
+            moved = await first(arm, "/joint_states", STATE, lambda message: message.position[0] == 0.5)
     assert before.name == ["j0", "j1", "j2"]
     assert before.position == [0.25, 0.0, 0.5]
     assert before.header.stamp.secs > 0
     assert 0 < before.header.seq < after.header.seq
     assert after.position == [0.25, 0.75, 0.5]
-    assert heard == [None]
+    assert moved.position == [0.5, 0.75, 1.0]
+    assert heard == [None, None]
 
 
 @pytest.mark.parametrize(

@@ -100,8 +100,6 @@ def test_the_chain_and_the_frames(buffer: TransformBuffer) -> None:
     assert buffer.chain("b", "fixed") == ["fixed", "a", "root", "b"]
     assert buffer.frames == ["a", "root", "fixed", "b"]
     assert buffer.children == ["a", "fixed", "b"]
-    assert buffer.has_frame("root")
-    assert not buffer.has_frame("nowhere")
 
 
 def test_a_frame_may_get_another_parent(buffer: TransformBuffer) -> None:

@@ -13,7 +13,8 @@ import pytest_asyncio
 
 from rostether.errors import ServiceCallError
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.robot import tf_web_republisher
 from rostether.robot.tf_messages import tf_publisher, to_message
 from rostether.robot.tf_web_republisher import MAX_FRAMES, republish_for_web
@@ -25,7 +26,7 @@ ACTION = "tf2_web_republisher/TFSubscriptionAction"
 
 
 class World:
-    def __init__(self, page: TypedGraph, tf: TypedPublisher, problems: list[str]) -> None:
+    def __init__(self, page: TypedGraph, tf: TypedPublisher[...], problems: list[str]) -> None:
         self.page = page
         self.problems = problems
         self._tf = tf

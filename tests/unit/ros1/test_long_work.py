@@ -159,7 +159,7 @@ async def test_every_answer_of_the_master_has_a_limit(method: str, args: list[st
 
 async def test_parameters_may_change_while_they_are_sent() -> None:
     master = await MasterServer.start(port=0)
-    reader, writer = XmlRpcClient(master.uri), XmlRpcClient(master.uri)
+    reader, writer = (XmlRpcClient(master.uri, timeout_s=60.0) for _ in range(2))
     try:
         await writer.call("setParam", "/node", "/", {f"k{number}": {"x": number} for number in range(20_000)})
         reading = [asyncio.create_task(reader.call("getParam", "/n", "/")) for _ in range(3)]

@@ -8,10 +8,10 @@ from rostether.errors import ConfigError
 from rostether.ros2.environment import Ros2Environment
 
 
-def test_nothing_said_is_domain_0_of_the_default_distribution() -> None:
+def test_nothing_said_is_domain_0() -> None:
     environment = Ros2Environment.read({})
     assert environment == Ros2Environment()
-    assert (environment.domain_id, environment.distro) == (0, "jazzy")
+    assert environment.domain_id == 0
 
 
 def test_every_variable_is_read(tmp_path: Path) -> None:
@@ -20,7 +20,6 @@ def test_every_variable_is_read(tmp_path: Path) -> None:
     environment = Ros2Environment.read(
         {
             "ROS_DOMAIN_ID": " 42 ",
-            "ROS_DISTRO": "kilted",
             "RMW_IMPLEMENTATION": "rmw_zenoh_cpp",
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost",
             "ZENOH_SESSION_CONFIG_URI": str(config),
@@ -30,7 +29,6 @@ def test_every_variable_is_read(tmp_path: Path) -> None:
     )
     assert environment == Ros2Environment(
         42,
-        "kilted",
         "rmw_zenoh_cpp",
         "LOCALHOST",
         config,

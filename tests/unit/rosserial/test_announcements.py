@@ -18,34 +18,26 @@ from rostether.rosserial.topic_table import TopicTable, key_of
 from unit.rosserial.host_link_boards import CHATTER
 
 
-class Limits:
-    def __init__(self) -> None:
-        self.changes = 0
-
-    def changed(self) -> None:
-        self.changes += 1
+def announcements(max_endpoints: int = 256) -> tuple[Announcements, TopicTable]:
+    table = TopicTable(max_endpoints)
+    return Announcements(table, ControlRate()), table
 
 
-def announcements(max_endpoints: int = 256) -> tuple[Announcements, Limits]:
-    limits = Limits()
-    return Announcements(TopicTable(max_endpoints), ControlRate(), limits.changed), limits
-
-
-def test_what_is_new_changes_the_limits_once() -> None:
-    known, limits = announcements()
+def test_what_is_new_is_reported_once() -> None:
+    known, table = announcements()
     new = [TopicAnnounced(TopicRole.PUBLISHER, CHATTER)]
     assert known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, new)
     assert known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0) == (CHATTER, [])
-    assert limits.changes == 1
+    assert len(table) == 1
 
 
 def test_damage_tells_nothing_about_the_device() -> None:
-    known, limits = announcements()
+    known, table = announcements()
     assert known.handle_packet(ids.PUBLISHER, b"?", 0.0) == (
         None,
         [FrameDiscarded(DiscardReason.PACKET, b"?")],
     )
-    assert limits.changes == 0
+    assert len(table) == 0
 
 
 def test_what_is_refused_is_there_all_the_same_and_not_bridged() -> None:
@@ -74,8 +66,8 @@ def test_too_many_and_too_often_are_not_taken() -> None:
 
 
 def test_a_negotiation_leaves_what_it_found() -> None:
-    known, limits = announcements()
+    known, table = announcements()
     known.handle_packet(ids.PUBLISHER, CHATTER.encode(), 0.0)
     assert known.withdraw_all_but({key_of(ids.PUBLISHER, CHATTER)}) == []
     assert known.withdraw_all_but(()) == [TopicWithdrawn(TopicRole.PUBLISHER, CHATTER)]
-    assert limits.changes == 2
+    assert len(table) == 0

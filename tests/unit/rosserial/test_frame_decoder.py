@@ -8,6 +8,7 @@ import pytest
 
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame_decoder import FIRST_LOOK_S, MAX_LOOK_S, Decoded, FrameDecoder, Frames
+from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import (
     by_topic,
     discards,
@@ -150,7 +151,7 @@ class TestUnfinishedFrames:
     CLAIM = frame(777, bytes(60000))[:20]
 
     def test_noise_that_claims_much_delays_what_follows_only_briefly(self) -> None:
-        decoder = FrameDecoder(limits={125: 100})
+        decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
         assert decoder.feed(self.CLAIM + A + A, 10.0) == []
         due_s = decoder.get_timer()
         assert due_s is not None
@@ -163,7 +164,7 @@ class TestUnfinishedFrames:
         assert decoder.get_timer() is None
 
     def test_even_while_bytes_keep_flowing(self) -> None:
-        decoder = FrameDecoder(limits={125: 100})
+        decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
         decoder.feed(self.CLAIM, 0.0)
         found: list[Decoded] = []
         now_s = 0.0
@@ -175,7 +176,7 @@ class TestUnfinishedFrames:
         assert by_topic(found)[125] == [b"alpha"] * round(now_s / 0.02)
 
     def test_a_possible_frame_is_waited_for_while_its_bytes_flow(self) -> None:
-        decoder = FrameDecoder(limits={125: 4000})
+        decoder = FrameDecoder(limits=PayloadLimits({125: 4000}))
         embedded = frame(125, (b"x" + A) * 200)
         found: list[Decoded] = []
         for position in range(0, len(embedded), 10):
@@ -186,7 +187,7 @@ class TestUnfinishedFrames:
         assert not discards(found)
 
     def test_a_slow_network_may_still_bring_the_rest(self) -> None:
-        decoder = FrameDecoder(limits={125: 1000})
+        decoder = FrameDecoder(limits=PayloadLimits({125: 1000}))
         whole = frame(125, bytes(500))
         assert decoder.feed(whole[:300], 0.0) == []
         due_s = decoder.get_timer()
@@ -196,7 +197,7 @@ class TestUnfinishedFrames:
         assert decoder.feed(whole[300:], 30.0) == [Frames(125, [bytes(500)])]
 
     def test_looks_get_rarer_but_never_rarer_than_the_bound(self) -> None:
-        decoder = FrameDecoder(limits={125: 100})
+        decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
         decoder.feed(self.CLAIM, 0.0)
         now_s = 0.0
         gaps: list[float] = []
@@ -211,7 +212,7 @@ class TestUnfinishedFrames:
         assert gaps[-1] == pytest.approx(MAX_LOOK_S)
 
     def test_frames_inside_on_ids_that_make_no_sense_are_no_reason_to_give_up(self) -> None:
-        decoder = FrameDecoder(limits={125: 100})
+        decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
         decoder.feed(self.CLAIM + B, 0.0)
         assert decoder.handle_timer(1.0) == []
 

@@ -13,6 +13,7 @@ from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import MAX_SAVED_LOOKS, VAIN_LOOKS_PER_S, FrameDecoder, Frames
 from rostether.rosserial.frame_scan import FrameScanner, Patience
+from rostether.rosserial.payload_limits import PayloadLimits
 
 CHUNK_BYTES = 64 * 1024
 LIMITS = {100: 512, 125: 512}
@@ -58,7 +59,7 @@ def test_looks_are_bounded_over_time(
         return result
 
     monkeypatch.setattr(FrameScanner, "scan", counted)
-    decoder = FrameDecoder(limits=LIMITS, refused_above=REFUSED_ABOVE)
+    decoder = FrameDecoder(limits=PayloadLimits(LIMITS, REFUSED_ABOVE))
     rng = random.Random(3)
     now_s, seconds, chunks = 0.0, 2.0, 200
     discarded = 0
@@ -79,7 +80,7 @@ def test_looks_are_bounded_over_time(
 
 @pytest.mark.parametrize("make", HOSTILE)
 def test_a_frame_at_the_end_of_a_hostile_chunk_is_found(make: Callable[[random.Random], bytes]) -> None:
-    decoder = FrameDecoder(limits=LIMITS, refused_above=REFUSED_ABOVE)
+    decoder = FrameDecoder(limits=PayloadLimits(LIMITS, REFUSED_ABOVE))
     rng = random.Random(4)
     noise = make(rng)
     for turn in range(50):
@@ -91,7 +92,7 @@ def test_a_frame_at_the_end_of_a_hostile_chunk_is_found(make: Callable[[random.R
 
 @pytest.mark.parametrize("make", [_dense, _varied, _damaged])
 def test_a_line_that_was_quiet_is_looked_at_whole(make: Callable[[random.Random], bytes]) -> None:
-    decoder = FrameDecoder(limits=LIMITS, refused_above=REFUSED_ABOVE)
+    decoder = FrameDecoder(limits=PayloadLimits(LIMITS, REFUSED_ABOVE))
     noise = make(random.Random(5))[: MAX_SAVED_LOOKS * 6] + bytes(600)
     found = decoder.feed(noise[:30_000] + bytes(600) + GOOD + noise[30_000:], 0.0)
     found += decoder.abandon(0.1)

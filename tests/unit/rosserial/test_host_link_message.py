@@ -1,4 +1,4 @@
-"""The short way of a chunk that is one message leads to the same place as the long one."""
+"""After a chunk of nothing but messages there is nothing to send and no timer to set."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import random
 
 import pytest
 
-from rostether.rosserial.events import HostEvent, MessagesReceived
 from rostether.rosserial.presence import PROBE_AFTER_S, SILENT_AFTER_S
 from unit.rosserial.decoding import frame
 from unit.rosserial.host_link_boards import BURST, REQUEST, TIME, settled_link
@@ -28,59 +27,58 @@ CHUNKS = [
 ]
 
 
-def _as_events(message: tuple[int, bytes]) -> list[HostEvent]:
-    return [MessagesReceived(message[0], [message[1]])]
-
-
 @pytest.mark.parametrize("seed", range(30))
-def test_both_ways_lead_to_the_same(seed: int) -> None:
+def test_a_quiet_chunk_leaves_nothing_to_do(seed: int) -> None:
     rng = random.Random(seed)
-    short, now_s = settled_link()
-    long, _ = settled_link()
-    short_ways = 0
+    link, now_s = settled_link()
+    pumped, _ = settled_link()
+    quiet_chunks = 0
     for _ in range(400):
         now_s += rng.choice((0.001, 0.01, 0.3, 1.2))
         chunk = rng.choice(CHUNKS)
-        due_s = short.get_timer()
-        message = short.receive_message(chunk, now_s)
-        short_ways += message is not None
-        events = short.receive_data(chunk, now_s) if message is None else _as_events(message)
-        assert events == long.receive_data(chunk, now_s)
+        due_s = link.get_timer()
+        assert link.receive_data(chunk, now_s) == pumped.receive_data(chunk, now_s)
+        pumped._pump(now_s)
+        if link.is_quiet:
+            quiet_chunks += 1
+            later_s = link.get_timer()
+            assert due_s is not None and later_s is not None and later_s >= min(due_s, now_s)
+            assert pumped.data_to_send() == b""
         if due_s is not None and now_s >= due_s:
-            assert short.handle_timer(now_s) == long.handle_timer(now_s)
-        assert short.data_to_send() == long.data_to_send()
-        assert short.get_timer() == long.get_timer()
-        assert short.statistics == long.statistics
-    assert short_ways > 20
+            assert link.handle_timer(now_s) == pumped.handle_timer(now_s)
+        assert link.data_to_send() == pumped.data_to_send()
+        assert link.get_timer() == pumped.get_timer()
+        assert link.statistics == pumped.statistics
+    assert quiet_chunks > 20
 
 
-def test_nothing_becomes_due_earlier_and_nothing_is_to_be_sent() -> None:
+def test_only_messages_of_a_device_at_work_are_quiet() -> None:
     link, now_s = settled_link()
-    link.receive_data(MESSAGE, now_s)
-    due_s = link.get_timer()
-    assert due_s is not None
-    assert link.receive_message(MESSAGE, now_s + 0.01) == (125, MESSAGE[7:-1])
-    later_s = link.get_timer()
-    assert later_s is not None and later_s >= due_s
-    assert link.data_to_send() == b""
+    for chunk, is_quiet in (
+        (MESSAGE, True),
+        (MESSAGE * 2, True),
+        (MESSAGE + MESSAGE[:9], False),
+        (MESSAGE[9:], True),
+        (TIME, False),
+        (MESSAGE + TIME, False),
+        (frame(126, b"not announced"), False),
+        (b"", False),
+    ):
+        link.receive_data(chunk, now_s)
+        assert link.is_quiet is is_quiet, chunk
 
 
-def test_a_message_after_doubt_takes_the_long_way() -> None:
+def test_a_message_after_doubt_is_not_quiet() -> None:
     link, now_s = settled_link()
     link.receive_data(MESSAGE, now_s)
     now_s += PROBE_AFTER_S + 0.01
     link.handle_timer(now_s)  # a probe: was it reset?
-    assert link.receive_message(MESSAGE, now_s) is None
     link.receive_data(MESSAGE, now_s)
-    assert link.receive_message(MESSAGE, now_s) is not None
+    assert not link.is_quiet
+    link.receive_data(MESSAGE, now_s)
+    assert link.is_quiet
     now_s += SILENT_AFTER_S + 0.01
     link.handle_timer(now_s)
-    assert link.receive_message(MESSAGE, now_s) is None
-    assert REQUEST in link.data_to_send()
-
-
-def test_not_after_the_end() -> None:
-    link, now_s = settled_link()
     link.receive_data(MESSAGE, now_s)
-    link.stop()
-    assert link.receive_message(MESSAGE, now_s) is None
+    assert not link.is_quiet
+    assert REQUEST in link.data_to_send()

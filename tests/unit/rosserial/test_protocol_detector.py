@@ -6,6 +6,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame_decoder import Frames
 from rostether.rosserial.packets import Log, LogLevel, TopicInfo
+from rostether.rosserial.payload_limits import PayloadLimits
 from rostether.rosserial.protocol_detector import HOLD_NOISE_S, MAX_HELD, ProtocolDetector
 from rostether.rosserial.topic_table import CONTROL_LIMITS
 from unit.rosserial.decoding import by_topic, frame
@@ -20,7 +21,7 @@ PACKETS = {
 
 
 def detector() -> ProtocolDetector:
-    return ProtocolDetector(max_payload_bytes=65535, limits=CONTROL_LIMITS)
+    return ProtocolDetector(max_payload_bytes=65535, limits=PayloadLimits(CONTROL_LIMITS))
 
 
 @pytest.mark.parametrize("version", [1, 2])
@@ -93,11 +94,9 @@ def test_abandon_gives_what_is_left() -> None:
 
 
 def test_new_limits_apply_to_headers_seen_before() -> None:
-    refused_above: dict[int | None, int] = {}
-    one = ProtocolDetector(max_payload_bytes=65535, limits=CONTROL_LIMITS, refused_above=refused_above)
+    one = detector()
     one.feed(frame(125, bytes(300), 1), 0.0)
-    refused_above.update({None: 100})
-    one.limits_changed()
+    one.use_limits(PayloadLimits(CONTROL_LIMITS, {None: 100}))
     message = frame(125, bytes(300), 2)
     one.feed(message, 0.0)
     assert one.decoder is None

@@ -10,6 +10,7 @@ from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.frame_decoder import FIRST_LOOK_S, FrameDecoder, Frames
 from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
+from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import frame
 from unit.rosserial.host_link_boards import BURST, CHATTER, TIME, run_to_settled, settled_link
 from unit.rosserial.sessions import STRING, STRING_MD5
@@ -72,7 +73,7 @@ def test_a_board_that_streams_is_held_to_the_size_of_its_type() -> None:
 
 
 def test_a_possible_length_is_given_up_while_good_frames_flow_behind_it() -> None:
-    decoder = FrameDecoder(limits={125: 65535})
+    decoder = FrameDecoder(limits=PayloadLimits({125: 65535}))
     claim = header(125, 31000)
     found = decoder.feed(claim, 0.0)
     now_s = 0.0
@@ -89,7 +90,7 @@ def test_a_possible_length_is_given_up_while_good_frames_flow_behind_it() -> Non
 
 
 def test_looking_for_what_a_possible_length_swallows_gets_rarer() -> None:
-    decoder = FrameDecoder(limits={125: 65535})
+    decoder = FrameDecoder(limits=PayloadLimits({125: 65535}))
     now_s, looks = 0.0, []
     decoder.feed(header(125, 65535), now_s)
     while now_s < 8.0:

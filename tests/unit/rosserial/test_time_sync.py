@@ -28,6 +28,24 @@ class TestDeviceClock:
         clock.requested(12.5)
         assert clock.answered(Time(1000, 0), 12.6) == pytest.approx(0.1)
 
+    def test_waits_for_a_host_whose_clock_stopped_instead_of_jumping_back(self) -> None:
+        clock = DeviceClock(0.0)
+        clock.answered(Time(1000, 0), 10.0)
+        assert clock.time(12.0) == Time(1002, 0)
+        clock.answered(Time(1000, 0), 12.0)
+        assert clock.time(12.0) == clock.time(13.5) == Time(1002, 0)
+        clock.answered(Time(1000, 0), 14.0)
+        assert clock.time(15.0) == Time(1002, 0)
+        # The host's clock runs again.
+        assert clock.time(17.0) == Time(1003, 0)
+
+    def test_follows_a_host_whose_clock_was_reset(self) -> None:
+        clock = DeviceClock(0.0)
+        clock.answered(Time(1000, 0), 10.0)
+        assert clock.time(10.0) == Time(1000, 0)
+        clock.answered(Time(0, 0), 12.0)
+        assert clock.time(13.0) == Time(1, 0)
+
 
 class TestAnswerGate:
     def test_is_open_without_calls(self) -> None:

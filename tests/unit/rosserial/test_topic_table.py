@@ -3,8 +3,6 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
-import pytest
-
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import (
     ServiceAnnounced,
@@ -14,6 +12,7 @@ from rostether.rosserial.events import (
     TopicRole,
     TopicWithdrawn,
 )
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.packets import TopicInfo
 from rostether.rosserial.topic_table import CONTROL_LIMITS, EndpointKey, TopicTable
 from unit.rosserial.sessions import (
@@ -145,7 +144,10 @@ def test_limits_of_both_directions() -> None:
     table.announce(ids.PUBLISHER, CHATTER)
     table.announce(ids.SUBSCRIBER, LED)
     assert table.send_limits == {100: 150}
-    assert table.payload_limits == {**CONTROL_LIMITS, 125: 280}
+    assert table.limits.possible == {**CONTROL_LIMITS, 125: 280}
+    refused_above = dict(table.limits.refused_above)
+    assert (refused_above[125], refused_above[None], refused_above[ids.TIME]) == (280, 280, 280)
+    assert refused_above[ids.LOG] == CONTROL_LIMITS[ids.LOG]
     assert table.senders == {125}
 
 
@@ -175,7 +177,6 @@ def test_input_buffer_is_that_of_subscribers_else_of_publishers() -> None:
 
 
 def test_limits_are_those_of_a_table_made_anew() -> None:
-    """Whatever came before: they are kept up step by step, because a burst must not cost its square."""
     rng = random.Random(7)
     table = TopicTable(40)
     for step in range(600):
@@ -190,28 +191,39 @@ def test_limits_are_those_of_a_table_made_anew() -> None:
         for key, endpoint in kept.items():
             anew.announce(endpoint.kind, endpoint.info)
             assert anew.info(key) == endpoint.info
-        assert anew.payload_limits == table.payload_limits
-        assert anew.refused_above == table.refused_above
+        assert anew.limits == table.limits
         assert anew.send_limits == table.send_limits
         assert anew.senders == table.senders
         assert anew.service_count == table.service_count
         if table.senders:
             largest = max(endpoint.info.buffer_size for key, endpoint in kept.items() if key.sends)
-            assert table.refused_above[None] == largest
+            assert table.limits.refused_above[None] == largest
 
 
-def test_a_burst_of_announcements_looks_at_each_a_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
-    full = 0
-    set_limits = TopicTable._set_limits
+def test_limits_are_one_value_until_an_endpoint_changes() -> None:
+    table = TopicTable(10)
+    before = table.limits
+    assert before.refused_above == {}
+    table.announce(ids.PUBLISHER, CHATTER)
+    limits = table.limits
+    assert limits != before
+    table.announce(ids.PUBLISHER, CHATTER)
+    table.distrust()
+    table.announce(ids.PUBLISHER, CHATTER)
+    assert table.limits is limits
+    table.withdraw_all_but([])
+    assert table.limits == before
 
-    def counted(table: TopicTable) -> None:
-        nonlocal full
-        full += 1
-        set_limits(table)
 
-    monkeypatch.setattr(TopicTable, "_set_limits", counted)
-    table = TopicTable(256)
+def test_a_burst_of_announcements_computes_the_limits_once() -> None:
+    sizes: list[int] = []
+
+    def fixed_size(info: TopicInfo) -> None:
+        sizes.append(info.topic_id)
+
+    table = TopicTable(256, fixed_size)
     for number in range(250):
-        table.announce(ids.PUBLISHER, replace(CHATTER, topic_id=125 + number))
-    assert len(table) == 250
-    assert full <= 2
+        table.announce(ids.PUBLISHER, replace(CHATTER, topic_id=125 + number, buffer_size=MAX_PAYLOAD_BYTES))
+    assert len(table.limits.possible) == len(CONTROL_LIMITS) + 250
+    assert table.limits is table.limits
+    assert len(sizes) == 250

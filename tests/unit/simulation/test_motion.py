@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from rostether.simulation.motion import GRAVITY, CircleDrive, Quaternion, Vector
-from rostether.simulation.ultrasound import MAX_RANGE, MIN_RANGE, Ultrasound
+from rostether.simulation.ultrasound import MAX_RANGE, MIN_RANGE, Obstacle, Ultrasound
 
 STEP_S = 1e-4
 TIMES_S = [0.0, 0.3, 1.7, 5.0, 12.34, 19.99]
@@ -73,22 +73,23 @@ def test_drive_a_circle_forward() -> None:
 
 
 def test_the_obstacle_walks_at_a_walkers_pace_within_reach() -> None:
-    sensor = Ultrasound(Random(1))
-    distances = [sensor.true_distance(number / 20) for number in range(2000)]
+    obstacle = Obstacle()
+    distances = [obstacle.distance(number / 20) for number in range(2000)]
     assert all(0.2 < distance < 2.8 for distance in distances)
     assert max(abs(b - a) * 20 for a, b in pairwise(distances)) < 1.0
     assert max(distances) - min(distances) > 2.0
 
 
 def test_readings_scatter_by_millimetres_and_lose_an_echo_now_and_then() -> None:
-    sensor = Ultrasound(Random(1))
+    obstacle = Obstacle()
+    sensor = Ultrasound(Random(1), obstacle)
     times_s = [number / 20 for number in range(4000)]
     readings = [sensor.measure(time_s) for time_s in times_s]
     assert all(MIN_RANGE <= reading <= MAX_RANGE for reading in readings)
     lost = readings.count(MAX_RANGE)
     assert 10 < lost < 100
     errors = [
-        reading - sensor.true_distance(time_s)
+        reading - obstacle.distance(time_s)
         for reading, time_s in zip(readings, times_s, strict=True)
         if reading != MAX_RANGE
     ]
@@ -97,4 +98,16 @@ def test_readings_scatter_by_millimetres_and_lose_an_echo_now_and_then() -> None
 
 
 def test_the_same_seed_gives_the_same_noise() -> None:
-    assert [Ultrasound(Random(5)).measure(1.0) for _ in range(3)] == [Ultrasound(Random(5)).measure(1.0)] * 3
+    readings = [Ultrasound(Random(5), Obstacle()).measure(1.0) for _ in range(3)]
+    assert readings == readings[:1] * 3
+
+
+def test_a_moved_obstacle_stays_within_the_sensors_range() -> None:
+    obstacle = Obstacle()
+    before = obstacle.distance(3.0)
+    obstacle.move(0.1, 3.0)
+    assert obstacle.distance(3.0) == obstacle.distance(60.0) == pytest.approx(before + 0.1)
+    obstacle.move(9.0, 4.0)
+    assert obstacle.distance(5.0) == MAX_RANGE
+    obstacle.move(-9.0, 4.0)
+    assert obstacle.distance(5.0) == MIN_RANGE

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import pytest
 
+from line_faults import FaultRates, LineFaults
 from rostether.device import Device
 from rostether.rosserial.events import TopicRole
 from rostether.rosserial.packets import LogLevel
-from rostether.simulation.faults import FaultRates, LineFaults
 from rostether.simulation.ultrasound import MAX_RANGE, MIN_RANGE
 from rostether.simulation.virtual_board import VirtualBoard
 from rostether.transports.memory import memory_pair

@@ -64,7 +64,8 @@ async def test_a_board_is_known_by_its_key(shared: bool, tmp_path: Path) -> None
         for file, proven in ((right, right), (left, left), *([(all_of_them, None)] if shared else [])):
             board = await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, psk=file))
             assert await door.proof() == Proof(proven)
-            board.close()
+            board.abort()
+            await board.wait_closed()
         for file in (foreign, *([] if shared else [all_of_them])):
             with pytest.raises(TransportError):
                 await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, psk=file))
@@ -83,7 +84,8 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
             tls = TlsFiles(files[0], files[1], cert)
             board = await connect_tcp(TcpAddress("127.0.0.1", port, connect=True, tls=tls))
             assert await door.proof() == Proof(None, proven)
-            board.close()
+            board.abort()
+            await board.wait_closed()
         boards: list[TcpTransport] = []
         try:
             # With TLS 1.3 who connects learns only later that its certificate was refused.
@@ -96,7 +98,8 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
                 await asyncio.sleep(0.01)
         assert door.came.empty()
         for each in boards:
-            each.close()
+            each.abort()
+            await each.wait_closed()
     finally:
         await door.listener.close()
 

@@ -24,7 +24,7 @@ class Desk:
             clock=asyncio.get_running_loop().time,
             description={"note": "a test"},
             limit_bytes=limit_bytes,
-            tell=self.told.append,
+            report=self.told.append,
         )
 
     @property
@@ -145,6 +145,17 @@ async def test_the_limit_ends_the_recording_not_the_line(tmp_path: Path) -> None
     await far.until(lambda seen: len(seen.data) == 1004)
     desk.writer.close()
     assert len(desk.told) == 1
+
+
+async def test_links_that_open_and_close_stay_within_the_limit(tmp_path: Path) -> None:
+    desk = Desk(tmp_path / "arm.jsonl", 2000)
+    for _ in range(50):
+        ours, _ = memory_pair()
+        desk.writer.tap(ours)
+    assert desk.writer.path.stat().st_size <= 2000
+    assert len(desk.told) == 1
+    assert sum(isinstance(each, LinkOpened) for each in desk.entries) > 10
+    desk.writer.close()
 
 
 async def test_a_full_disk_ends_the_recording_not_the_line(

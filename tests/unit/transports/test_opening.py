@@ -55,6 +55,7 @@ async def test_an_xbee_without_its_port_says_so() -> None:
         await listen("xbee:/dev/nothing", Arrivals())
 
 
+@pytest.mark.usefixtures("cold_start")
 def test_nothing_heavy_is_imported_before_it_is_needed() -> None:
     code = """
 import sys

@@ -328,3 +328,25 @@ async def test_a_hundred_boards_come_and_go() -> None:
         for _, seen in started:
             await seen.until_lost()
         assert listener.connection_count == 0
+
+
+async def test_connections_share_one_read_buffer_and_no_bytes() -> None:
+    async with (
+        listening() as (listener, arrivals),
+        connected_to(listener) as (first, _),
+        connected_to(listener) as (second, _),
+    ):
+        (one, seen_by_one), (other, seen_by_other) = (
+            await arrivals.next_started(),
+            await arrivals.next_started(),
+        )
+        assert isinstance(one, TcpTransport)
+        assert isinstance(other, TcpTransport)
+        assert one.get_buffer(-1).obj is other.get_buffer(-1).obj
+        for _ in range(50):
+            first.write(b"a" * 5000)
+            second.write(b"b" * 5000)
+            await asyncio.sleep(0)
+        for seen in (seen_by_one, seen_by_other):
+            await seen.until(lambda seen: len(seen.data) == 250_000)
+        assert {bytes(seen_by_one.data), bytes(seen_by_other.data)} == {b"a" * 250_000, b"b" * 250_000}

@@ -14,14 +14,15 @@ from unit.bridge.nodes import STORE, World
 
 
 @pytest.mark.parametrize(
-    ("ending", "is_board"),
+    ("ending", "is_program", "is_board"),
     [
-        (TransportClosedError("the port is gone"), True),
-        (PeerClosedError("tcp 127.0.0.1:1 ended the connection"), False),
+        (TransportClosedError("the port is gone"), False, True),
+        (TransportClosedError("tcp 127.0.0.1:1: Connection reset by peer"), True, False),
+        (PeerClosedError("tcp 192.168.1.7:1 ended the connection"), False, False),
     ],
 )
 async def test_programs_that_follow_each_other_share_no_reset_history(
-    ending: TransportError, is_board: bool
+    ending: TransportError, is_program: bool, is_board: bool
 ) -> None:
     world = await World().open()
     health = BoardNode(world.board, STORE, world.reporter, asyncio.get_running_loop().time).health
@@ -31,6 +32,6 @@ async def test_programs_that_follow_each_other_share_no_reset_history(
         watch.handle_event(ProtocolDetected(2), now_s)
         assert watch.was_alive
         now_s += 1.0
-        health.disconnected(ending)
+        health.disconnected(ending, is_program=is_program)
     health.connected(None, LinkStatistics(), now_s)
     assert (Code.RESET_LOOP in {each.code for each in health.find(now_s)}) is is_board

@@ -40,7 +40,7 @@ def test_a_board_that_makes_up_names_fills_no_memory() -> None:
     ledger = FindingLedger()
     for number in range(2 * MAX_KEYS):
         ledger.news([error(Code.NOT_BRIDGED, "", "", str(number))], 0.0)
-    assert len(ledger._told) == MAX_KEYS
+    assert len(ledger._reported) == MAX_KEYS
 
 
 def test_what_was_gone_for_certain_is_news_again() -> None:

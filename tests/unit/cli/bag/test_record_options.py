@@ -17,7 +17,7 @@ from rostether.recording.bag.reader import BagReader
 from rostether.recording.files import open_recording
 from rostether.ros2.types.type_support import Ros2Types
 from unit.cli.command_shell import Shell
-from unit.cli.link.test_group import board_at, hear, master
+from unit.cli.link.test_group import board_at, master, receive
 from unit.cli.serving_process import started
 from unit.recording.bags import STRING, text
 
@@ -45,26 +45,26 @@ async def test_serve_records_what_its_boards_say(tmp_path: Path) -> None:
         master() as environ,
         started("serve", f"{tmp_path}/arm", "--record", str(bags), **environ) as serve,
     ):
-        await hear(environ, "/chatter", 10)
+        await receive(environ, "/chatter", 10)
         await serve.stop(signal.SIGINT)
         assert f", in {bags}" in serve.text
     (path,) = bags.iterdir()
     reader = BagReader(path)
-    heard = [each.payload for each in reader.messages() if each.connection.topic == "/chatter"]
+    received = [each.payload for each in reader.messages() if each.connection.topic == "/chatter"]
     assert not reader.damage
-    assert len(heard) >= 5
-    assert set(heard) == {text("hello")}
+    assert len(received) >= 5
+    assert set(received) == {text("hello")}
 
 
 async def test_full_bags_are_followed_by_others_and_the_oldest_go(tmp_path: Path) -> None:
     network = MemoryNetwork()
     node = await network.join("/node")
     publisher = await node.advertise("/chat", STRING)
-    told = _Lines()
-    async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, told):
-        await told.wait_for("Subscribing to /chat")
+    reporter = _Lines()
+    async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, reporter):
+        await reporter.wait_for("Subscribing to /chat")
         async with asyncio.timeout(60):
-            while not any("_3.bag" in line for _, line in told.lines):
+            while not any("_3.bag" in line for _, line in reporter.lines):
                 publisher.publish_raw([text("x" * 1000)] * 10)
                 await asyncio.sleep(0)
     assert sorted(path.name[-6:] for path in tmp_path.iterdir()) == ["_2.bag", "_3.bag"]
@@ -73,10 +73,10 @@ async def test_full_bags_are_followed_by_others_and_the_oldest_go(tmp_path: Path
 
 
 async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: Path) -> None:
-    told = _Lines()
-    async with bags_recorded(BagRecording(tmp_path / "gone", 1, None), MemoryNetwork().join, told):
-        assert await told.wait_for("; boards stay connected") is Level.ERROR
-    assert told.lines[0][1].startswith(f"cannot write {tmp_path / 'gone'}")
+    reporter = _Lines()
+    async with bags_recorded(BagRecording(tmp_path / "gone", 1, None), MemoryNetwork().join, reporter):
+        assert await reporter.wait_for("; boards stay connected") is Level.ERROR
+    assert reporter.lines[0][1].startswith(f"cannot write {tmp_path / 'gone'}")
 
 
 def test_a_file_is_no_folder_for_bags(tmp_path: Path, shell: Shell) -> None:
@@ -89,11 +89,11 @@ async def test_on_ros2_alone_a_ros2_bag(tmp_path: Path) -> None:
     node = await network.join("/node")
     publisher = await node.advertise("/chat", STRING)
     types = Ros2Types(Registry(), Ros2Definitions())
-    told = _Lines()
-    async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, told, types=types):
-        await told.wait_for("Subscribing to /chat")
+    reporter = _Lines()
+    async with bags_recorded(BagRecording(tmp_path, 0.1, 2), network.join, reporter, types=types):
+        await reporter.wait_for("Subscribing to /chat")
         async with asyncio.timeout(60):
-            while not any("_3.mcap" in line for _, line in told.lines):
+            while not any("_3.mcap" in line for _, line in reporter.lines):
                 publisher.publish_raw([text("x" * 1000)] * 10)
                 await asyncio.sleep(0)
     (folder,) = tmp_path.iterdir()
@@ -126,7 +126,7 @@ async def test_a_full_disk_stops_the_recording_and_not_the_bridge(tmp_path: Path
                 while b"boards stay connected" not in (line := await process.stdout.readline()):
                     assert line, "it ended"
             assert b"File too large; recording stopped" in line
-            await hear(environ, "/chatter", 10)
+            await receive(environ, "/chatter", 10)
             process.send_signal(signal.SIGINT)
             out, _ = await process.communicate()
             assert b"Traceback" not in out

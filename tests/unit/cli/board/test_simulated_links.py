@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+import json
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import pytest
 
@@ -13,6 +14,7 @@ from interop.ros1_peers import Peer, free_port
 from rostether.cli.board.simulated_links import _report, simulated
 from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
@@ -83,12 +85,37 @@ async def _use(uri: str, serve: Peer) -> None:
                 assert message.data == pytest.approx(2.5, abs=0.01)
                 break
         assert "/volt_meter" in (await graph.snapshot()).nodes
+        await _use_node(graph)
         publisher = await graph.publisher("/toggle", "std_msgs/Empty")
         await serve.wait_for("pin D13 level=0")
         async with asyncio.timeout(60):
             while "pin D13 level=1" not in serve.text:
                 publisher.publish()
                 await asyncio.sleep(0.1)
+
+
+async def _use_node(graph: TypedGraph) -> None:
+    """The board's node shows its pins, and takes the words that may change its surroundings."""
+    command = await graph.publisher("/volt_meter_simulation/command", "std_msgs/String")
+    assert await command.wait_for_subscriber(60)
+    told: list[tuple[str, Callable[[Any], bool]]] = [
+        ("adc A0=1.25 A1=5", lambda state: state["words"]["adc"] == {"A0": "1.25", "A1": "5"}),
+        ("range 0.5", lambda state: state["words"]["range"] == "0.5" and state["pins"]["D6"] != "out1"),
+        ("pin D7=1", lambda state: state["pins"]["D7"] == "in1"),
+        ("fault flip=2", lambda state: "fault flip=2" in state["error"]),
+        ("quit", lambda state: "'quit' is not one of adc" in state["error"]),
+        ("adc A0=2.5\nquit", lambda state: "one line" in state["error"]),
+        ("pin D7=0", lambda state: state["pins"]["D7"] == "in0" and not state["error"]),
+    ]
+    async with asyncio.timeout(60):
+        states = aiter(graph.messages("/volt_meter_simulation/state"))
+        state = json.loads((await anext(states)).data)
+        assert (state["board"], state["mcu"], state["servos"]) == ("uno", "atmega328p", {})
+        assert len(state["pins"]) == 20
+        for line, is_done in told:
+            command.publish(data=line)
+            while not is_done(json.loads((await anext(states)).data)):
+                pass
 
 
 async def test_links_are_opened_at_their_ports_with_names() -> None:

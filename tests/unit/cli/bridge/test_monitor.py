@@ -13,12 +13,13 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from rostether.cli.bridge.monitor import FORGET_S, MAX_BOARDS, STALE_S, BoardsSeen
+import pytest
+
+from rostether.cli.bridge.doctor import _doctor
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.opening import open_transport
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
-from unit.cli.bridge.test_monitor_table import ARM
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.serving_process import started
 
@@ -43,7 +44,9 @@ async def bridged(folder: Path) -> AsyncIterator[dict[str, str]]:
         await master.close()
 
 
-async def test_one_table_and_objects_without_a_terminal(tmp_path: Path) -> None:
+async def test_one_table_and_objects_without_a_terminal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     async with (
         asyncio.timeout(60),
         bridged(tmp_path) as environ,
@@ -61,6 +64,16 @@ async def test_one_table_and_objects_without_a_terminal(tmp_path: Path) -> None:
         (board,) = [json.loads(line) for line in (await record.finish()).splitlines()]
         assert (board["name"], board["state"], board["findings"]) == ("/arm", "connected", [])
         assert board["endpoints"][0]["name"] == "chatter"
+        # Without a board on USB, doctor reports the boards of the bridge that runs.
+        monkeypatch.setattr("rostether.transports.serial.list_ports", list)
+        monkeypatch.setenv("ROS_MASTER_URI", environ["ROS_MASTER_URI"])
+        assert await _doctor(None, None, (), as_json=False) == 0
+        lines = capsys.readouterr().out.splitlines()
+        assert lines[0] == f"/arm, on a bridge that runs at {environ['ROS_MASTER_URI']}"
+        assert "    publisher chatter [std_msgs/String], " in lines[2]
+        assert lines[3] == "  no problem found"
+        assert await _doctor(None, None, (), as_json=True) == 0
+        assert json.loads(capsys.readouterr().out)["is_well"] is True
 
 
 async def test_json_goes_on(tmp_path: Path) -> None:
@@ -124,24 +137,3 @@ def test_nobody_tells(shell: Shell, graph: LiveGraph) -> None:
 
 def test_no_master(shell: Shell) -> None:
     assert "start one with `rostether core` or `rostether serve`" in shell.failure("monitor", "--once")
-
-
-def test_a_board_that_falls_silent_is_gone_then_forgotten() -> None:
-    seen = BoardsSeen()
-    seen.add_status(ARM, 100.0)
-    (board,) = seen.boards(100.0 + STALE_S)
-    assert board.state == "connected"
-    (board,) = seen.boards(100.5 + STALE_S)
-    assert (board.state, board.level, board.connected_s) == ("gone", 2, None)
-    assert "nothing on /diagnostics for" in board.findings[0]
-    assert {each.rate_hz for each in board.endpoints} == {0.0}
-    assert seen.boards(100.5 + FORGET_S) == []
-
-
-def test_what_is_kept_is_bounded() -> None:
-    from dataclasses import replace
-
-    seen = BoardsSeen()
-    for number in range(MAX_BOARDS + 100):
-        seen.add_status(replace(ARM, name=f"/board_{number}"), 1.0)
-    assert len(seen.boards(1.0)) == MAX_BOARDS

@@ -12,8 +12,8 @@ import pytest
 from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string, until
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.ros2_access import Ros2Access
-from rostether.cli.access.ros_choice import Middleware
 from rostether.cli.bridge import relay as relay_command
 from rostether.cli.bridge.relay import finding_types, read_choice, relay_between
 from rostether.errors import UnknownTypeError
@@ -21,7 +21,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.relay.choice import Direction, Services, Topics
+from rostether.relay.relay_filter import Direction, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1

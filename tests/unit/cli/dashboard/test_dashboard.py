@@ -14,7 +14,7 @@ from websockets.typing import Subprotocol
 from interop.ros1_peers import Peer, free_port
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard import dashboard, served
+from rostether.cli.dashboard import browser, served
 from rostether.cli.dashboard.served import page_url
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
@@ -210,7 +210,7 @@ async def test_launch_has_it_beside_nodes(tmp_path: Path) -> None:
 
 async def test_the_demo_has_it() -> None:
     uri = f"http://127.0.0.1:{free_port()}"
-    async with started("demo", "--ros1", ROS_MASTER_URI=uri) as demo:
+    async with started("demo", "--board", "python", "--ros1", ROS_MASTER_URI=uri) as demo:
         url, page = await fetched(demo)
         assert page.startswith("<!doctype html>")
         await offers(url.replace("http:", "ws:"), "/diagnostics")
@@ -218,7 +218,7 @@ async def test_the_demo_has_it() -> None:
 
 async def test_the_demo_without_it() -> None:
     uri = f"http://127.0.0.1:{free_port()}"
-    async with started("demo", "--ros1", "--no-page", ROS_MASTER_URI=uri) as demo:
+    async with started("demo", "--board", "python", "--ros1", "--no-page", ROS_MASTER_URI=uri) as demo:
         await demo.wait_for("virtual board ready")
         assert "Dashboard" not in demo.text
 
@@ -242,17 +242,17 @@ async def test_a_browser_that_does_not_start_is_no_error(monkeypatch: pytest.Mon
         raise OSError("no browser")
 
     monkeypatch.setattr("webbrowser.open", fails)
-    await dashboard.open_browser("http://127.0.0.1:1")
+    await browser.open_browser("http://127.0.0.1:1")
 
 
 def test_a_browser_opens_only_where_windows_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     monkeypatch.setattr("sys.platform", "linux")
-    assert dashboard._has_browser({"DISPLAY": ":0"})
-    assert dashboard._has_browser({"WAYLAND_DISPLAY": "wayland-0"})
-    assert not dashboard._has_browser({})
+    assert browser.has_browser({"DISPLAY": ":0"})
+    assert browser.has_browser({"WAYLAND_DISPLAY": "wayland-0"})
+    assert not browser.has_browser({})
     monkeypatch.setattr("sys.platform", "darwin")
-    assert dashboard._has_browser({})
-    assert not dashboard._has_browser({"SSH_CONNECTION": "1.2.3.4"})
+    assert browser.has_browser({})
+    assert not browser.has_browser({"SSH_CONNECTION": "1.2.3.4"})
     monkeypatch.setattr("sys.stdout.isatty", lambda: False)
-    assert not dashboard._has_browser({"DISPLAY": ":0"})
+    assert not browser.has_browser({"DISPLAY": ":0"})

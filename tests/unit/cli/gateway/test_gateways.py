@@ -17,7 +17,7 @@ from rostether.serde.store import TypeStore
 
 
 class Refusing:
-    """Joins in memory, but for the node /rosapi; raises what it is told to, so often."""
+    """Joins in memory, but for the node /rosapi; raises the given errors first."""
 
     def __init__(self, *faults: Exception, name: str = "/rosapi") -> None:
         self.network = MemoryNetwork()

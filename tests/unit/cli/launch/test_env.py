@@ -117,3 +117,13 @@ def test_fish(tmp_path: Path) -> None:
         "3",
         str(folder / "rossrun"),
     ]
+
+
+def test_words_of_ros2(tmp_path: Path) -> None:
+    folder = write_shims(tmp_path / "shims")
+    code = shell_code(folder, first=True, is_fish=False)
+    shown = tell("sh", code, "/usr/bin:/bin", "ros2 interface show std_msgs/msg/Header")
+    assert shown == ["builtin_interfaces/Time stamp", "\tint32 sec", "\tuint32 nanosec", "string frame_id"]
+    # ROS 2 without an option.
+    shown = tell("sh", code, "/usr/bin:/bin", "ros2 msg show std_msgs/msg/Header")
+    assert shown[0] == "builtin_interfaces/Time stamp"

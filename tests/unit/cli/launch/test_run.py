@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rostether.cli.launch.node_command import node_command
-from rostether.cli.launch.python_choice import PYTHON_VARIABLE, python_for
+from rostether.cli.launch.script_python import PYTHON_VARIABLE, python_for
 from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes, view_command
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
@@ -127,9 +127,22 @@ def test_windows_that_are_not_installed_have_a_line(
     assert replacement_line("rviz", {"PATH": str(tmp_path)}) == (
         "rviz is not installed here; the dashboard shows the robot in 3D"
     )
-    assert view_command("rviz", ["-d", "x.rviz", "__name:=view"])[4:] == ["dashboard", "__name:=view"]
-    assert view_command("rqt_graph", ["-x", "__name:=g", "/arm"])[4:] == ["graph", "/arm"]
-    assert view_command("rqt_plot", ["/a/data"])[4:] == ["role", "rqt-plot", "/a/data"]
+    scene = ["dashboard", "--panel", "scene"]
+    for words in (["-d", "x.rviz"], ["--display-config=x.rviz"], ["-f", "base", "x.rviz"]):
+        assert view_command("rviz", [*words, "__name:=view"])[4:] == [
+            *(*scene, "--show", "x.rviz", "__name:=view")
+        ]
+    assert view_command("rviz", ["-f", "base"])[4:] == scene
+    graph = view_command("rqt_graph", ["-x", "__name:=g", "/arm"], in_terminal=True)
+    assert graph[4:] == ["graph", "/arm"]
+    assert view_command("rqt_graph", [])[4:] == ["dashboard", "--panel", "graph"]
+    plot = view_command("rqt_plot", ["/a/data"], in_terminal=True)
+    assert plot[4:] == ["role", "rqt-plot", "/a/data"]
+    assert view_command("rqt_plot", ["/a/data"])[4:] == [
+        *("dashboard", "--panel", "plots", "--show", "/a/data")
+    ]
+    assert view_command("rqt_console", [])[4:] == ["dashboard", "--panel", "console"]
+    assert view_command("rqt_gui", [])[4:] == ["dashboard"]
     # It becomes our view, which finds no master here.
     done = run(
         "rqt_graph", "rqt_graph", cwd=tmp_path, PATH=str(tmp_path), ROS_MASTER_URI="http://127.0.0.1:1"

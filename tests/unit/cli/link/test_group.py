@@ -52,7 +52,7 @@ def recorded_hellos(file: Path) -> int:
     return b"".join(each.data for each in chunks).count(b"\5\0\0\0hello")
 
 
-async def hear(environ: dict[str, str], topic: str, count: int) -> None:
+async def receive(environ: dict[str, str], topic: str, count: int) -> None:
     async with asyncio.timeout(60), join("listener", environ=environ) as graph:
         async for _ in graph.messages(topic):
             count -= 1
@@ -68,7 +68,7 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
         started("link", "record", f"{tmp_path}/arm", str(file), **environ) as record,
     ):
         await record.wait_for(f"Recording the lines to {file}")
-        await hear(environ, "/chatter", 5)
+        await receive(environ, "/chatter", 5)
         # What came is written a few times a second.
         await until(lambda: recorded_hellos(file) >= 5, "the messages in the file")
         await record.stop(signal.SIGKILL)
@@ -79,7 +79,7 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
         master() as environ,
         started("link", "replay", str(file), "--name", "ghost", **environ) as play,
     ):
-        await hear(environ, "/chatter", 3)
+        await receive(environ, "/chatter", 3)
         text = await play.finish()
         assert play.process.returncode == 0
         assert "/ghost: Setup publisher on chatter [std_msgs/String]" in text
@@ -93,7 +93,7 @@ async def test_serve_records_and_says_so_at_its_end(tmp_path: Path) -> None:
         master() as environ,
         started("serve", f"{tmp_path}/arm", "--record-line", str(file), **environ) as serve,
     ):
-        await hear(environ, "/chatter", 2)
+        await receive(environ, "/chatter", 2)
         await serve.stop(signal.SIGINT)
         assert f"{file} holds" in serve.text
     last = json.loads(file.read_text().splitlines()[-1])
@@ -109,9 +109,9 @@ async def test_the_limit_is_told_and_the_board_served_on(tmp_path: Path) -> None
             "link", "record", f"{tmp_path}/arm", str(file), "--record-limit", "0.01", **environ
         ) as record,
     ):
-        await hear(environ, "/chatter", 3)
+        await receive(environ, "/chatter", 3)
         await record.wait_for("has reached 0.01 MB: nothing more is recorded", timeout_s=60)
-        await hear(environ, "/chatter", 3)
+        await receive(environ, "/chatter", 3)
     assert file.stat().st_size <= 0.01 * MEGABYTE
 
 
@@ -129,13 +129,13 @@ async def test_a_recorded_session_without_pauses() -> None:
     """A subscriber that waits gets every message; the capture's own count of them is 1,429."""
     file = VECTORS / "adc.jsonl"
     async with master() as environ:
-        heard = 0
+        received = 0
 
         async def count() -> None:
-            nonlocal heard
+            nonlocal received
             async with join("listener", environ=environ) as graph:
                 async for _ in graph.messages("/adc", "rosserial_arduino/Adc", queue_size=5000):
-                    heard += 1
+                    received += 1
 
         counting = asyncio.create_task(count())
         async with started("link", "replay", str(file), "--fast", **environ) as play:
@@ -144,7 +144,7 @@ async def test_a_recorded_session_without_pauses() -> None:
         await asyncio.gather(counting, return_exceptions=True)
     assert "1 topics and services, 1429 messages" in text
     # The first of them come in one chunk with the announcement, before a subscriber can have connected.
-    assert 1400 <= heard <= 1429
+    assert 1400 <= received <= 1429
 
 
 async def test_replay_is_the_master_where_none_is() -> None:

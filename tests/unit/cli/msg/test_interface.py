@@ -12,7 +12,12 @@ def test_show(shell: Shell) -> None:
     assert shell.output("interface", "show", "std_srvs/srv/SetBool") == (
         "bool data\n---\nbool success\nstring message\n"
     )
-    assert "actions are not supported" in shell.failure("interface", "show", "a/action/B", code=2)
+    parts = "int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n"
+    assert shell.output("interface", "show", "example_interfaces/action/Fibonacci") == parts
+    assert shell.output("interface", "show", "--no-comments", "-", stdin="std_msgs/msg/String\n") == (
+        "string data\n"
+    )
+    assert "no ROS 2 package 'a' is known for a/action/B" in shell.failure("interface", "show", "a/action/B")
     assert "write PACKAGE/msg/NAME" in shell.failure("interface", "show", "String", code=2)
 
 
@@ -34,6 +39,12 @@ def test_lists(shell: Shell, tmp_path: Path) -> None:
         "std_srvs/srv/SetBool",
         "std_srvs/srv/Trigger",
     ]
+    assert shell.output("interface", "list", "-a") == "Actions:\n    example_interfaces/action/Fibonacci\n"
+    assert shell.output("interface", "package", "-a", "example_interfaces").splitlines() == [
+        "example_interfaces/action/Fibonacci"
+    ]
+    assert shell.output("interface", "packages", "--only-actions") == "example_interfaces\n"
+    assert "did you mean std_srvs?" in shell.failure("interface", "package", "std_srv")
     assert "no package 'none'" in shell.failure("interface", "package", "none")
     assert "std_srvs" in shell.output("interface", "packages").splitlines()
     assert "std_srvs" not in shell.output("interface", "packages", "-m").splitlines()
@@ -42,4 +53,6 @@ def test_lists(shell: Shell, tmp_path: Path) -> None:
 def test_proto(shell: Shell) -> None:
     assert shell.output("interface", "proto", "std_msgs/msg/String") == "\"data: ''\n\"\n"
     assert shell.output("interface", "proto", "--no-quotes", "std_srvs/srv/SetBool") == "data: false\n"
+    goal = shell.output("interface", "proto", "--no-quotes", "example_interfaces/action/Fibonacci")
+    assert goal == "order: 0\n"
     assert "w: 1.0" in shell.output("interface", "proto", "geometry_msgs/msg/Quaternion")

@@ -23,7 +23,7 @@ def ignore(_payloads: Sequence[bytes]) -> None:
 
 @pytest.fixture
 def talker(graph: LiveGraph) -> str:
-    """A node that publishes, subscribes to what nobody publishes, and offers a service; returns its URI."""
+    """Publish, subscribe to a topic without publishers, and offer a service; returns the node's URI."""
     node = graph.node("talker")
     graph.do(node.advertise("/chatter", TEXT))
     graph.do(node.subscribe("/led", TEXT, ignore))

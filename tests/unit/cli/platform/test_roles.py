@@ -11,7 +11,8 @@ import pytest
 import pytest_asyncio
 
 from contract.graphs import until
-from rostether.graph.typed_graph import TypedGraph, TypedPublisher
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from unit.cli.serving_process import started
@@ -34,15 +35,16 @@ async def graph(master: MasterServer) -> AsyncIterator[TypedGraph]:
 
 
 async def test_arduino_control(master: MasterServer, graph: TypedGraph) -> None:
-    joy = await graph.publisher("/joy", "sensor_msgs/Joy", latch=True)
-    joy.publish(axes=[0.05, 0.0])
+    joy = await graph.publisher("/joy", "sensor_msgs/Joy")
     # The parameter is where the platform's first node reads it.
     await graph.set_param("/arduino_control/deadzone", 0.01)
     async with started("run", "arduino_control", "arduino_control", ROS_MASTER_URI=master.uri):
         async with asyncio.timeout(60):
+            publishing = asyncio.ensure_future(repeat(joy, axes=[0.05, 0.0]))
             async for command in graph.messages("/arduino_control"):
                 assert 0.0499 < command.speed < 0.0501
                 break
+            publishing.cancel()
 
 
 async def test_a_parameter_that_is_no_number(master: MasterServer) -> None:
@@ -72,7 +74,7 @@ async def test_a_topic_over_multicast_and_back(
         await bridge.wait_for("sending /arduino_control to 239.255.82.83:")
         speeds: list[float] = []
         async with asyncio.timeout(60):
-            publishing = asyncio.ensure_future(repeat(control))
+            publishing = asyncio.ensure_future(repeat(control, dir=90.0, speed=0.5))
             async for command in graph.messages("/robot_3/control"):
                 speeds.append(command.speed)
                 publishing.cancel()
@@ -82,9 +84,9 @@ async def test_a_topic_over_multicast_and_back(
         assert speeds[0] == 0.5
 
 
-async def repeat(publisher: TypedPublisher) -> None:
+async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:
     while True:
-        publisher.publish(dir=90.0, speed=0.5)
+        publisher.publish(**fields)
         await asyncio.sleep(0.05)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rostether.cli.plot.graph_shown import as_digraph, as_text, choose
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from unit.cli.command_shell import STORE, LiveGraph, Shell
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -15,15 +15,15 @@ SNAPSHOT = Snapshot(
     {
         each.name: each
         for each in (
-            TopicInfo("/arm/goal", "*", (), ("/arm/controller",)),
-            TopicInfo("/rosout", "rosgraph_msgs/Log", ("/arm/controller", "/board"), ("/rosout",)),
-            TopicInfo("/scan", "sensor_msgs/Range", ("/board",), ("/arm/controller", "/viewer")),
-            TopicInfo("/servo", "std_msgs/Int16", ("/arm/controller",), ("/board",)),
+            TopicEntry("/arm/goal", "*", (), ("/arm/controller",)),
+            TopicEntry("/rosout", "rosgraph_msgs/Log", ("/arm/controller", "/board"), ("/rosout",)),
+            TopicEntry("/scan", "sensor_msgs/Range", ("/board",), ("/arm/controller", "/viewer")),
+            TopicEntry("/servo", "std_msgs/Int16", ("/arm/controller",), ("/board",)),
         )
     },
     {
-        "/arm/controller/get_loggers": ServiceInfo("/arm/controller/get_loggers", ("/arm/controller",)),
-        "/move": ServiceInfo("/move", ("/arm/controller",)),
+        "/arm/controller/get_loggers": ServiceEntry("/arm/controller/get_loggers", ("/arm/controller",)),
+        "/move": ServiceEntry("/move", ("/arm/controller",)),
     },
 )
 

@@ -99,17 +99,35 @@ def ranging(graph: LiveGraph) -> LiveGraph:
 @pytest.mark.usefixtures("ranging")
 def test_without_a_terminal_the_plot_is_printed(shell: Shell) -> None:
     printed = shell.output("plot", "/scan/range", "--for", "0.5")
-    assert printed.splitlines()[-1] == "── /scan/range 2"
+    assert printed.splitlines()[-1] == "── /scan/range 2 m"
     assert re.search("[⠁-⣿]", printed)
+
+
+def texts(file: Path) -> set[str]:
+    return {each.text or "" for each in ET.parse(file).getroot().iter(f"{SVG}text")}
 
 
 @pytest.mark.usefixtures("ranging")
 def test_pictures_are_saved(shell: Shell, tmp_path: Path) -> None:
     file = tmp_path / "scan.svg"
-    printed = shell.output("plot", "/scan/range:max_range", "--for", "0.5", "--save", str(file))
-    assert printed == f"{file}: 2 curves, 6 values\n"
-    texts = {each.text for each in ET.parse(file).getroot().iter(f"{SVG}text")}
-    assert {"/scan/range", "/scan/max_range", "seconds"} <= texts
+    words = ("plot", "/scan/range:field_of_view", "--save", str(file), "--for", "0.5")
+    assert shell.output(*words) == f"{file}: 2 curves, 6 values\n"
+    found = texts(file)
+    # The title, and a scale for each unit.
+    assert {"/scan/range:field_of_view", "/scan/range [m]", "m", "rad"} <= found
+    assert "/scan/field_of_view [rad] (right scale)" in found
+    assert any(re.fullmatch(r"seconds since \d{4}-\d\d-\d\d \d\d:\d\d:\d\d", each) for each in found)
+
+
+@pytest.mark.usefixtures("ranging")
+def test_a_scale_title_and_clock_on_request(shell: Shell, tmp_path: Path) -> None:
+    file = tmp_path / "scan.svg"
+    more = ("--right", "/scan/max_range", "--title", "Distance", "--clock")
+    # The fields of one message come with one subscription.
+    shell.output("plot", "/scan/range:max_range", "--save", str(file), "--for", "0.5", *more)
+    found = texts(file)
+    assert {"Distance", "/scan/max_range [m] (right scale)"} <= found
+    assert any(re.fullmatch(r"\d{4}-\d\d-\d\d", each) for each in found)
 
 
 @pytest.mark.usefixtures("ranging")

@@ -9,9 +9,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import pytest
-
-from rostether.cli.role.slider_screen import split_keys
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.processes import started
 from unit.robot.robots import ARM
@@ -64,8 +61,8 @@ def test_keys_move_joints_and_q_ends(graph: LiveGraph, shell: Shell) -> None:
         terminal.type(b"\033[B\033[5~")
         terminal.wait_for(b"> j1")
         # It shows its joints before the master knows its topic; then echo says that it waits.
-        heard = shell("topic", "echo", "-n", "1", "/joint_states/position")
-        assert heard.out.startswith("[0.0, 0.4, 0.0]"), heard
+        received = shell("topic", "echo", "-n", "1", "/joint_states/position")
+        assert received.out.startswith("[0.0, 0.4, 0.0]"), received
         terminal.type(b"q")
         terminal.wait_for(b"\033[?1049l")
         assert terminal.process.wait(LIMIT_S) == 0
@@ -87,16 +84,3 @@ def test_without_a_terminal_it_publishes_zeros(graph: LiveGraph, shell: Shell) -
         process.terminate()
         _, said = process.communicate(timeout=LIMIT_S)
     assert "no terminal for the sliders" in said
-
-
-@pytest.mark.parametrize(
-    ("typed", "keys"),
-    [
-        (b"", []),
-        (b"jj", [b"j", b"j"]),
-        (b"\033[A\033[5~q", [b"\033[A", b"\033[5~", b"q"]),
-        (b"\033xz", [b"\033", b"x", b"z"]),
-    ],
-)
-def test_keys_are_told_apart(typed: bytes, keys: list[bytes]) -> None:
-    assert split_keys(typed) == keys

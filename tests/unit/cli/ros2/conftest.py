@@ -27,5 +27,5 @@ def world(zenoh_world: ZenohWorld, monkeypatch: pytest.MonkeyPatch) -> ZenohWorl
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")
     monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", f'connect/endpoints=["tcp/127.0.0.1:{zenoh_world.port}"]')
-    zenoh_world.heard.clear()
+    zenoh_world.received.clear()
     return zenoh_world

@@ -31,12 +31,12 @@ def test_recorded_as_ros2_and_played_again(world: ZenohWorld, shell: Shell, tmp_
     assert (decoded.header.frame_id, decoded.angular_velocity.z) == ("base", 0.5)
     reader.close()
 
-    heard: list[bytes] = []
+    received: list[bytes] = []
     clocks: list[bytes] = []
     node = world.do(world.session.join("/listener"))
     try:
         imu_type = STORE.registry.message_type("sensor_msgs/Imu")
-        world.do(node.subscribe("/again", imu_type, heard.extend))
+        world.do(node.subscribe("/again", imu_type, received.extend))
         clock_type = STORE.registry.message_type("rosgraph_msgs/Clock")
         world.do(node.subscribe("/clock", clock_type, clocks.extend))
         words = [
@@ -50,10 +50,10 @@ def test_recorded_as_ros2_and_played_again(world: ZenohWorld, shell: Shell, tmp_
             "/imu:=/again",
         ]
         assert shell.output("bag", "play", *words) == "played 3 messages\n"
-        world.wait_until(lambda: len(heard) == 3 and bool(clocks))
+        world.wait_until(lambda: len(received) == 3 and bool(clocks))
     finally:
         world.do(node.close())
-    assert set(heard) == {imu.payload}
+    assert set(received) == {imu.payload}
 
 
 def test_recorded_as_ros1(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
@@ -61,16 +61,16 @@ def test_recorded_as_ros1(world: ZenohWorld, shell: Shell, tmp_path: Path) -> No
     shell.output("bag", "record", "-O", str(bag), "-l", "2", "/imu")
     (connection,) = BagReader(bag).counts
     assert connection.type.md5sum == STORE.registry.message_type("sensor_msgs/Imu").md5sum
-    heard: list[bytes] = []
+    received: list[bytes] = []
     node = world.do(world.session.join("/listener"))
     try:
         imu_type = STORE.registry.message_type("sensor_msgs/Imu")
-        world.do(node.subscribe("/from_bag", imu_type, heard.extend))
+        world.do(node.subscribe("/from_bag", imu_type, received.extend))
         shell.output("bag", "play", "-i", "--wait-for-subscribers", str(bag), "/imu:=/from_bag")
-        world.wait_until(lambda: len(heard) == 2)
+        world.wait_until(lambda: len(received) == 2)
     finally:
         world.do(node.close())
-    assert heard == [each.payload for each in BagReader(bag).messages()]
+    assert received == [each.payload for each in BagReader(bag).messages()]
 
 
 def test_all_is_without_hidden_topics(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:

@@ -5,15 +5,15 @@ from contextlib import AsyncExitStack
 
 import pytest
 
-from rostether.cli.bridge import demo
-from rostether.cli.bridge.demo_view import RecentLines
+from rostether.cli.demo import graphs
+from rostether.cli.demo.view import RecentLines
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.processes import read_until, started
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
 
 def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:
-    with started(graph.uri, "demo", "--join", "--seconds", "60") as process:
+    with started(graph.uri, "demo", "--board", "python", "--join", "--seconds", "60") as process:
         lines = read_until(process, "virtual board ready")
         assert any("Joining ROS 2 domain 0 over zenoh" in line for line in lines)
         assert any("topic echo --ros2 zenoh /ultrasound" in line for line in lines)
@@ -26,16 +26,16 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
 
 
 def test_the_demo_stays_in_ros1_when_told_to(graph: LiveGraph, world: ZenohWorld) -> None:
-    with started(graph.uri, "demo", "--join", "--ros1", "--seconds", "20") as process:
+    with started(graph.uri, "demo", "--board", "python", "--join", "--ros1", "--seconds", "20") as process:
         lines = read_until(process, "virtual board ready")
     assert not any("ROS 2" in line for line in lines)
 
 
 async def test_a_demo_without_zenoh_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo, "find_spec", lambda _: None)
+    monkeypatch.setattr(graphs, "find_spec", lambda _: None)
     lines = RecentLines()
     async with AsyncExitStack() as stack:
-        assert await demo._joining_ros2(stack, lines, joins=False) is None
+        assert await graphs.demo_ros2(stack, lines, joins=False) is None
     assert "pip install 'rostether[zenoh]'" in lines.lines[0]
 
 
@@ -44,5 +44,5 @@ async def test_a_demo_that_cannot_join_ros2_goes_on(monkeypatch: pytest.MonkeyPa
     monkeypatch.setenv("ROS_DOMAIN_ID", "900")
     lines = RecentLines()
     async with AsyncExitStack() as stack:
-        assert await demo._joining_ros2(stack, lines, joins=False) is None
+        assert await graphs.demo_ros2(stack, lines, joins=False) is None
     assert "Not on ROS 2: ROS_DOMAIN_ID" in lines.lines[0]

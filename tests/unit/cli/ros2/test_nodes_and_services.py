@@ -48,6 +48,10 @@ def test_node_info(world: ZenohWorld, shell: Shell) -> None:
     )
     assert "/_raw" in shell.output("node", "info", "--include-hidden", "/far/board")
     assert "Unable to find node '/nope'" in shell.failure("node", "info", "nope")
+    assert "did you mean /far/board?" in shell.failure("node", "info", "/far/bord")
+    assert "did you mean /set_led?" in shell.failure("service", "info", "/set_let")
+    assert "did you mean gain?" in shell.failure("param", "get", "/far/board", "gian")
+    assert "did you mean /far/board?" in shell.failure("param", "get", "/far/boat", "gain")
 
 
 def test_service_list(world: ZenohWorld, shell: Shell) -> None:

@@ -24,7 +24,7 @@ def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
 
 def test_plot(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     printed = shell.output("plot", "/imu/angular_velocity/z:x", "--for", "0.5").splitlines()
-    assert printed[-2:] == ["── /imu/angular_velocity/z 0.5", "── /imu/angular_velocity/x 0"]
+    assert printed[-2:] == ["── /imu/angular_velocity/z 0.5 rad/s", "── /imu/angular_velocity/x 0 rad/s"]
     file = tmp_path / "imu.png"
     told = shell.output("plot", "/imu/linear_acceleration", "--for", "0.5", "--save", str(file))
     assert re.fullmatch(re.escape(str(file)) + r": 3 curves, \d+ values\n", told)

@@ -12,10 +12,11 @@ from unit.cli.ros2.zenoh_world import ZenohWorld
 from unit.cli.serving_process import started
 
 
-async def heard(client: ClientConnection, op: str) -> dict[str, Any]:
+async def received(client: ClientConnection, op: str, topic: str | None = None) -> dict[str, Any]:
+    """Return the next message with this operation; others of a topic may come after its end."""
     while True:
         message: dict[str, Any] = json.loads(await client.recv())
-        if message["op"] == op:
+        if message["op"] == op and message.get("topic") == topic:
             return message
 
 
@@ -26,13 +27,13 @@ async def test_pages_see_ros2_in_its_own_words(world: ZenohWorld) -> None:
         assert match is not None, gateway.text
         async with connect(match[1]) as client:
             await client.send('{"op": "subscribe", "topic": "/imu", "type": "sensor_msgs/msg/Imu"}')
-            imu = (await heard(client, "publish"))["msg"]
+            imu = (await received(client, "publish", "/imu"))["msg"]
             assert imu["header"] == {"stamp": {"sec": 5, "nanosec": 7}, "frame_id": "base"}
             await client.send('{"op": "unsubscribe", "topic": "/imu"}')
             await client.send('{"op": "subscribe", "topic": "/name"}')
-            assert (await heard(client, "publish"))["msg"] == {"data": "arm"}
+            assert (await received(client, "publish", "/name"))["msg"] == {"data": "arm"}
             await client.send('{"op": "call_service", "service": "/set_led", "args": {"data": true}}')
-            answer = await heard(client, "service_response")
+            answer = await received(client, "service_response")
             assert answer["values"] == {"success": True, "message": "it is on"}
             twist = {"linear": {"x": 0.5}}
             await client.send(
@@ -40,5 +41,5 @@ async def test_pages_see_ros2_in_its_own_words(world: ZenohWorld) -> None:
             )
             await client.send(json.dumps({"op": "publish", "topic": "/cmd_vel", "msg": twist}))
             await client.send('{"op": "call_service", "service": "/rosapi/topic_type", "args": ["/imu"]}')
-            assert (await heard(client, "service_response"))["values"] == {"type": "sensor_msgs/msg/Imu"}
-            world.wait_until(lambda: len(world.heard) == 1)
+            assert (await received(client, "service_response"))["values"] == {"type": "sensor_msgs/msg/Imu"}
+            world.wait_until(lambda: len(world.received) == 1)

@@ -4,7 +4,12 @@ import asyncio
 import re
 from pathlib import Path
 
+from mcap.reader import make_reader
+
 from rostether.msgdef.registry import Registry
+from rostether.ros2.type_description import SERVICE, SERVICE_TYPE
+from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.serde.store import TypeStore
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import STORE, ZenohWorld
 
@@ -128,7 +133,7 @@ def test_pub(world: ZenohWorld, shell: Shell) -> None:
         "publishing #1: geometry_msgs.msg.Twist(linear=geometry_msgs.msg.Vector3(x=2.0, y=0.0, z=0.0), "
         "angular=geometry_msgs.msg.Vector3(x=0.0, y=0.0, z=0.0))\n\n"
     )
-    (payload,) = world.heard
+    (payload,) = world.received
     assert STORE.codec("geometry_msgs/Twist").decode(payload).linear.x == 2.0
 
 
@@ -149,7 +154,7 @@ def test_pub_fills_defaults_and_counts(world: ZenohWorld, shell: Shell) -> None:
     assert next(line for line in out.splitlines() if line.startswith("publishing")).startswith(
         "publishing #2: geometry_msgs.msg.Pose("
     )
-    poses = [STORE.codec("geometry_msgs/Pose").decode(payload) for payload in world.heard]
+    poses = [STORE.codec("geometry_msgs/Pose").decode(payload) for payload in world.received]
     assert [(pose.position.x, pose.orientation.w) for pose in poses] == [(1.0, 1.0)] * 3
 
 
@@ -175,8 +180,7 @@ def test_rates(world: ZenohWorld, shell: Shell) -> None:
     assert record["min_s"] > 1e9
 
 
-def test_rates_need_no_definition(world: ZenohWorld, shell: Shell) -> None:
-    # A type that only its publisher knows.
+def test_types_that_only_their_node_knows(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     registry = Registry(bundled=False)
     registry.add_full_text("far_msgs/Odd", "float64[4] values\n")
     publisher = world.do(world.board.advertise("/odd", registry.message_type("far_msgs/Odd")))
@@ -193,10 +197,52 @@ def test_rates_need_no_definition(world: ZenohWorld, shell: Shell) -> None:
     try:
         assert "average rate: " in shell.output("topic", "hz", "-n", "2", "/odd")
         assert "Message size mean: 0.04 KB" in shell.output("topic", "bw", "-n", "2", "/odd")
-        assert "far_msgs" in shell.failure("topic", "delay", "-n", "1", "/odd")
+        error = shell.failure("topic", "echo", "--once", "/odd")
+        assert "no ROS 2 package 'far_msgs' is known for far_msgs/msg/Odd" in error
+        assert "the bundled definitions of jazzy" in error
+        assert (
+            "its node does not describe it: no node offers the service /far/board/get_type_description"
+            in error
+        )
+        described, raw = tmp_path / "described", tmp_path / "raw"
+        shell.output("bag", "record", "-O", str(raw), "-l", "2", "--duration", "2", "/odd")
+        world.do(_describe_odd(world))
+        assert shell.output("topic", "echo", "--once", "/odd").startswith("values:\n- 0.0\n- 0.0\n")
+        shell.output("bag", "record", "-O", str(described), "-l", "2", "--duration", "2", "/odd")
     finally:
         world.stop(talking)
         world.do(publisher.close())
+    schemas = []
+    for folder in (raw, described):
+        with (folder / f"{folder.name}_0.mcap").open("rb") as stream:
+            (found,) = list(make_reader(stream).iter_messages())[:1]
+            schema, channel, message = found
+            assert schema is not None
+            schemas.append((schema.name, schema.encoding, schema.data.decode()))
+            assert channel.metadata["topic_type_hash"].startswith("RIHS01_")
+            assert message.data == b"\x00\x01\x00\x00" + bytes(32)
+    assert schemas == [
+        ("far_msgs/msg/Odd", "unknown", ""),
+        ("far_msgs/msg/Odd", "ros2msg", "float64[4] values\n"),
+    ]
+
+
+async def _describe_odd(world: ZenohWorld) -> None:
+    """Offer the board's service that describes the type far_msgs/msg/Odd."""
+    types = world.session.types
+    service_type = types.native_service(SERVICE_TYPE)
+    store = TypeStore(NativeRegistry.from_environment(environ={}))
+
+    async def answer(request: bytes) -> bytes:
+        asked = store.codec(service_type.request.name).decode(request)
+        assert asked.type_name == "far_msgs/msg/Odd"
+        field = {"name": "values", "type": {"type_id": 11 + 48, "capacity": 4}}
+        description = {"type_description": {"type_name": asked.type_name, "fields": [field]}}
+        return store.codec(service_type.response.name).encode(
+            {"successful": True, "type_description": description}
+        )
+
+    await world.board.advertise_service(f"/far/board/{SERVICE}", service_type, answer)
 
 
 def test_what_is_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:

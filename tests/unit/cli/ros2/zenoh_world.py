@@ -24,7 +24,7 @@ class ZenohWorld:
     """A router with a node `/far/board`, which has one of everything."""
 
     def __init__(self) -> None:
-        self.heard: list[bytes] = []
+        self.received: list[bytes] = []
         self.port = free_port()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
@@ -62,9 +62,9 @@ class ZenohWorld:
         name = await board.advertise("/name", registry.message_type("std_msgs/String"), latch=True)
         hidden = await board.advertise("/_raw", registry.message_type("std_msgs/String"))
         twist = registry.message_type("geometry_msgs/Twist")
-        await board.subscribe("/cmd_vel", twist, self.heard.extend)
+        await board.subscribe("/cmd_vel", twist, self.received.extend)
         pose = registry.message_type("geometry_msgs/Pose")
-        await board.subscribe("/goal", pose, self.heard.extend)
+        await board.subscribe("/goal", pose, self.received.extend)
 
         async def answer(request: bytes) -> bytes:
             is_on = STORE.codec("std_srvs/SetBoolRequest").decode(request).data

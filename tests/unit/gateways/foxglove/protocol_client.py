@@ -148,7 +148,7 @@ async def stage(
             graph,
             store,
             settings or FoxgloveSettings(port=0),
-            tell=lambda _, text: told.append(text),
+            report=lambda _, text: told.append(text),
             dashboard=DashboardParts(site, join_teleop, recordings),
             **options,
         ) as gateway:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
-from rostether.graph.ports import ServiceInfo, Snapshot, TopicInfo
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.registry import Registry
 
 
@@ -10,8 +10,8 @@ def snapshot(
 ) -> Snapshot:
     return Snapshot(
         (),
-        {name: TopicInfo(name, "a/B", *sides) for name, sides in topics.items()},
-        {name: ServiceInfo(name, providers) for name, providers in services.items()},
+        {name: TopicEntry(name, "a/B", *sides) for name, sides in topics.items()},
+        {name: ServiceEntry(name, providers) for name, providers in services.items()},
     )
 
 

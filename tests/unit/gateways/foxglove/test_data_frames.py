@@ -8,7 +8,7 @@ from websockets.frames import Frame
 from websockets.protocol import OPEN
 from websockets.uri import parse_uri
 
-from rostether.gateways.foxglove.data_frames import add_data_frames
+from rostether.gateways.foxglove.data_outlet import add_data_frames
 
 
 @pytest.mark.parametrize("size", [0, 1, 112, 113, 65535 - 13, 65536 - 13, 200_000])

@@ -17,7 +17,7 @@ from rostether.errors import ServiceCallError, TransportOpenError
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
-from rostether.graph.ports import ServiceInfo, Snapshot
+from rostether.graph.ports import ServiceEntry, Snapshot
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from unit.gateways.foxglove.protocol_client import Stage, stage, until
@@ -210,7 +210,7 @@ async def test_service_types_are_asked_for_where_the_graph_does_not_tell() -> No
 
         await there.robot.advertise_service("/known", there.store.registry.service_type(SET_BOOL), handle)
         await client.service("/known")
-        untyped = {"/asked": ServiceInfo("/asked", ("/robot",))}
+        untyped = {"/asked": ServiceEntry("/asked", ("/robot",))}
         services.update(Snapshot(snapshot.nodes, snapshot.topics, untyped))
         assert (await client.service("/asked"))["type"] == SET_BOOL
         assert asked == ["/asked"]
@@ -340,7 +340,7 @@ async def test_a_client_that_does_not_read_loses_messages_and_delays_nobody() ->
                 publisher.publish_raw([payload])
                 await asyncio.sleep(0)
             await until(lambda: len(quick.of("messageData")) == count)
-            dropped = [each._dropped for each in there.gateway._clients]
+            dropped = [each._dropped.count for each in there.gateway._clients]
             assert sorted(dropped)[0] == 0
             assert sorted(dropped)[1] > 0
             waiting = max(each.line._data._waiting._bytes for each in there.gateway._clients)

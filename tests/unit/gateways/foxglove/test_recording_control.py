@@ -26,6 +26,7 @@ class FakeRecordings:
 
     def __init__(self) -> None:
         self.is_active = False
+        self.is_playing = False
         self.calls: list[object] = []
         self.count = 0
 
@@ -38,6 +39,18 @@ class FakeRecordings:
     async def stop(self) -> None:
         self.calls.append("stop")
         self.is_active = False
+
+    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
+        self.calls.append((name, start_s, rate, is_prefixed))
+        self.is_playing = True
+
+    async def pause(self, *, is_paused: bool) -> None:
+        self.calls.append(is_paused)
+
+    async def stop_playing(self) -> None:
+        if self.is_playing:
+            self.calls.append("stop playing")
+        self.is_playing = False
 
     async def state(self) -> Mapping[str, Any]:
         self.count += 1
@@ -65,6 +78,31 @@ async def test_a_client_starts_watches_and_stops(monkeypatch: pytest.MonkeyPatch
     assert recordings.calls[2:] == [((), "bag"), "stop"]
 
 
+async def test_a_client_plays_a_recording(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording_control, "PERIOD_S", 0.01)
+    recordings = FakeRecordings()
+    async with stage(FREE, recordings=recordings) as there, there.client() as client:
+        await client.say("listRecordings")
+        await client.say("playRecording", name="a.bag", start=1.5, rate=2, prefixed=False)
+        # Reports come while it is played.
+        await until(lambda: len(client.of("recordings")) > 4)
+        await client.say("pausePlayback", paused=True)
+        await client.say("stopPlayback")
+        await client.say("playRecording", name="b.bag")
+        await until(lambda: len(recordings.calls) == 4)
+        assert recordings.calls == [
+            ("a.bag", 1.5, 2.0, False),
+            True,
+            "stop playing",
+            ("b.bag", 0.0, 1.0, True),
+        ]
+        await client.say("playRecording", name="b.bag", start=-1)
+        await client.wait("status", lambda status: "a number from 0" in status["message"])
+        await client.say("pausePlayback", paused=1)
+        await client.wait("status", lambda status: "true or false" in status["message"])
+    assert recordings.calls[4:] == ["stop playing"]
+
+
 @pytest.mark.parametrize("op", ["startRecording", "stopRecording", "listRecordings"])
 async def test_without_recordings_it_is_said(op: str) -> None:
     async with stage(FREE) as there, there.client() as client:
@@ -78,7 +116,9 @@ async def test_a_client_that_may_only_view_starts_no_recording() -> None:
     async with stage(settings, recordings=recordings) as there, there.client(path="/?token=look") as viewer:
         await viewer.say("startRecording")
         await viewer.say("stopRecording")
-        await until(lambda: len(viewer.of("status")) == 2)
+        await viewer.say("playRecording", name="a.bag")
+        await viewer.say("stopPlayback")
+        await until(lambda: len(viewer.of("status")) == 4)
         assert all("may only view" in each["message"] for each in viewer.of("status"))
         await viewer.say("listRecordings")
         await viewer.wait("recordings")

@@ -27,9 +27,9 @@ def wish(**fields: Any) -> Wish:
     return Wish.read(Request({"op": "subscribe", **fields}))
 
 
-def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox, list[str]]:
+def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox[ClientSubscription], list[str]]:
     errors: list[str] = []
-    outbox = Outbox(1 << 20, 1 << 20)
+    outbox = Outbox[ClientSubscription](1 << 20, 1 << 20)
     made = ClientSubscription("/a", outbox, errors.append)
     made.want(None, wish(**fields), str(fields.get("type", "")))
     return made, outbox, errors
@@ -39,7 +39,7 @@ def take(made: ClientSubscription, *payloads: bytes) -> None:
     made.enqueue(Batch(STRING, payloads))
 
 
-def sent(outbox: Outbox) -> list[bytes]:
+def sent(outbox: Outbox[ClientSubscription]) -> list[bytes]:
     found = []
     while isinstance(item := outbox.next(), Due):
         found.append(item.batch.payloads[item.index])
@@ -85,7 +85,7 @@ def test_ids_are_bounded() -> None:
 @pytest.mark.parametrize(("asked", "kept"), [(0, MAX_QUEUED_MESSAGES), (3, 3), (10**9, MAX_QUEUED_MESSAGES)])
 def test_queues_are_as_long_as_asked_within_our_bound(asked: int, kept: int) -> None:
     made, _, _ = subscription(queue_length=asked)
-    assert made.queue.length == kept
+    assert made.queue_length == kept
 
 
 async def test_without_a_throttle_everything_is_sent() -> None:
@@ -116,7 +116,7 @@ async def test_a_throttle_with_a_queue_hands_on_the_newest_at_its_rate() -> None
             got += sent(outbox)
     assert got == [b"4", b"5"]
     assert asyncio.get_running_loop().time() - begin_s >= 0.059
-    assert made.queue.dropped_count == 2
+    assert made.dropped_count == 2
     await made.close()
 
 

@@ -73,7 +73,9 @@ class World:
 
 
 @asynccontextmanager
-async def world(settings: RosbridgeSettings | None = None, **options: Any) -> AsyncIterator[World]:
+async def world(
+    settings: RosbridgeSettings | None = None, *, store: TypeStore | None = None, **options: Any
+) -> AsyncIterator[World]:
     """Serve the graph in memory with rosbridge on a free port."""
     network = MemoryNetwork()
     graph = await network.join("/rosbridge_websocket")
@@ -81,9 +83,9 @@ async def world(settings: RosbridgeSettings | None = None, **options: Any) -> As
     log: list[tuple[Level, str]] = []
     server = RosbridgeServer(
         graph,
-        TypeStore(Registry()),
+        store or TypeStore(Registry()),
         settings or RosbridgeSettings(host="127.0.0.1", port=0),
-        tell=lambda level, text: log.append((level, text)),
+        report=lambda level, text: log.append((level, text)),
         **options,
     )
     await server.start()

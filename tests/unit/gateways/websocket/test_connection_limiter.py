@@ -47,6 +47,6 @@ async def test_each_reason_is_told_once_in_a_while_and_few_of_them() -> None:
         for number in range(door.MAX_REASONS + 1):
             gate.report_refusal(Accepted(), f"page\n{number}")
     assert told == [f"refused 127.0.0.1:5000: page {number}" for number in range(door.MAX_REASONS)]
-    gate._told_until_s = 0.0
+    gate._reported_until_s = 0.0
     gate.report_refusal(Accepted(), "page 0")
     assert told[-1].endswith("page 0 (7 more since the last such line)")

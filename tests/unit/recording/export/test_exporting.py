@@ -57,7 +57,7 @@ def bag(tmp_path: Path) -> Path:
 def _csv(bag: Path, topic: str, *fields: str) -> list[dict[str, str]]:
     text = io.StringIO()
     reader = BagReader(bag)
-    export = Export(reader, topics=[topic], fields=fields, tell=print)
+    export = Export(reader, topics=[topic], fields=fields, report=print)
     export.write(lambda table: CsvTable(text, table.columns))
     reader.close()
     return list(csv.DictReader(io.StringIO(text.getvalue())))
@@ -65,7 +65,7 @@ def _csv(bag: Path, topic: str, *fields: str) -> list[dict[str, str]]:
 
 def _parquet(bag: Path, folder: Path, topic: str, *fields: str) -> list[dict[str, Any]]:
     reader = BagReader(bag)
-    export = Export(reader, topics=[topic], fields=fields, tell=print)
+    export = Export(reader, topics=[topic], fields=fields, report=print)
     export.write(lambda table: ParquetTable(folder / "t.parquet", table.columns))
     reader.close()
     rows: list[dict[str, Any]] = pyarrow.parquet.read_table(folder / "t.parquet").to_pylist()
@@ -157,7 +157,7 @@ def test_messages_that_do_not_fit_are_left_out_and_counted(tmp_path: Path) -> No
     writer.write(writer.add_connection(Connection("/broken", broken)), START_NS, [b""])
     writer.close()
     told: list[str] = []
-    export = Export(BagReader(path), tell=told.append)
+    export = Export(BagReader(path), report=told.append)
     texts: dict[str, io.StringIO] = {}
 
     def create(table: ExportedTable) -> CsvTable:
@@ -179,7 +179,7 @@ def test_topics_of_two_types_have_a_table_each(tmp_path: Path) -> None:
         number = writer.add_connection(Connection("/arm/x", STORE.registry.message_type(name)))
         writer.write(number, START_NS, [STORE.codec(name).encode(value)])
     writer.close()
-    tables = Export(BagReader(path), topics=["/arm/*"], tell=print).tables
+    tables = Export(BagReader(path), topics=["/arm/*"], report=print).tables
     assert sorted(table.name for table in tables) == ["arm.x", "arm.x.2"]
 
 

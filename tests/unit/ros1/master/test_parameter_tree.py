@@ -133,7 +133,37 @@ def test_size_is_bounded_and_given_back() -> None:
     assert [name for name in tree.names() if name] == []
 
 
-def test_watchers_at_and_above_hear_the_change_itself() -> None:
+@pytest.mark.parametrize("again", [1, 5])
+def test_size_is_right_after_changes_between_the_steps_of_another(again: int) -> None:
+    large: XmlRpcValue = [[1] * 2000 for _ in range(10)]
+    tree = ParameterTree()
+    empty = (tree._bytes, tree._values)
+    tree.set("/a", {"b": large})
+    deleting = tree.delete_steps("/a")
+    for number, _ in enumerate(deleting):
+        if number % 3 == 0 and number < 3 * again:
+            tree.set("/a/b", [[1] * 2000 for _ in range(10 + number)])
+    assert (tree._bytes, tree._values) == empty
+    tree.set("/a", large)
+    setting = tree.set_steps("/a/b/c", 1)
+    next(setting)
+    tree.delete("/a")
+    list(setting)
+    tree.delete("/a")
+    assert (tree._bytes, tree._values) == empty
+
+
+def test_what_is_deleted_between_the_steps_of_another_is_not_set() -> None:
+    tree = ParameterTree()
+    tree.set("/a", [[1] * 2000 for _ in range(10)])
+    deleting = tree.delete_steps("/a")
+    next(deleting)
+    tree.delete("/a")
+    with pytest.raises(UnknownNameError, match="parameter /a is not set"):
+        list(deleting)
+
+
+def test_watchers_at_and_above_receive_the_change_itself() -> None:
     assert updates(["/", "/a/", "/a/b/", "/ab/", "/a/b/c/", "/x/"], "/a/b", 5) == [
         Update("/a/b/c/", "/a/b/c/", {}, is_own_change=False),
         Update("/", "/a/b/", 5, is_own_change=True),
@@ -142,7 +172,7 @@ def test_watchers_at_and_above_hear_the_change_itself() -> None:
     ]
 
 
-def test_watchers_below_hear_their_own_new_value() -> None:
+def test_watchers_below_receive_their_own_new_value() -> None:
     value: XmlRpcValue = {"b": {"c": 1}, "d": 2}
     assert updates(["/a/b/", "/a/b/c/", "/a/d/", "/a/gone/"], "/a", value) == [
         Update("/a/gone/", "/a/gone/", {}, is_own_change=False),
@@ -152,7 +182,7 @@ def test_watchers_below_hear_their_own_new_value() -> None:
     ]
 
 
-def test_watchers_of_everything_hear_of_a_new_root() -> None:
+def test_watchers_of_everything_receive_a_new_root() -> None:
     assert updates(["/", "/a/"], "/", {"a": 1}) == [
         Update("/a/", "/a/", 1, is_own_change=False),
         Update("/", "/", {"a": 1}, is_own_change=True),

@@ -221,7 +221,7 @@ async def test_joining_and_leaving_leaves_nothing_behind(stage: Stage) -> None:
     await cycle()
     await until(lambda: len(asyncio.all_tasks()) <= 10)
     tasks, opened = len(asyncio.all_tasks()), descriptors()
-    for _ in range(200):
+    for _ in range(60):
         await cycle()
     await until(lambda: len(asyncio.all_tasks()) <= tasks)
     await until(lambda: descriptors() <= opened + 4)

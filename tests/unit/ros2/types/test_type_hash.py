@@ -25,12 +25,23 @@ PUBLISHED = {
     "std_srvs/srv/SetBool_Response": (
         "RIHS01_d0814e7f7b4880ab77e9c57426c7aa1562ab69f11eef8e2e968812f9cbd0b059"
     ),
+    "example_interfaces/action/Fibonacci_SendGoal": (
+        "RIHS01_d1a57fb2a4afe8c21e34fb10db206f16ce6729b28531141472df92277c55b557"
+    ),
+    "example_interfaces/action/Fibonacci_GetResult": (
+        "RIHS01_1b0de0d5d29dc955d92f546706568428632771db13ec84c15ec1c1a59f424a57"
+    ),
+    "example_interfaces/action/Fibonacci_FeedbackMessage": (
+        "RIHS01_c1de71afd52e49a89c53d8262366884185bc0a02f78ce051c4e46b0a7fe59bb2"
+    ),
 }
 
 
 def hash_of(name: str, definitions: Ros2Definitions) -> str:
     if name.endswith("_Event"):
         return rihs01(event_message(definitions.service(name.removesuffix("_Event"))), definitions)
+    if name.endswith(("_SendGoal", "_GetResult")):
+        return service_hash(definitions.service(name), definitions)
     if "/srv/" in name and not name.endswith(("_Request", "_Response")):
         return service_hash(definitions.service(name), definitions)
     return message_hash(definitions.message(name), definitions)

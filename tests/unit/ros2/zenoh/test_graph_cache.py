@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import asyncio
 
-from rostether.graph.ports import ServiceInfo, TopicInfo
+from rostether.graph.ports import ServiceEntry, TopicEntry
 from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.tokens import Kind, Token
 
@@ -28,10 +28,10 @@ def test_a_snapshot_is_what_the_tokens_say() -> None:
     snapshot = graph.snapshot()
     assert snapshot.nodes == ("/client", "/idle", "/listener", "/server", "/talker")
     assert snapshot.topics == {
-        "/chat": TopicInfo("/chat", "std_msgs/msg/String", ("/talker",), ("/listener",))
+        "/chat": TopicEntry("/chat", "std_msgs/msg/String", ("/talker",), ("/listener",))
     }
     # A client alone makes no service.
-    assert snapshot.services == {"/switch": ServiceInfo("/switch", ("/server",), "std_srvs/srv/SetBool")}
+    assert snapshot.services == {"/switch": ServiceEntry("/switch", ("/server",), "std_srvs/srv/SetBool")}
     assert graph.snapshot() is snapshot
 
 

@@ -11,7 +11,7 @@ from rostether.ros2.qos import (
     Qos,
     Reliability,
 )
-from rostether.ros2.zenoh.qos_text import format_qos, parse_qos
+from rostether.ros2.zenoh.tokens import format_qos, parse_qos
 
 TEXTS = [
     (DEFAULT_QOS, "::,10:,:,:,,"),

@@ -12,6 +12,7 @@ import zenoh
 from contract.graphs import BOOL, STRING, Inbox, string, until
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.distribution import find_distribution
 from rostether.ros2.zenoh.attachment import parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
@@ -203,3 +204,15 @@ async def test_a_link_that_is_full_pauses_and_then_drops(monkeypatch: pytest.Mon
     await until(lambda: inbox.payloads[-1] == sent[-1] and len(inbox.payloads) > 300)
     await there.close()
     await here.close()
+
+
+async def test_nodes_without_hashes_are_of_humble(session: ZenohSession) -> None:
+    node = await session.join("/watcher")
+    await node.advertise("/chat", STRING)
+    assert await find_distribution(node, {"ROS_DISTRO": "noetic"}) == "jazzy"
+    token = "@ros2_lv/0/1f/0/1/MP/%/%/talker/"
+    token += "%chat/std_msgs::msg::dds_::String_/TypeHashNotSupported/::,10:,:,:,,"
+    session.graph.apply_tokens([(token, True)])
+    assert await find_distribution(node, {"ROS_DISTRO": "noetic"}) == "humble"
+    assert await find_distribution(node, {"ROS_DISTRO": "iron"}) == "iron"
+    session.graph.apply_tokens([(token, False)])

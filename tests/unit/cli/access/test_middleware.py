@@ -6,7 +6,7 @@ import click
 import pytest
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros_choice import (
+from rostether.cli.access.middleware import (
     ANY_MIDDLEWARE,
     Middleware,
     chosen_middleware,
@@ -83,7 +83,7 @@ def test_what_is_typed_goes_before_the_environment(
 
 
 def test_ros2_alone_takes_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.cli.access.ros_choice.find_spec", lambda name: None)
+    monkeypatch.setattr("rostether.cli.access.middleware.find_spec", lambda name: None)
     assert chosen_middleware(environ={"ROS_VERSION": "2"}) is Middleware.ZENOH
-    monkeypatch.setattr("rostether.cli.access.ros_choice.find_spec", lambda name: object())
+    monkeypatch.setattr("rostether.cli.access.middleware.find_spec", lambda name: object())
     assert chosen_middleware(environ={"ROS_VERSION": "2"}) is Middleware.RCLPY

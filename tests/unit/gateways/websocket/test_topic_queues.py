@@ -1,9 +1,18 @@
 from __future__ import annotations
 
-from rostether.gateways.foxglove.waiting_messages import MESSAGE_COST_BYTES, WaitingMessages
+from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TopicQueues
 
 
-def drain(waiting: WaitingMessages) -> list[tuple[int, int, bytes]]:
+class Waiting(TopicQueues[int, int]):
+    def __init__(self, max_bytes: int) -> None:
+        super().__init__(max_bytes, self.count)
+        self.dropped: list[int] = []
+
+    def count(self, topic: int) -> None:
+        self.dropped.append(topic)
+
+
+def drain(waiting: Waiting) -> list[tuple[int, int, bytes]]:
     found = []
     while waiting:
         found.append(waiting.pop())
@@ -11,14 +20,14 @@ def drain(waiting: WaitingMessages) -> list[tuple[int, int, bytes]]:
 
 
 def test_topics_take_turns_and_keep_their_order() -> None:
-    waiting = WaitingMessages(10_000)
+    waiting = Waiting(10_000)
     waiting.add(1, 5, [b"a", b"b", b"c"])
     waiting.add(2, 6, [b"x"])
     assert drain(waiting) == [(1, 5, b"a"), (2, 6, b"x"), (1, 5, b"b"), (1, 5, b"c")]
 
 
 def test_the_fullest_topic_loses_its_oldest() -> None:
-    waiting = WaitingMessages(20 * (10 + MESSAGE_COST_BYTES))
+    waiting = Waiting(20 * (10 + MESSAGE_COST_BYTES))
     waiting.add(2, 0, [b"quiet     "])
     for number in range(100):
         waiting.add(1, number, [b"%010d" % number])
@@ -26,24 +35,33 @@ def test_the_fullest_topic_loses_its_oldest() -> None:
     assert (2, 0, b"quiet     ") in left
     times = [time_ns for subscription_id, time_ns, _ in left if subscription_id == 1]
     assert times == list(range(100 - len(times), 100))
-    assert waiting.dropped_count == 101 - len(left)
+    assert waiting.dropped == [1] * (101 - len(left))
     assert 16 <= len(left) <= 20
 
 
 def test_one_message_larger_than_all_room_is_kept_until_the_next() -> None:
-    waiting = WaitingMessages(1000)
+    waiting = Waiting(1000)
     waiting.add(1, 1, [b"x" * 5000])
     waiting.add(1, 2, [b"y" * 5000])
     assert drain(waiting) == [(1, 2, b"y" * 5000)]
-    assert waiting.dropped_count == 1
+    assert waiting.dropped == [1]
 
 
 def test_what_waits_for_a_subscription_that_ended_is_forgotten() -> None:
-    waiting = WaitingMessages(1000)
+    waiting = Waiting(1000)
     waiting.add(1, 1, [b"x" * 500])
     waiting.add(2, 1, [b"y"])
     waiting.forget(1)
     waiting.forget(7)
     waiting.add(2, 2, [b"z" * 500])
     assert [message[2][:1] for message in drain(waiting)] == [b"y", b"z"]
-    assert waiting.dropped_count == 0
+    assert waiting.dropped == []
+
+
+def test_a_topic_keeps_no_more_messages_than_it_wants() -> None:
+    waiting = Waiting(100_000)
+    waiting.add(1, 5, [b"a", b"b"], max_messages=3)
+    waiting.add(1, 6, [b"c", b"d"], max_messages=3)
+    waiting.add(2, 7, [b"x"])
+    assert drain(waiting) == [(1, 5, b"b"), (2, 7, b"x"), (1, 6, b"c"), (1, 6, b"d")]
+    assert waiting.dropped == [1]

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.simulation.faults import FaultRates, LineFaults
+from line_faults import FaultRates, LineFaults
 from rostether.transports.memory import Direction
 
 WAY = Direction.FIRST_TO_SECOND

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
-from rostether.rospy.client import callback_thread
-from rostether.rospy.client.callback_thread import HIGH_WATER_ITEMS, LOW_WATER_ITEMS, CallbackThread
+from rostether.mechanisms import callback_thread
+from rostether.mechanisms.callback_thread import HIGH_WATER_ITEMS, LOW_WATER_ITEMS, CallbackThread
 
 
 def wait_until(condition: Callable[[], bool]) -> None:

@@ -5,13 +5,12 @@ import threading
 
 import pytest
 
-from rostether.rospy.client.exceptions import ROSInterruptException
-from rostether.rospy.client.loop_thread import LoopThread, run_in_thread
+from rostether.mechanisms.loop_thread import LoopThread, run_in_thread
 
 
 @pytest.fixture(scope="module")
 def loop() -> LoopThread:
-    return LoopThread()
+    return LoopThread(InterruptedError)
 
 
 def test_results_and_errors_come_back(loop: LoopThread) -> None:
@@ -44,7 +43,7 @@ def test_waiting_is_interrupted(loop: LoopThread) -> None:
         loop.interrupt()
 
     threading.Thread(target=interrupt).start()
-    with pytest.raises(ROSInterruptException):
+    with pytest.raises(InterruptedError):
         loop.call(wait())
 
 

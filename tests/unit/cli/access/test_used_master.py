@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from interop import ros1_peers
-from rostether.cli.access.master_choice import used_master
+from rostether.cli.access.used_master import used_master
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
@@ -78,7 +78,7 @@ async def test_a_chosen_or_distant_master_is_waited_for_not_replaced(is_chosen: 
 
 
 async def test_a_port_that_something_else_has_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.cli.access.master_choice._ANSWER_LIMIT_S", 0.2)
+    monkeypatch.setattr("rostether.cli.access.used_master._ANSWER_LIMIT_S", 0.2)
 
     async def hang_up(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.close()

@@ -1,0 +1,107 @@
+"""Flash and static RAM of the examples with the established library, and what is not ROS of it."""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rostether.codegen.library_source import client_library
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.elf import ElfFile
+
+# Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto.
+ESTABLISHED: Mapping[str, Mapping[str, tuple[int, int]]] = {
+    "uno": {
+        "HelloWorld": (9278, 1362),
+        "Blink": (9344, 1360),
+        "pubsub": (9904, 1468),
+        "ServiceServer": (10272, 1548),
+        "ServiceClient": (10352, 1517),
+        "Logging": (9506, 1412),
+        "TimeTF": (12408, 1826),
+        "Odom": (13642, 1838),
+        "ServoControl": (10514, 1411),
+        "Ultrasound": (11338, 1461),
+        "BlinkM": (11498, 1664),
+        "BlinkerWithClass": (10314, 1540),
+        "Temperature": (9714, 1360),
+        "TcpBlink": (9740, 1285),
+        "TcpHelloWorld": (10638, 1484),
+        "Parameters": (12018, 1804),
+    },
+    "leonardo": {
+        "HelloWorld": (12122, 1976),
+        "Blink": (12266, 1976),
+        "pubsub": (12868, 2072),
+        "ServiceServer": (13094, 2117),
+        "ServiceClient": (13302, 2121),
+        "Logging": (12238, 2026),
+        "TimeTF": (15308, 2426),
+        "Odom": (16844, 2442),
+        "ServoControl": (13084, 2044),
+        "Ultrasound": (14370, 2065),
+        "BlinkM": (14524, 2268),
+        "BlinkerWithClass": (13440, 2144),
+        "Temperature": (12792, 1974),
+        "TcpBlink": (12874, 1895),
+        "TcpHelloWorld": (12798, 1911),
+        "Parameters": (14960, 2408),
+    },
+}
+# The deepest stack of the established library on a simulated Uno is 127 to 138 bytes.
+ESTABLISHED_STACK_BYTES = 127
+USES_WIRE = frozenset({"BlinkM"})
+_SERIAL = "#ifdef USBCON\n#define Serial Serial1\n#endif\nvoid loop() { Serial.write(Serial.read()); }\n"
+_BARE = {
+    False: _SERIAL + "void setup() { Serial.begin(57600); }\n",
+    True: "#include <Wire.h>\n" + _SERIAL + "void setup() { Serial.begin(57600); Wire.begin(); "
+    "Wire.beginTransmission(9); Wire.write(1); Wire.endTransmission(); }\n",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FlashSize:
+    """Flash of one example in bytes; `other_bytes` is what Wire and a USB port take."""
+
+    example: str
+    bytes: int
+    established_bytes: int
+    other_bytes: int
+
+    @property
+    def part(self) -> float:
+        """Of the established library's."""
+        return self.bytes / self.established_bytes
+
+    @property
+    def ros_part(self) -> float:
+        """Of the established library's, without what is for Wire and USB."""
+        return (self.bytes - self.other_bytes) / (self.established_bytes - self.other_bytes)
+
+
+async def flash_sizes(board: str) -> list[FlashSize]:
+    """Build the examples for a board and measure them."""
+    bare_bytes = await _bare_bytes("uno", uses_wire=False)
+    other = {wire: await _bare_bytes(board, uses_wire=wire) - bare_bytes for wire in (False, True)}
+    sizes = []
+    for name, (established_bytes, _) in ESTABLISHED[board].items():
+        built = await build_sketch(client_library() / "examples" / name, find_board(board))
+        flash_bytes = ElfFile.read(built.elf).flash_bytes
+        sizes.append(FlashSize(name, flash_bytes, established_bytes, other[name in USES_WIRE]))
+    return sizes
+
+
+def median_part(sizes: list[FlashSize]) -> float:
+    """Return the median of the parts without Wire and USB."""
+    return statistics.median(each.ros_part for each in sizes)
+
+
+async def _bare_bytes(board: str, *, uses_wire: bool) -> int:
+    with tempfile.TemporaryDirectory() as folder:
+        sketch = Path(folder) / "bare" / "bare.ino"
+        sketch.parent.mkdir()
+        sketch.write_text(_BARE[uses_wire])
+        return ElfFile.read((await build_sketch(sketch, find_board(board))).elf).flash_bytes

@@ -1,0 +1,99 @@
+"""Bad Wi-Fi on loopback: between senders and robots, datagrams are lost at random and others are late.
+
+It is an access point in the middle. Each robot has a port of its own for the group; what robots answer, and
+unicast to them, crosses the same air.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import random
+import socket
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+from rostether.platform.multicast_socket import GroupAddress, join_group, open_receiver, open_sender
+from rostether.platform.robot_table import SocketAddress
+
+_MAX_BYTES = 2048
+
+
+class LossyAir:
+    """Carries the datagrams of `senders`, a group, to `robots`, groups too, as long as the block lasts."""
+
+    def __init__(
+        self, senders: GroupAddress, robots: Sequence[GroupAddress], *, loss: float, jitter_s: float
+    ) -> None:
+        self.loss = loss
+        self._jitter_s = jitter_s
+        self._random = random.Random(1)
+        self._senders = senders
+        self._robots = robots
+        self._ways: dict[tuple[SocketAddress, GroupAddress], _Way] = {}
+        self._sockets: list[socket.socket] = []
+        # Every datagram to the group, as it was sent.
+        self.sent: list[tuple[bytes, float]] = []
+
+    def __enter__(self) -> LossyAir:
+        group = open_receiver(self._senders)
+        join_group(group, self._senders, self._senders.interfaces[0])
+        self.add_reader(group, self._spread)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for sock in self._sockets:
+            asyncio.get_running_loop().remove_reader(sock)
+            sock.close()
+        self._sockets.clear()
+
+    def add_reader(self, sock: socket.socket, take: Callable[[bytes, SocketAddress], None]) -> None:
+        """Read a socket until the end."""
+        self._sockets.append(sock)
+        asyncio.get_running_loop().add_reader(sock, self._read, sock, take)
+
+    def carry(self, send: Callable[[], object]) -> None:
+        """Call `send` after a random time, or never."""
+        if self._random.random() >= self.loss:
+            delay_s = self._random.uniform(0, self._jitter_s)
+            asyncio.get_running_loop().call_later(delay_s, self._arrive, send)
+
+    def _arrive(self, send: Callable[[], object]) -> None:
+        if self._sockets:
+            with contextlib.suppress(OSError):
+                send()
+
+    def _read(self, sock: socket.socket, take: Callable[[bytes, SocketAddress], None]) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                take(*sock.recvfrom(_MAX_BYTES))
+
+    def _spread(self, datagram: bytes, sender: SocketAddress) -> None:
+        self.sent.append((datagram, asyncio.get_running_loop().time()))
+        for robot in self._robots:
+            way = self._ways.get((sender, robot))
+            if way is None:
+                way = self._ways[sender, robot] = _Way(self, sender, robot)
+            self.carry(partial(way.to_robot.sendto, datagram, (robot.group, robot.port)))
+
+
+class _Way:
+    """From one sender to one robot, and back."""
+
+    def __init__(self, air: LossyAir, sender: SocketAddress, robot: GroupAddress) -> None:
+        self._air = air
+        self._sender = sender
+        self._robot_address: SocketAddress | None = None
+        self.to_robot = open_sender(robot, robot.interfaces[0])
+        self._to_sender = open_sender(replace(robot, group="127.0.0.1"), "")
+        air.add_reader(self.to_robot, self._from_robot)
+        air.add_reader(self._to_sender, self._from_sender)
+
+    def _from_robot(self, datagram: bytes, address: SocketAddress) -> None:
+        self._robot_address = address
+        self._air.carry(partial(self._to_sender.sendto, datagram, self._sender))
+
+    def _from_sender(self, datagram: bytes, _: SocketAddress) -> None:
+        if self._robot_address is not None:
+            self._air.carry(partial(self.to_robot.sendto, datagram, self._robot_address))

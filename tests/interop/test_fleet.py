@@ -1,0 +1,75 @@
+"""Twenty robots that obey `rostether fleet` over bad Wi-Fi, with real datagrams and processes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+import struct
+from dataclasses import replace
+from pathlib import Path
+
+from contract.graphs import until
+from interop.fleet_robots import KEY, ROBOTS, STILL, Robot, fleet_on_bad_wifi
+from interop.lossy_air import LossyAir
+from rostether.platform.command_frame import Flags, decode_frame
+from rostether.platform.multicast_socket import GroupAddress, open_sender
+from unit.cli.serving_process import started
+
+
+async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
+    async with fleet_on_bad_wifi(tmp_path) as (robots, air, senders, options):
+        async with started("fleet", "drive", "--all", "--speed", "0.5", *options) as first:
+            await until(lambda: all(len(robot.commands) > 20 for robot in robots))
+            # The second one is refused by a robot, and leaves it moving.
+            async with started("fleet", "drive", "3", *options) as second:
+                assert await asyncio.wait_for(second.process.wait(), 60) == 1
+                await second.wait_for(" commands it; stop that sender, or: rostether fleet stop 3")
+                assert sum("robot 3 does not obey" in line for line in second.lines) == 1
+            assert not robots[2].is_still
+            async with started("fleet", "list", "--json", *options) as listing:
+                assert await asyncio.wait_for(listing.process.wait(), 60) == 0
+                await until(lambda: listing.reader_done)
+            listed = [json.loads(each) for each in listing.lines if each.startswith("{")]
+            assert {each["robot"] for each in listed} == set(range(1, ROBOTS + 1))
+            assert all(each["moving"] and each["commanded_by"] for each in listed)
+            async with started("fleet", "doctor", *options) as doctor:
+                assert await asyncio.wait_for(doctor.process.wait(), 60) == 1
+                await doctor.wait_for("% of the datagrams are lost")
+            assert not any(robot.is_still for robot in robots)
+            await first.stop(signal.SIGKILL)
+        # Every robot stops by itself.
+        await until(lambda: all(robot.is_still for robot in robots))
+        counts = [len(robot.commands) for robot in robots]
+        await send_bad_commands(air, senders)
+        await stop_everyone(robots, options)
+    good = {STILL, struct.pack("<dd", 0.0, 0.3)}
+    for robot, count in zip(robots, counts, strict=True):
+        assert {payload for payload, _ in robot.commands[count:]} == good
+
+
+async def send_bad_commands(air: LossyAir, senders: GroupAddress) -> None:
+    """Send what a recorder, a stranger and an old sender send."""
+    armed = [each for each, _ in air.sent if Flags.ARMED in decode_frame(each, KEY).flags][:20]
+    last = decode_frame(armed[0], KEY)
+    forged = replace(last, epoch_us=last.epoch_us + 1, payload=bytes(15) + b"\x40").encode(bytes(16))
+    older = replace(last, epoch_us=1, sequence=1).encode(KEY)
+    count = len(air.sent) + len(armed) + 2
+    loss, air.loss = air.loss, 0.0
+    with open_sender(senders, "lo") as sock:
+        for datagram in (*armed, forged, older):
+            sock.sendto(datagram, (senders.group, senders.port))
+    await until(lambda: len(air.sent) == count)
+    air.loss = loss
+
+
+async def stop_everyone(robots: list[Robot], options: tuple[str, ...]) -> None:
+    """Drive again, and stop from elsewhere: the stop reaches all, and no robot obeys the sender any more."""
+    async with started("fleet", "drive", "--all", *options) as sender:
+        await until(lambda: not any(robot.is_still for robot in robots))
+        async with started("fleet", "stop", *options) as stopper:
+            assert await asyncio.wait_for(stopper.process.wait(), 60) == 0
+            await stopper.wait_for(" has stopped")
+        assert all(robot.is_still for robot in robots)
+        await sender.wait_for("later than this sender; start this sender again")
+    assert all(robot.is_still for robot in robots)

@@ -1,0 +1,103 @@
+"""`rostether up`, `install`, `uninstall` and `status`."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from interop.ros1_peers import free_port
+from unit.cli.command_shell import Shell
+from unit.cli.serving_process import started
+
+
+@pytest.fixture
+def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("HOME", "/home/me")
+    monkeypatch.delenv("SUDO_USER", raising=False)
+    return tmp_path / "image"
+
+
+def files(root: Path) -> set[str]:
+    return {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
+
+
+@pytest.mark.systemd
+@pytest.mark.parametrize("scope", ["--system", "--user"])
+def test_install_again_and_uninstall(scope: str, root: Path, shell: Shell) -> None:
+    place = ("--root", str(root), scope)
+    assert shell("status", *place).code == 1
+    shell.output("install", "--machine", "both", "--name", "r1", "--gui", *place)
+    unit = next(root.rglob("rostether.service"))
+    verified = subprocess.run(
+        ["systemd-analyze", "verify", unit], capture_output=True, text=True, check=False
+    )
+    assert (verified.returncode, verified.stderr) == (0, "")
+    assert len(files(root)) == (4 if scope == "--system" else 3)
+    assert shell.output("status", *place).startswith("r1: core, sensors, dashboard, boards")
+    robot = next(root.rglob("robot.toml"))
+    robot.write_text('name = "edited"\n[parts]\nboards = "serve"\n')
+    # An upgrade keeps what the user wrote.
+    shell.output("install", *place)
+    assert shell.output("status", *place).startswith("edited: boards")
+    shell.output("uninstall", *place)
+    assert not files(root)
+    assert shell.output("uninstall", *place) == "nothing is installed\n"
+
+
+def test_a_dry_run_writes_nothing(root: Path, shell: Shell) -> None:
+    words = ["install", "--machine", "robot", "--name", "r 2", "--core", "base.local", "--root", str(root)]
+    shown = shell.output(*words, "--system", "--board", "/dev/ttyACM0", "--part", "eye=role x", "--dry-run")
+    assert 'master = "http://base.local:11311"' in shown
+    assert 'boards = "serve /dev/ttyACM0"' in shown
+    assert 'eye = "role x"' in shown
+    assert not root.exists()
+
+
+def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
+    place = ("--root", str(root), "--system")
+    assert "There is no terminal to ask; give --machine" in shell.failure("install", *place)
+    assert "must be NAME=COMMAND" in shell.failure(
+        "install", "--machine", "base", "--name", "b", "--part", "x", *place
+    )
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("[parts]\na = 'rm x'\n")
+    assert "parts.a must be a rostether command" in shell.failure("install", "--from", str(wrong), *place)
+    assert "parts.a must be a rostether command" in shell.failure("up", str(wrong))
+    nested = tmp_path / "nested.toml"
+    nested.write_text("[parts]\na = 'up robot.toml'\n")
+    assert "parts.a must be a rostether command" in shell.failure("up", str(nested))
+    assert not root.exists()
+
+
+async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp_path: Path) -> None:
+    port = free_port()
+    robot = tmp_path / "robot.toml"
+    robot.write_text(
+        f'name = "r1"\nmaster = "http://127.0.0.1:{port}"\n[parts]\ncore = "core --port {port}"\n'
+        # A board that is away at boot is no failure.
+        'boards = "serve /dev/serial/by-id/usb-away"\n'
+    )
+    assert shell.output("up", str(robot), "--check") == f"{robot}: core, boards\n"
+    shell.output("install", "--from", str(robot), "--root", str(root), "--system")
+    unit = (root / "etc/systemd/system/rostether.service").read_text()
+    line = next(each for each in unit.splitlines() if each.startswith("ExecStart="))
+    words = shlex.split(line.removeprefix("ExecStart="))
+    verb = words[words.index("up") :]
+    assert verb == ["up", "/etc/rostether/robot.toml"]
+    async with started("up", str(root / verb[1].removeprefix("/"))) as up:
+        await up.wait_for("Press Ctrl-C to stop")
+        await up.wait_for("boards | ")
+        await up.wait_for("usb-away")
+        children = subprocess.run(
+            ["pgrep", "-P", str(up.process.pid), "-f", "rostether core"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+        os.kill(int(children[0]), signal.SIGKILL)
+        await up.wait_for("core   | ended (signal SIGKILL); starts again in 1 s")

@@ -1,0 +1,21 @@
+from __future__ import annotations
+
+import pytest
+
+from rostether.cli.shell.failures import EXIT_FAILED, EXIT_INTERRUPTED, exit_code_of
+
+
+def test_an_error_that_ctrl_c_caused_is_an_interruption(capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupted_in_a_class_body() -> None:
+        raise RuntimeError("Error calling __set_name__") from KeyboardInterrupt()
+
+    assert exit_code_of(interrupted_in_a_class_body) == EXIT_INTERRUPTED
+    assert capsys.readouterr().err == ""
+
+
+def test_other_errors_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
+    def failing() -> None:
+        raise RuntimeError("broken") from ValueError("below")
+
+    assert exit_code_of(failing) == EXIT_FAILED
+    assert "RuntimeError: broken" in capsys.readouterr().err

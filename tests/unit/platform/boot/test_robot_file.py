@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.errors import ConfigError
+from rostether.platform.boot.machine import Kind, Machine
+from rostether.platform.boot.robot_file import Part, read_robot_file
+
+COMMANDS = {"serve", "core", "role", "dashboard"}
+
+
+def read(tmp_path: Path, text: str) -> object:
+    file = tmp_path / "robot.toml"
+    file.write_text(text)
+    return read_robot_file(file, COMMANDS)
+
+
+def test_a_robot(tmp_path: Path) -> None:
+    file = tmp_path / "robot.toml"
+    file.write_text(
+        """
+        name = "r1"
+        master = "http://base:11311"
+        address = "10.0.0.2"
+        [environment]
+        ROS_DOMAIN_ID = "3"
+        [parts]
+        core = "rostether core"
+        boards = "serve '/dev/my board'"
+        """
+    )
+    robot = read_robot_file(file, COMMANDS)
+    assert robot.parts == (Part("core", ("core",)), Part("boards", ("serve", "/dev/my board")))
+    assert robot.environment == {
+        "ROS_DOMAIN_ID": "3",
+        "PLATFORM_NAME": "r1",
+        "ROS_MASTER_URI": "http://base:11311",
+        "ROS_IP": "10.0.0.2",
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("name = ", "is not TOML"),
+        ("nmae = 'x'", "unknown key 'nmae'; known are address,"),
+        ("name = 3", "name must be one line of text in quotes"),
+        ("", r"no parts; add a table \[parts\]"),
+        ("parts = 3", r"parts must be a table"),
+        ("[parts]\na = 'rm -rf x'", "parts.a must be a rostether command"),
+        ("[parts]\na = ''", "parts.a must be a rostether command"),
+        ('[parts]\na = "serve \'"', "parts.a: No closing quotation"),
+        ("[parts]\n" + "".join(f"p{n} = 'core'\n" for n in range(65)), "65 parts; at most 64"),
+    ],
+)
+def test_what_is_wrong_is_named_in_one_line(text: str, reason: str, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=reason) as error:
+        read(tmp_path, text)
+    assert "\n" not in str(error.value)
+
+
+def test_a_missing_file() -> None:
+    with pytest.raises(ConfigError, match="cannot read"):
+        read_robot_file(Path("/nowhere/robot.toml"), COMMANDS)
+
+
+@pytest.mark.parametrize("kind", Kind)
+def test_the_file_of_a_machine_can_be_read(kind: Kind, tmp_path: Path) -> None:
+    machine = Machine(kind, 'my "robot"', "base", "10.0.0.2", ["/dev/ttyACM0"], {"two words": "role x"})
+    file = tmp_path / "robot.toml"
+    file.write_text(machine.text)
+    robot = read_robot_file(file, COMMANDS)
+    assert robot.name == 'my "robot"'
+    names = [part.name for part in robot.parts]
+    assert ("core" in names) == (kind is not Kind.ROBOT)
+    assert ("boards" in names) == (kind is not Kind.BASE)
+    assert names[-1] == "two words"
+    assert robot.environment.get("ROS_MASTER_URI") == ("http://base:11311" if kind is Kind.ROBOT else None)

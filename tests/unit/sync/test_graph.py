@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+import rostether.sync
+from rostether.errors import MasterUnreachableError, SerializationError, ServiceCallError
+from rostether.msg.std_msgs import Int32
+from rostether.ros1.master.server import MasterServer
+from rostether.serde.values import Message
+from rostether.sync.waiting import LOOP
+
+LIMIT_S = 60.0
+
+
+@pytest.fixture(scope="module")
+def master() -> Iterator[str]:
+    server = LOOP.call(MasterServer.start(port=0))
+    yield server.uri
+    LOOP.call(server.close())
+
+
+@pytest.fixture
+def talker(master: str) -> Iterator[rostether.sync.Graph]:
+    with rostether.sync.join("talker", master=master) as graph:
+        yield graph
+
+
+@pytest.fixture
+def listener(master: str) -> Iterator[rostether.sync.Graph]:
+    with rostether.sync.join("listener", master=master) as graph:
+        yield graph
+
+
+def test_topics(talker: rostether.sync.Graph, listener: rostether.sync.Graph) -> None:
+    chatter = talker.publisher("chatter", "std_msgs/String", latch=True)
+    assert chatter.topic == "/chatter"
+    chatter.publish("hello")
+    assert listener.wait_for_message("chatter", timeout_s=LIMIT_S).data == "hello"
+    for message in listener.messages("chatter"):
+        assert message.data == "hello"
+        break
+    messages = listener.messages("chatter", "std_msgs/String")
+    assert next(messages).data == "hello"
+    messages.close()
+    messages.close()
+    got: queue.Queue[Message] = queue.Queue()
+    subscriber = listener.subscriber("chatter", None, got.put)
+    assert got.get(timeout=LIMIT_S).data == "hello"
+    chatter.publish(data="again")
+    assert got.get(timeout=LIMIT_S).data == "again"
+    subscriber.close()
+    with pytest.raises(SerializationError, match="dta"):
+        chatter.publish(dta=3)
+    chatter.close()
+
+
+def test_a_callback_that_fails_ends_nothing(
+    talker: rostether.sync.Graph, caplog: pytest.LogCaptureFixture
+) -> None:
+    got: queue.Queue[int] = queue.Queue()
+
+    def divide(message: Message) -> None:
+        got.put(6 // message.data)
+
+    numbers = talker.publisher("numbers", "std_msgs/Int32")
+    talker.subscriber("numbers", "std_msgs/Int32", divide)
+    assert numbers.wait_for_subscriber(LIMIT_S)
+    numbers.publish(0)
+    numbers.publish(2)
+    assert got.get(timeout=LIMIT_S) == 3
+    assert "the callback divide failed" in caplog.text
+
+
+def test_services_whose_handlers_use_the_graph(
+    talker: rostether.sync.Graph, listener: rostether.sync.Graph
+) -> None:
+    def enable(request: Message) -> dict[str, Any]:
+        if not request.data:
+            raise ValueError("cannot be off")
+        return {"success": True, "message": str(talker.get_param("/name", "none"))}
+
+    server = talker.serve("enable", "std_srvs/SetBool", enable)
+    assert listener.call("enable", "std_srvs/SetBool", {"data": True}).message == "none"
+    with pytest.raises(ServiceCallError, match="cannot be off"):
+        listener.call("enable", "std_srvs/SetBool", {"data": False})
+    server.close()
+
+
+def test_parameters(talker: rostether.sync.Graph) -> None:
+    seen: queue.Queue[object] = queue.Queue()
+    watch = talker.watch_param("/gain", seen.put)
+    assert seen.get(timeout=LIMIT_S) is None
+    talker.set_param("/gain", 2.5)
+    assert seen.get(timeout=LIMIT_S) == 2.5
+    watch.close()
+    assert "/gain" in talker.list_params()
+    talker.delete_param("/gain")
+    assert not talker.has_param("/gain")
+
+
+def test_what_a_node_knows(talker: rostether.sync.Graph) -> None:
+    talker.loginfo("ready")
+    assert talker.node_name == "/talker"
+    assert talker.resolve("a") == "/a"
+    assert talker.now().secs > 0
+    assert "/talker" in talker.snapshot().nodes
+
+
+def test_types_as_classes(talker: rostether.sync.Graph) -> None:
+    numbers = talker.publisher("numbers", Int32, latch=True)
+    numbers.publish(data=3)
+    assert talker.wait_for_message("numbers", Int32, timeout_s=LIMIT_S).data == 3
+    for message in talker.messages("numbers", Int32):
+        assert message.data.bit_length() == 2
+        break
+    got: queue.Queue[Int32] = queue.Queue()
+    talker.subscriber("numbers", Int32, got.put)
+    assert got.get(timeout=LIMIT_S).data == 3
+
+
+def test_no_master() -> None:
+    with pytest.raises(MasterUnreachableError):
+        rostether.sync.join("talker", master="http://127.0.0.1:9")
+
+
+def test_a_loop_ends_when_its_node_leaves(master: str) -> None:
+    graph = rostether.sync.join("leaver", master=master)
+    messages = graph.messages("/never", "std_msgs/String")
+    started = threading.Event()
+
+    def leave() -> None:
+        started.wait()
+        while not graph.snapshot().topics.get("/never"):
+            pass
+        graph.close()
+
+    thread = threading.Thread(target=leave)
+    thread.start()
+    started.set()
+    assert list(messages) == []
+    thread.join()
+    graph.close()
+
+
+@pytest.mark.parametrize("end", ["signal", "exception", "exit"])
+def test_a_program_that_ends_leaves_the_graph(master: str, listener: rostether.sync.Graph, end: str) -> None:
+    code = (
+        "import sys, rostether.sync\n"
+        f"graph = rostether.sync.join('short', master={master!r})\n"
+        "print('joined', flush=True)\n"
+        f"if {end!r} == 'signal':\n    for _ in graph.messages('/never', 'std_msgs/String'): pass\n"
+        f"if {end!r} == 'exception': raise KeyError('broken')\n"
+    )
+    program = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert program.stdout is not None
+    assert program.stdout.readline() == b"joined\n"
+    if end == "signal":
+        os.kill(program.pid, signal.SIGINT)
+    _, errors = program.communicate(timeout=LIMIT_S)
+    assert {"signal": b"KeyboardInterrupt", "exception": b"broken", "exit": b""}[end] in errors
+    assert errors.count(b"Traceback") == (end != "exit")
+    assert "/short" not in listener.snapshot().nodes

@@ -1,0 +1,176 @@
+"""An interpreter that has imported libraries and runs each requested program in a fork of itself.
+
+`warm_start` starts it, under the Python of the tests or Debian's, and describes the requests.
+"""
+
+from __future__ import annotations
+
+import atexit
+import builtins
+import ctypes
+import gc
+import importlib
+import io
+import json
+import os
+import runpy
+import signal
+import socket
+import sys
+import time
+import types
+from pathlib import Path
+from typing import Any
+
+# clone(2); each architecture has its own number.
+_CLONE = {"x86_64": 56, "aarch64": 220}
+_CLONE_PARENT = 0x8000
+_NAME_BYTES = 15
+
+
+def fork_sibling() -> int:
+    """Fork as `os.fork` does, but the child's parent is this process's parent, which can wait for it."""
+    # PyDLL keeps the interpreter locked, so parent and child agree on its state.
+    python = ctypes.PyDLL(None)
+    python.PyOS_BeforeFork()
+    pid: int = python.syscall(_CLONE[os.uname().machine], _CLONE_PARENT | signal.SIGCHLD, 0, 0, 0, 0)
+    if pid == 0:
+        python.PyOS_AfterFork_Child()
+    else:
+        python.PyOS_AfterFork_Parent()
+    return pid
+
+
+def receive(control: socket.socket) -> tuple[dict[str, Any], list[int]]:
+    """Return a request and its standard input, output and error; ends this process with the tests."""
+    header, fds, _, _ = socket.recv_fds(control, 4, 3)
+    if not header:
+        os._exit(0)
+    missing = int.from_bytes(header, "big")
+    parts = []
+    while missing:
+        part = control.recv(missing)
+        parts.append(part)
+        missing -= len(part)
+    return json.loads(b"".join(parts)), fds
+
+
+def keep_at_exit(modules: dict[str, types.ModuleType]) -> None:
+    """Keep the end of a program, which clears all modules, from clearing these in memory that is shared."""
+    # A reference that is never given back.
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(modules))
+    for name in modules:
+        sys.modules.pop(name, None)
+
+
+def become(request: dict[str, Any], fds: list[int]) -> None:
+    """Give this new process what the program would have at its start."""
+    if request["is_leader"]:
+        os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number, fd in enumerate(fds):
+        os.dup2(fd, number)
+    for fd in fds:
+        os.close(fd)
+    os.chdir(request["folder"])
+    os.environ.clear()
+    os.environ.update(request["environment"])
+    time.tzset()
+    # Some functions have the list itself as their default argument.
+    sys.argv[:] = request["arguments"]
+    sys.orig_argv = list(request["command"])
+    _set_command_line(request["command"], request["name"])
+    _open_streams(request["is_unbuffered"])
+    sys.path[:0] = request["path"]
+    if "PYTHONPATH" in os.environ:
+        _run_site_customization()
+    if "rospy.names" in sys.modules:
+        # Reads the command line and the environment.
+        importlib.reload(sys.modules["rospy.names"])
+
+
+def _set_command_line(command: list[str], name: str) -> None:
+    """Show the program's command line and name in /proc; this interpreter's own line is longer."""
+    first, end = (int(word) for word in Path("/proc/self/stat").read_text().rpartition(")")[2].split()[45:47])
+    line = b"\0".join(map(os.fsencode, command))[: end - first - 1]
+    ctypes.memmove(first, line.ljust(end - first, b"\0"), end - first)
+    Path("/proc/self/comm").write_bytes(os.fsencode(name)[:_NAME_BYTES])
+
+
+def _open_streams(is_unbuffered: bool) -> None:
+    for name, fd, mode in (("stdin", 0, "rb"), ("stdout", 1, "wb"), ("stderr", 2, "wb")):
+        old = getattr(sys, name)
+        is_raw = is_unbuffered and fd != 0
+        raw = open(fd, mode, 0 if is_raw else -1, closefd=False)  # noqa: SIM115 - the program closes it
+        stream = io.TextIOWrapper(
+            raw,
+            old.encoding,
+            old.errors,
+            newline="\n",
+            line_buffering=not is_unbuffered and (fd == 2 or raw.isatty()),
+            write_through=is_unbuffered,
+        )
+        setattr(sys, name, stream)
+        setattr(sys, f"__{name}__", stream)
+
+
+def _run_site_customization() -> None:
+    """Do what `site` does for a folder of PYTHONPATH."""
+    sys.modules.pop("sitecustomize", None)
+    importlib.invalidate_caches()
+    try:
+        importlib.import_module("sitecustomize")
+    except ModuleNotFoundError as error:
+        if error.name != "sitecustomize":
+            raise
+
+
+def run(request: dict[str, Any]) -> None:
+    """Run the program as the main module."""
+    main = types.ModuleType("__main__")
+    main.__dict__.update(__builtins__=builtins, __annotations__={})
+    sys.modules["__main__"] = main
+    kind, program = request["program"]
+    if kind == "module":
+        runpy._run_module_as_main(program)  # type: ignore[attr-defined]
+        return
+    if kind == "file":
+        main.__dict__.update(__file__=program, __cached__=None)
+        source: bytes | str = Path(program).read_bytes()
+    else:
+        source = program
+    exec(compile(source, program if kind == "file" else "<string>", "exec", dont_inherit=True), main.__dict__)
+
+
+def next_request(control: socket.socket) -> dict[str, Any]:
+    """Start a child for each request; returns the request in the child."""
+    while True:
+        request, fds = receive(control)
+        pid = fork_sibling()
+        if pid == 0:
+            control.close()
+            become(request, fds)
+            return request
+        for fd in fds:
+            os.close(fd)
+        control.sendall(pid.to_bytes(4, "big", signed=True))
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _libraries: dict[str, types.ModuleType] = {}
+    # What is registered first runs last.
+    atexit.register(keep_at_exit, _libraries)
+    for _name in sys.argv[2].split(","):
+        importlib.import_module(_name)
+    # Without this, collecting garbage would copy the memory that children share.
+    _libraries.update(sys.modules)
+    del _libraries["__main__"]
+    gc.collect()
+    gc.freeze()
+    del sys.path[0]
+    # A program has a PYTHONPATH of its own.
+    sys.path = [
+        folder for folder in sys.path if folder not in os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    ]
+    run(next_request(socket.socket(fileno=int(sys.argv[1]))))

@@ -1,0 +1,223 @@
+"""Starts of Python programs that skip what all of them do: start the interpreter and import its libraries.
+
+Most of what a short command costs is its start, and the tests start thousands. So `subprocess` and `asyncio`
+start `rostether` and Debian's Python programs by a fork of an interpreter with the libraries imported
+(`warm_interpreter`). Everything else is the program's own: process, environment, folder, streams, signals.
+The fixture `cold_start` is for tests of the start itself.
+"""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import json
+import os
+import platform
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+DEBIAN_PYTHON = "/usr/bin/python3"
+# Imported by most programs; they start no threads.
+_LIBRARIES = {
+    DEBIAN_PYTHON: "rospy,rosbag,rosmsg,rosnode,rosservice,rostopic,geometry_msgs.msg,nav_msgs.msg,"
+    "sensor_msgs.msg,std_srvs.srv,argparse,logging.config",
+    sys.executable: "rostether.cli.main,rostether.cli.bridge.serve,rostether.cli.topic.ros1_echo,uuid",
+}
+_INTERPRETER = Path(__file__).with_name("warm_interpreter.py")
+# The interpreter's command line is at least as long, so that a program's fits in its place.
+_COMMAND_LINE_BYTES = 4096
+# Environment variables that change an interpreter's start; those of _KNOWN are followed.
+_KNOWN = ("PYTHONPATH", "PYTHONUNBUFFERED", "PYTHONDONTWRITEBYTECODE")
+_LOCALE = ("LC_ALL", "LC_CTYPE", "LANG")
+IS_SUPPORTED = sys.platform == "linux" and platform.machine() in ("x86_64", "aarch64")
+
+_execute_child = subprocess.Popen._execute_child  # type: ignore[attr-defined]
+_SIGNATURE = inspect.signature(_execute_child)
+
+
+class WarmInterpreter:
+    """One running interpreter."""
+
+    def __init__(self, python: str) -> None:
+        self._control, theirs = socket.socketpair()
+        self._lock = threading.Lock()
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+        if python == sys.executable and "PYTHONPATH" in os.environ:
+            # The libraries of the tests.
+            environment["PYTHONPATH"] = os.environ["PYTHONPATH"]
+        command = [python, str(_INTERPRETER), str(theirs.fileno()), _LIBRARIES[python]]
+        self._process = subprocess.Popen(
+            [*command, "-" * _COMMAND_LINE_BYTES], pass_fds=[theirs.fileno()], env=environment | _UTF8
+        )
+        theirs.close()
+
+    @property
+    def pid(self) -> int:
+        """Its process id."""
+        return self._process.pid
+
+    def start(self, request: Mapping[str, Any], fds: Sequence[int]) -> int:
+        """Start a program; returns its process id. It is a child of this process."""
+        data = json.dumps(request).encode()
+        with self._lock:
+            socket.send_fds(self._control, [len(data).to_bytes(4, "big")], fds)
+            self._control.sendall(data)
+            return int.from_bytes(self._control.recv(4), "big", signed=True)
+
+    def close(self) -> None:
+        """End it; the programs run on."""
+        self._control.close()
+        self._process.wait()
+
+
+_UTF8 = {"LC_ALL": "C.UTF-8"}
+_interpreters: dict[str, WarmInterpreter] = {}
+_is_enabled = False
+
+
+def interpreter_pids() -> set[int]:
+    """Return the ids of the interpreters of this process."""
+    return {each.pid for each in _interpreters.values()}
+
+
+def pytest_sessionstart() -> None:
+    """Start programs this way from now on."""
+    global _is_enabled
+    if IS_SUPPORTED:
+        subprocess.Popen._execute_child = _start  # type: ignore[attr-defined]
+        _is_enabled = True
+
+
+def pytest_unconfigure() -> None:
+    """End the interpreters."""
+    subprocess.Popen._execute_child = _execute_child  # type: ignore[attr-defined]
+    while _interpreters:
+        _interpreters.popitem()[1].close()
+
+
+@pytest.fixture
+def cold_start() -> Iterator[None]:
+    """Start programs with nothing imported."""
+    global _is_enabled
+    was_enabled, _is_enabled = _is_enabled, False
+    yield
+    _is_enabled = was_enabled
+
+
+def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> None:
+    call = _SIGNATURE.bind(process, *arguments, **options).arguments
+    found = _request(call) if _is_enabled else None
+    if found is None:
+        _execute_child(process, *arguments, **options)
+        return
+    python, request = found
+    ends = [
+        call[name] if call[name] != -1 else fd for fd, name in enumerate(("p2cread", "c2pwrite", "errwrite"))
+    ]
+    if python not in _interpreters:
+        _interpreters[python] = WarmInterpreter(python)
+    process.pid = _interpreters[python].start(request, ends)
+    process._child_created = True  # type: ignore[attr-defined]
+    pipes = ("p2cread", "p2cwrite", "c2pread", "c2pwrite", "errread", "errwrite")
+    process._close_pipe_fds(*(call[name] for name in pipes))  # type: ignore[attr-defined]
+
+
+def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
+    """Return the Python and the request for a program, or None where it needs a start of its own."""
+    if not _is_plain(call):
+        return None
+    environment = dict(os.environ if call["env"] is None else call["env"])
+    folder = Path.cwd() / (call["cwd"] or "")
+    program = _program([os.fspath(word) for word in call["args"]], environment, folder)
+    if program is None or not _follows(environment):
+        return None
+    added = [part for part in environment.get("PYTHONPATH", "").split(os.pathsep) if part]
+    return program.python, {
+        "program": program.what,
+        "arguments": program.arguments,
+        "command": program.command,
+        "name": program.name,
+        "environment": environment,
+        "folder": str(folder),
+        "path": [*program.path, *added],
+        "is_leader": call["start_new_session"],
+        "is_unbuffered": program.is_unbuffered or bool(environment.get("PYTHONUNBUFFERED")),
+    }
+
+
+def _is_plain(call: Mapping[str, Any]) -> bool:
+    """Return whether a start asks for nothing but arguments, environment, folder, streams and a session."""
+    return (
+        not isinstance(call["args"], str | bytes | os.PathLike)
+        and not (call["executable"] or call["shell"] or call["preexec_fn"] or call["pass_fds"])
+        and all(call[name] is None for name in ("uid", "gid", "gids"))
+        and call["umask"] == call["process_group"] == -1
+    )
+
+
+def _follows(environment: Mapping[str, str]) -> bool:
+    """Return whether an interpreter that runs already can take on what these variables ask for."""
+    unknown = [name for name in environment if name.startswith("PYTHON") and name not in _KNOWN]
+    locale = next((value for name in _LOCALE if (value := environment.get(name))), "C")
+    return not unknown and locale in ("C", "C.UTF-8", "POSIX")
+
+
+@dataclass(frozen=True)
+class _Program:
+    """A Python program: `what` is the kind (module, text, file) and the module, text or path."""
+
+    python: str
+    what: tuple[str, str]
+    path: list[str]
+    arguments: list[str]
+    command: list[str]
+    name: str
+    is_unbuffered: bool = False
+
+
+def _program(command: list[str], environment: Mapping[str, str], folder: Path) -> _Program | None:
+    found = shutil.which(command[0], path=environment.get("PATH", os.defpath))
+    if found is None:
+        return None
+    if found in _LIBRARIES:
+        return _python_program(found, command, folder)
+    python = _python_of_script(found)
+    if python is None:
+        return None
+    path = [str(Path(found).resolve().parent)]
+    arguments = [found, *command[1:]]
+    return _Program(python, ("file", found), path, arguments, [python, *arguments], Path(found).name)
+
+
+def _python_of_script(file: str) -> str | None:
+    """Return the Python that a script's first line names, if there is an interpreter for it."""
+    with Path(file).open("rb") as script:
+        line = script.readline(256).decode(errors="replace").rstrip()
+    python = line.removeprefix("#!")
+    return python if python in _LIBRARIES and line != python else None
+
+
+def _python_program(python: str, command: list[str], folder: Path) -> _Program | None:
+    options = list(itertools.takewhile(("-P", "-u").__contains__, command[1:]))
+    words = command[1 + len(options) :]
+    match words:
+        case ["-m", "rostether", *rest]:
+            what, path, arguments = ("module", "rostether"), str(folder), ["-m", *rest]
+        case ["-c", text, *rest]:
+            what, path, arguments = ("text", text), "", ["-c", *rest]
+        case [file, *_] if not file.startswith("-"):
+            script = folder / file
+            what, path, arguments = ("file", str(script)), str(script.resolve().parent), words
+        case _:
+            return None
+    added = [] if "-P" in options else [path]
+    return _Program(python, what, added, arguments, command, Path(command[0]).name, "-u" in options)
