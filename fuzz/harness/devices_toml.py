@@ -99,4 +99,4 @@ def _parse(text: str) -> None:
         if device.match is not None and device.match.address is not None:
             assert device.match.address == str(ipaddress.ip_address(device.match.address))
     settings = book.settings_for("arm", BoardIdentity(port="/dev/ttyUSB0", address="192.168.1.20"))
-    settings.access.publish.permits("/lab/imu")
+    settings.access.publish.refusal("/lab/imu")

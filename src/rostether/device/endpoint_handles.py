@@ -54,7 +54,6 @@ class Subscriber:
     def __init__(self, topic: str, codec: Codec, callback: OnMessage) -> None:
         self.topic = topic
         self.received_count = 0
-        self.discarded_count = 0
         self._codec = codec
         self._callback = callback
 
@@ -64,7 +63,6 @@ class Subscriber:
             try:
                 message = self._codec.decode(payload)
             except SerializationError as error:
-                self.discarded_count += 1
                 _LOG.debug("dropped a message on %s: %s", self.topic, error)
                 continue
             self.received_count += 1

@@ -48,7 +48,6 @@ class Board:
     title: str
     fqbn: str
     mcu: str = ""
-    f_cpu_hz: int = 0
     flash_bytes: int = 0
     ram_bytes: int = 0
     upload_protocol: str = ""
@@ -106,7 +105,6 @@ class BoardTable:
             title=own["name"],
             fqbn=":".join((*_PLATFORM, board_id)) + suffix,
             mcu=own.get("build.mcu", ""),
-            f_cpu_hz=int(own.get("build.f_cpu", "0").rstrip("UL")),
             flash_bytes=int(own.get("upload.maximum_size", "0")),
             ram_bytes=int(own.get("upload.maximum_data_size", "0")),
             upload_protocol=own.get("upload.protocol", ""),

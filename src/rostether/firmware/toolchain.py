@@ -70,10 +70,6 @@ class AvrToolchain:
         platform = (self.core / "platform.txt").stat()
         return f"{compiler} {status.st_size} {status.st_mtime_ns} {self.core} {platform.st_mtime_ns}"
 
-    def tool(self, name: str) -> str:
-        """Return the path of `avr-...`."""
-        return str(self.tools / name)
-
     def recipe(self, name: str, board: Board, warnings: str = "none") -> list[str]:
         """Return a recipe's command line for a board; `warnings` is `none`, `default`, `more` or `all`."""
         properties = {**self.properties, **board.properties}

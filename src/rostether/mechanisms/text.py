@@ -30,9 +30,9 @@ def escape_line(text: str, max_chars: int | None = None) -> str:
     return escaped if max_chars is None or len(escaped) <= max_chars else f"{escaped[: max_chars - 3]}..."
 
 
-def fold_line(text: str, max_chars: int | None = None) -> str:
-    """Return the text as one line, with one space for each run of white space; else as `escape_line`."""
-    return escape_line(" ".join(text.split()), max_chars)
+def fold_line(text: str) -> str:
+    """Return the text as one line, with one space for each run of white space."""
+    return escape_line(" ".join(text.split()))
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

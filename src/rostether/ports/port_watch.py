@@ -56,7 +56,6 @@ class PortWatch:
         named = {str(Path(entry).parent) for entry in self._entries if "/" in entry}
         self._folders = tuple(dict.fromkeys((*folders, *sorted(named))))
         self._period_s = period_s
-        self.list_count = 0
 
     async def changes(self) -> AsyncIterator[list[SerialPort]]:
         """Yield the ports that are there now, and again whenever something about them changed."""
@@ -97,7 +96,6 @@ class PortWatch:
 
     def list(self) -> list[SerialPort]:
         """Return the ports that are there now."""
-        self.list_count += 1
         ports = list(self._list_ports())
         real_paths = {os.path.realpath(port.path) for port in ports}
         for path in named_ports(self._entries):

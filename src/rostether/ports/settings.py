@@ -23,10 +23,6 @@ class NameRule:
     allow: tuple[str, ...] | None = None
     deny: tuple[str, ...] = ()
 
-    def permits(self, name: str) -> bool:
-        """Return whether a resolved name may be used."""
-        return self.refusal(name) is None
-
     def refusal(self, name: str) -> str | None:
         """Return which entry forbids a resolved name, None if it is permitted."""
         for pattern in self.deny:

@@ -73,12 +73,10 @@ class TfListener:
 
 @asynccontextmanager
 async def tf_listener(
-    graph: TypedGraph,
-    buffer: TransformBuffer | None = None,
-    on_refusal: Callable[[str], None] = lambda _: None,
+    graph: TypedGraph, on_refusal: Callable[[str], None] = lambda _: None
 ) -> AsyncIterator[TfListener]:
     """Listen to tf as long as the block lasts; `on_refusal` gets a line about each transform left out."""
-    listener = TfListener(TransformBuffer() if buffer is None else buffer, on_refusal)
+    listener = TfListener(TransformBuffer(), on_refusal)
     codec = graph.store.codec(TF_TYPE)
     message_type = graph.store.registry.message_type(TF_TYPE)
     subscribers = []

@@ -12,7 +12,6 @@ import re
 import socket
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 from rostether.errors import ConfigError
 from rostether.names.graph_name import canonical, is_global, is_legal_name, join
@@ -85,7 +84,6 @@ class RosEnvironment:
     advertised_host: str = LOOPBACK
     listen_hosts: tuple[str, ...] = (LOOPBACK,)
     namespace: str = "/"
-    package_path: tuple[Path, ...] = ()
     admission: Admission = field(default=EVERYBODY, compare=False)
     limits: GraphLimits = DEFAULT_GRAPH_LIMITS
     own_names: tuple[str, ...] = ()
@@ -104,9 +102,6 @@ class RosEnvironment:
             master_uri=master_uri or DEFAULT_MASTER_URI,
             master_uri_is_set=bool(master_uri),
             namespace=_read_namespace(variables.get("ROS_NAMESPACE", "")),
-            package_path=tuple(
-                Path(part) for part in variables.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part
-            ),
         )
         # rospy and roscpp let ROS_HOSTNAME win over ROS_IP.
         for variable in ("ROS_HOSTNAME", "ROS_IP"):

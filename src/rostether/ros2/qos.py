@@ -45,25 +45,6 @@ class Qos:
 
 
 DEFAULT_QOS = Qos()
-SENSOR_DATA_QOS = Qos(reliability=Reliability.BEST_EFFORT, depth=5)
 LATCHED_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1)
 ROSOUT_QOS = Qos(durability=Durability.TRANSIENT_LOCAL, depth=1000)
 SERVICES_QOS = Qos()
-
-
-def explain_mismatch(offered: Qos, requested: Qos) -> str:
-    """Return why a publisher and a subscriber with these policies do not connect over DDS; empty if they do.
-    The rule: the publisher must offer at least what the subscriber requests.
-    """
-    reasons = []
-    if offered.reliability is Reliability.BEST_EFFORT and requested.reliability is Reliability.RELIABLE:
-        reasons.append(
-            "the publisher is best effort, but the subscriber requests reliable; let the subscriber request"
-            " best effort"
-        )
-    if offered.durability is Durability.VOLATILE and requested.durability is Durability.TRANSIENT_LOCAL:
-        reasons.append(
-            "the publisher is volatile, but the subscriber requests transient local; latch the topic, or "
-            "let the subscriber request volatile"
-        )
-    return "; ".join(reasons)

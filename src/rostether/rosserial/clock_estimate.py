@@ -54,9 +54,6 @@ class ClockEstimate:
         self._slopes: deque[float] = deque(maxlen=INTERVALS)
         self._ends: deque[tuple[float, float]] = deque(maxlen=MIN_INTERVALS)
 
-        # Stamps that were not near the host's time.
-        self.unsound_count = 0
-
     @property
     def drift_ppm(self) -> float | None:
         """How much faster the board's clock runs, in millionths; None while not known."""
@@ -97,7 +94,6 @@ class ClockEstimate:
             return
         lag_s = (host_ns - stamp_ns) / _NS
         if abs(lag_s) > SOUND_S:
-            self.unsound_count += 1
             return
         self._samples.append((elapsed_s, lag_s))
         if elapsed_s > MAX_INTERVAL_S:

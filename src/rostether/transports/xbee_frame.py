@@ -58,10 +58,9 @@ def encode_frame(data: bytes) -> bytes:
 
 
 class XbeeFrameDecoder:
-    """Finds frames in a byte stream cut anywhere; damaged ones are counted and dropped."""
+    """Finds frames in a byte stream cut anywhere; damaged ones are dropped."""
 
     def __init__(self) -> None:
-        self.discarded_count = 0
         self._frame: bytearray | None = None
         self._escaped = False
 
@@ -78,8 +77,6 @@ class XbeeFrameDecoder:
         for byte in data:
             if byte == _DELIMITER:
                 # Unescaped it can only begin a frame, whatever was under way.
-                if self._frame is not None:
-                    self.discarded_count += 1
                 self._frame = bytearray()
                 self._escaped = False
                 continue
@@ -98,16 +95,10 @@ class XbeeFrameDecoder:
             return None
         length = int.from_bytes(frame[:_LENGTH_BYTES], "big")
         if length > MAX_FRAME_BYTES:
-            self._discard()
+            self._frame = None
             return None
         if len(frame) < _LENGTH_BYTES + length + 1:
             return None
-        if sum(frame[_LENGTH_BYTES:]) & 0xFF != 0xFF:
-            self._discard()
-            return None
         self._frame = None
-        return bytes(frame[_LENGTH_BYTES:-1])
-
-    def _discard(self) -> None:
-        self.discarded_count += 1
-        self._frame = None
+        is_sound = sum(frame[_LENGTH_BYTES:]) & 0xFF == 0xFF
+        return bytes(frame[_LENGTH_BYTES:-1]) if is_sound else None

@@ -124,7 +124,7 @@ async def test_subscribe_and_survive_a_callback_that_fails(
         host.transport.write(host.link.encode_message(info.topic_id, b"\1\2\3"))
         host.publish("in", {"data": 3})
         await until(lambda: got == [1, 2, 3])
-    assert (subscriber.received_count, subscriber.discarded_count) == (3, 1)
+    assert subscriber.received_count == 3
     assert "the callback of in failed" in caplog.text
 
 

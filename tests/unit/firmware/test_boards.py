@@ -37,12 +37,7 @@ def table() -> BoardTable:
 @pytest.mark.parametrize("name", ["uno", "Uno", "UNO", "Arduino Uno", "arduino:avr:uno", "uno-r3"])
 def test_the_uno_by_its_names(table: BoardTable, name: str) -> None:
     board = table.find(name)
-    assert (board.mcu, board.f_cpu_hz, board.flash_bytes, board.ram_bytes) == (
-        "atmega328p",
-        16_000_000,
-        32256,
-        2048,
-    )
+    assert (board.mcu, board.flash_bytes, board.ram_bytes) == ("atmega328p", 32256, 2048)
     assert board.fqbn == "arduino:avr:uno"
     assert board.usb_ids == ((0x2341, 0x0043),)
 
@@ -110,4 +105,5 @@ def test_the_boards_of_the_installed_core(
 
 @pytest.mark.avr
 def test_the_slow_pro_mini_runs_at_half_the_speed() -> None:
-    assert find_board("promini8").f_cpu_hz * 2 == find_board("promini").f_cpu_hz
+    speeds = [find_board(name).properties["build.f_cpu"] for name in ("promini8", "promini")]
+    assert speeds == ["8000000L", "16000000L"]

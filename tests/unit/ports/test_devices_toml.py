@@ -183,7 +183,7 @@ def test_a_thousand_entries_are_enough() -> None:
     ],
 )
 def test_name_rules(rule: NameRule, name: str, is_permitted: bool) -> None:
-    assert rule.permits(name) is is_permitted
+    assert (rule.refusal(name) is None) is is_permitted
 
 
 def test_limits_of_a_board_are_added_to_those_of_all() -> None:

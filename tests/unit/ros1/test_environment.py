@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from rostether.errors import ConfigError
@@ -105,11 +103,6 @@ def test_master_option_wins() -> None:
 )
 def test_namespaces_are_made_global(text: str, namespace: str) -> None:
     assert RosEnvironment.read({"ROS_NAMESPACE": text}).namespace == namespace
-
-
-def test_the_package_path_is_split() -> None:
-    environment = RosEnvironment.read({"ROS_PACKAGE_PATH": "/a:/b c::/d"})
-    assert environment.package_path == (Path("/a"), Path("/b c"), Path("/d"))
 
 
 @pytest.mark.parametrize(

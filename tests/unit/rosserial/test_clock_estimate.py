@@ -89,7 +89,6 @@ def test_stamps_that_are_not_of_the_synchronised_clock_are_left_out() -> None:
     estimate.answered(EPOCH_NS, 0.0)
     for tenth in range(20):
         estimate.stamped(tenth * 10**8, EPOCH_NS + tenth * 10**8, tenth / 10)
-    assert estimate.unsound_count > 10
     estimate.answered(EPOCH_NS, 2.5)
     assert estimate.offset_s() is None
 

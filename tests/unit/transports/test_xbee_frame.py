@@ -61,7 +61,6 @@ def test_pass_over_other_kinds_of_frames() -> None:
     tx_status = encode_frame(bytes((0x89, 1, 0)))
     decoder = XbeeFrameDecoder()
     assert decoder.feed(tx_status + rx_frame(1, b"x")) == [RadioPacket(1, b"x")]
-    assert decoder.discarded_count == 0
 
 
 def test_damage_costs_one_frame() -> None:
@@ -70,20 +69,17 @@ def test_damage_costs_one_frame() -> None:
     bad[-2] ^= 1
     decoder = XbeeFrameDecoder()
     assert decoder.feed(bytes(bad) + good) == [RadioPacket(1, b"good")]
-    assert decoder.discarded_count == 1
 
 
 def test_a_cut_frame_costs_only_itself() -> None:
     good = rx_frame(1, b"good")
     decoder = XbeeFrameDecoder()
     assert decoder.feed(good[:7] + good) == [RadioPacket(1, b"good")]
-    assert decoder.discarded_count == 1
 
 
 def test_a_damaged_length_is_not_waited_for() -> None:
     decoder = XbeeFrameDecoder()
     assert decoder.feed(bytes.fromhex("7E7000") + bytes(300)) == []
-    assert decoder.discarded_count == 1
     assert decoder.feed(rx_frame(1, b"x")) == [RadioPacket(1, b"x")]
 
 
@@ -101,7 +97,6 @@ def test_any_cutting_gives_the_same_packets(packets: list[tuple[int, bytes]], cu
         position += size
         turn += 1
     assert found == [RadioPacket(*packet) for packet in packets]
-    assert decoder.discarded_count == 0
 
 
 @given(st.binary(max_size=400))

@@ -28,7 +28,6 @@ class SubscriberEndpoint:
         self.info = info
         self.message_count = 0
         self.misfit_count = 0
-        self.oversize_count = 0
         self.largest_oversize_bytes = 0
         self.has_latched_source = False
         self._type = message_type
@@ -127,7 +126,6 @@ class SubscriberEndpoint:
         return fitting
 
     def _report_oversize(self, size: int, count: int = 0) -> None:
-        self.oversize_count += count
         self.largest_oversize_bytes = max(self.largest_oversize_bytes, size)
         self._notices.episode(
             f"oversize {self.info.topic_name}",

@@ -73,7 +73,6 @@ class Doctor:
         store: TypeStore,
         *,
         watch_s: float = WATCH_S,
-        answer_s: float = NO_ANSWER_S,
         report_step: Callable[[str], object] = lambda _text: None,
         read_facts: Callable[[str], Awaitable[PortFacts]] | None = None,
         list_ports: Callable[[], Sequence[NamedPort]] = list,
@@ -81,7 +80,6 @@ class Doctor:
     ) -> None:
         self._store = store
         self._watch_s = watch_s
-        self._answer_s = answer_s
         self._report_step = report_step
         self._read_facts = read_facts or partial(_read_facts, list_ports)
         self._open = open_transport
@@ -161,7 +159,7 @@ class Doctor:
         except RostetherError as failure:
             return Diagnosis(str(address), (await self._why_not_listening(address, failure),))
         try:
-            wait_s = max(self._watch_s, self._answer_s)
+            wait_s = max(self._watch_s, NO_ANSWER_S)
             self._report_step(f"waiting {wait_s:.0f} s for a board to connect to {listener.address} ...")
             try:
                 async with asyncio.timeout(wait_s):
@@ -181,7 +179,7 @@ class Doctor:
         return cannot_open(failure)
 
     async def _watch(self, transport: Transport, baud: int | None) -> Watched:
-        return await watch_board(transport, baud, self._store, watch_s=self._watch_s, answer_s=self._answer_s)
+        return await watch_board(transport, baud, self._store, watch_s=self._watch_s)
 
     def _diagnosis(self, address: Address, watched: Watched, baud: int | None = None) -> Diagnosis:
         has_answered = watched.view.protocol_version is not None

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Code, Finding, error
-from rostether.bridge.findings.line_watch import absence
+from rostether.bridge.findings.line_watch import NO_ANSWER_S, absence
 from rostether.bridge.health.diagnostics import BoardView, view_board
 from rostether.bridge.reporter import SilentReporter
 from rostether.bridge.session import Session
@@ -42,10 +42,8 @@ class Watched:
     clock_drift_ppm: float | None
 
 
-async def watch_board(
-    transport: Transport, baud: int | None, store: TypeStore, *, watch_s: float, answer_s: float
-) -> Watched:
-    """Serve a board for `watch_s` after its first answer, or give it up after `answer_s`; closes its line."""
+async def watch_board(transport: Transport, baud: int | None, store: TypeStore, *, watch_s: float) -> Watched:
+    """Serve a board for `watch_s` after its first answer, or until it is clear that none answers; closes."""
     clock = asyncio.get_running_loop().time
     # A step of the wall clock meanwhile would pass for drift of the board's.
     epoch_ns = time.time_ns() - round(clock() * 1e9)
@@ -55,7 +53,7 @@ async def watch_board(
     began_s = clock()
     session.start()
     try:
-        alive_s = await _watch(session, clock, watch_s, answer_s)
+        alive_s = await _watch(session, clock, watch_s)
         now_s = clock()
         watched_s = now_s - (alive_s if alive_s is not None else began_s)
         findings = node.health.find(now_s)
@@ -82,9 +80,7 @@ async def watch_board(
         await node.close()
 
 
-async def _watch(
-    session: Session, clock: Callable[[], float], watch_s: float, answer_s: float
-) -> float | None:
+async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -> float | None:
     """Wait as long as there is something to learn; return when the board first answered."""
     began_s = found_s = clock()
     alive_s: float | None = None
@@ -100,7 +96,7 @@ async def _watch(
             is_doubtful = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
             if now_s - alive_s >= (max(UNREST_S, watch_s) if is_doubtful else watch_s):
                 break
-        elif now_s - began_s >= answer_s:
+        elif now_s - began_s >= NO_ANSWER_S:
             break
     return alive_s
 

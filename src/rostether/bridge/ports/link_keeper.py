@@ -129,10 +129,10 @@ def way_back(address: Address) -> str:
     return "you unplug it and plug it in again" if _comes_and_goes(address) else "you restart rostether"
 
 
-def identify_address(address: Address, list_ports: ListPorts = list_serial_ports) -> BoardIdentity:
+def identify_address(address: Address) -> BoardIdentity:
     """Return what is known of a link's board before it has answered: the marks of its port, if it has one."""
     if isinstance(address, SerialAddress) and "/" in address.path:
-        return PortFinder(address.path, list_ports, lambda: 0.0).identify(address.path)
+        return PortFinder(address.path, list_serial_ports, lambda: 0.0).identify(address.path)
     return BoardIdentity()
 
 

@@ -56,11 +56,9 @@ def in_namespace(name: str, namespace: str) -> bool:
 
 
 @asynccontextmanager
-async def master_client(
-    environment: RosEnvironment, caller_id: str = OUR_NAME
-) -> AsyncIterator[MasterClient]:
+async def master_client(environment: RosEnvironment) -> AsyncIterator[MasterClient]:
     """Ask the master without starting a node. Raises MasterUnreachableError with advice."""
-    client = MasterClient(environment.master_uri, caller_id)
+    client = MasterClient(environment.master_uri, OUR_NAME)
     try:
         yield client
     except MasterUnreachableError as error:

@@ -132,9 +132,7 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
     )
 
 
-def settings_of_parameters(
-    parameters: Mapping[str, Any], token: str = "", allow: tuple[str, ...] = ()
-) -> FoxgloveSettings:
+def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> FoxgloveSettings:
     """Return the settings from a foxglove_bridge's parameters. Raises ConfigError naming the parameter."""
     from rostether.gateways.foxglove.limits import FoxgloveLimits
     from rostether.gateways.foxglove.settings import (
@@ -153,7 +151,6 @@ def settings_of_parameters(
         host=str(parameters.get("address") or DEFAULT_HOST),
         port=whole_number(parameters, "port", DEFAULT_PORT),
         token=token,
-        allow=allow,
         certificate=certificate,
         key=key,
         capabilities=tuple(each for each in CAPABILITIES if wanted is None or each in wanted),

@@ -131,12 +131,12 @@ class WebSocketServer:
         for server in self._servers:
             server.close()
 
-    async def hang_up(self, timeout_s: float = HANG_UP_S) -> None:
+    async def hang_up(self) -> None:
         """Close all connections, and abort those that do not answer in time."""
         for connection in list(self._connections):
             connection.close()
         try:
-            async with asyncio.timeout(timeout_s):
+            async with asyncio.timeout(HANG_UP_S):
                 await self._wait_gone()
         except TimeoutError:
             for connection in list(self._connections):

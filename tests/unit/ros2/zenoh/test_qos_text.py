@@ -5,7 +5,6 @@ import pytest
 from rostether.ros2.qos import (
     DEFAULT_QOS,
     LATCHED_QOS,
-    SENSOR_DATA_QOS,
     Durability,
     History,
     Qos,
@@ -15,7 +14,7 @@ from rostether.ros2.zenoh.tokens import format_qos, parse_qos
 
 TEXTS = [
     (DEFAULT_QOS, "::,10:,:,:,,"),
-    (SENSOR_DATA_QOS, "2::,5:,:,:,,"),
+    (Qos(Reliability.BEST_EFFORT, depth=5), "2::,5:,:,:,,"),
     (LATCHED_QOS, ":1:,1:,:,:,,"),
     (Qos(depth=42), "::,:,:,:,,"),
     (Qos(history=History.KEEP_ALL, depth=0), "::2,0:,:,:,,"),
