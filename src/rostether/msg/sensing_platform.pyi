@@ -13,9 +13,13 @@ class Sensor(Message):
     topic: str
     message_type: str
     unit: str
+    frame_id: str
+    rate_hz: float
+    lease_s: float
     state: str
+    state_text: str
     state_since: rostime.Time
-    def __init__(self, *, id: str = ..., name: str = ..., platform_name: str = ..., sensor_type: str = ..., topic: str = ..., message_type: str = ..., unit: str = ..., state: str = ..., state_since: rostime.Time | float | Literal["now"] = ...) -> None: ...
+    def __init__(self, *, id: str = ..., name: str = ..., platform_name: str = ..., sensor_type: str = ..., topic: str = ..., message_type: str = ..., unit: str = ..., frame_id: str = ..., rate_hz: float = ..., lease_s: float = ..., state: str = ..., state_text: str = ..., state_since: rostime.Time | float | Literal["now"] = ...) -> None: ...
 
 class Sensors(Message):
     sensors: list[Sensor]

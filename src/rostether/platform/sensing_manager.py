@@ -1,8 +1,9 @@
 """The node sensing_manager: registers sensors, watches their topics and publishes the list of them.
 
-sensors_register (sensors/RegistrationService)      the reference's sensor nodes call it unchanged
-sensors_rename   (sensing_platform/RenameSensor)
-sensors          (sensing_platform/Sensors, latched)
+sensors_register        (sensors/RegistrationService)      the reference's sensor nodes call it unchanged
+sensors_register_by_id  (sensing_platform/RegisterSensor)
+sensors_rename          (sensing_platform/RenameSensor)
+sensors                 (sensing_platform/Sensors, latched)
 """
 
 from __future__ import annotations
@@ -10,15 +11,17 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
+from rostether.errors import ServiceCallError
 from rostether.graph.ports import Level, Snapshot, Subscriber
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.sensor_files import read_state, write_state
-from rostether.platform.sensor_registry import Sensor, SensorRegistry
+from rostether.platform.sensor_registry import Origin, Registration, Sensor, SensorRegistry
 from rostether.rostime import Time
 from rostether.serde.values import Message
 
@@ -44,6 +47,7 @@ class SensingManager:
         self._registry = SensorRegistry()
         self._subscribers: dict[str, Subscriber] = {}
         self._publisher: TypedPublisher[...] | None = None
+        self._snapshot = Snapshot()
         self._has_news = asyncio.Event()
         self._cannot_write_reported = False
 
@@ -61,6 +65,9 @@ class SensingManager:
         self._note_publishers(await self._graph.snapshot())
         services = [
             await self._graph.serve("sensors_register", "sensors/RegistrationService", self._register),
+            await self._graph.serve(
+                "sensors_register_by_id", "sensing_platform/RegisterSensor", self._register_by_id
+            ),
             await self._graph.serve("sensors_rename", "sensing_platform/RenameSensor", self._rename),
         ]
         following = asyncio.ensure_future(self._follow_connections())
@@ -102,14 +109,31 @@ class SensingManager:
 
     def _note_publishers(self, snapshot: Snapshot) -> None:
         now_s = time.monotonic()
+        self._adopt(snapshot, now_s)
+        self._snapshot = snapshot
         for sensor in self._registry.sensors:
-            topic = snapshot.topics.get(self._graph.resolve(sensor.topic))
-            self._registry.connect(sensor.id, topic is not None and bool(topic.publishers), now_s)
+            self._note_publisher(sensor, now_s)
+
+    def _note_publisher(self, sensor: Sensor, now_s: float) -> None:
+        topic = self._snapshot.topics.get(self._graph.resolve(sensor.topic))
+        self._registry.connect(sensor.id, topic is not None and bool(topic.publishers), now_s)
+
+    def _adopt(self, snapshot: Snapshot, now_s: float) -> None:
+        """Add the sensors that publish on topics of this manager, but are not in its saved state."""
+        prefix = self._graph.resolve("sensor_node")
+        for name, entry in snapshot.topics.items():
+            if name.startswith(prefix) and entry.publishers:
+                platform = entry.publishers[0].lstrip("/") or "Platform"
+                # Too many: the list is full.
+                with suppress(ServiceCallError):
+                    self._registry.adopt(name.rpartition("/")[2], entry.type, platform, now_s)
 
     async def _subscribe_to_new(self) -> None:
-        """Subscribe to all sensors except cameras: pictures are sent only to programs that show them."""
+        """Subscribe to the sensors without a lease, except cameras: pictures cost too much."""
         for sensor in self._registry.sensors:
-            if sensor.sensor_type != "CAMERA" and sensor.id not in self._subscribers:
+            if sensor.origin is Origin.ID or sensor.is_camera:
+                continue
+            if sensor.id not in self._subscribers:
                 self._subscribers[sensor.id] = await self._graph.raw.subscribe(
                     sensor.topic, ANY_MESSAGE, partial(self._hear, sensor.id)
                 )
@@ -128,6 +152,35 @@ class SensingManager:
         self._remember()
         return {"topic": sensor.topic}
 
+    def _register_by_id(self, request: Message) -> dict[str, str]:
+        wanted = Registration(
+            id=request.id,
+            instance=request.instance,
+            name=request.name,
+            platform=request.platform_name,
+            sensor_type=request.sensor_type,
+            message_type=request.message_type,
+            unit=request.unit,
+            frame_id=request.frame_id,
+            rate_hz=request.rate_hz,
+            lease_s=request.lease_s,
+            state=request.state or "ready",
+            state_text=request.state_text,
+        )
+        now_s = time.monotonic()
+        before = self._registry.find(wanted.id)
+        sensor, refusal = self._registry.register_by_id(wanted, now_s)
+        topic = self._graph.resolve(sensor.topic)
+        if before is None:
+            # A sensor that was registered with an earlier manager publishes already.
+            self._note_publisher(sensor, now_s)
+            self._report(Level.INFO, f"registered {sensor.id} on topic {topic}")
+        if sensor != before:
+            self._remember()
+        elif self._registry.judge(now_s):
+            self._has_news.set()
+        return {"topic": topic, "name": sensor.name, "refusal": refusal}
+
     def _rename(self, request: Message) -> dict[str, object]:
         sensor = self._registry.rename(request.id, request.name)
         self._report(Level.INFO, f"sensor {sensor.id} has the name {sensor.name!r} now")
@@ -139,7 +192,8 @@ class SensingManager:
         if self._state_path is None:
             return
         try:
-            write_state(self._state_path, (each for each in self._registry.sensors if each.number >= 0))
+            kept = [each for each in self._registry.sensors if each.origin is not Origin.FILE]
+            write_state(self._state_path, kept)
         except OSError as error:
             if not self._cannot_write_reported:
                 self._cannot_write_reported = True
@@ -154,7 +208,7 @@ class SensingManager:
         self._publisher.publish(sensors=[self._shown(each) for each in self._registry.sensors])
 
     def _shown(self, sensor: Sensor) -> dict[str, object]:
-        state, since_s = self._registry.state(sensor.id)
+        state, state_text, since_s = self._registry.state(sensor.id)
         age_ns = int(max(0.0, time.monotonic() - since_s) * 1e9)
         return {
             "id": sensor.id,
@@ -164,6 +218,10 @@ class SensingManager:
             "topic": self._graph.resolve(sensor.topic),
             "message_type": sensor.message_type,
             "unit": sensor.unit,
+            "frame_id": sensor.frame_id,
+            "rate_hz": sensor.rate_hz,
+            "lease_s": sensor.lease_s,
             "state": state,
+            "state_text": state_text,
             "state_since": Time.from_ns(max(0, self._graph.now().to_ns() - age_ns)),
         }

@@ -64,8 +64,7 @@ def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
     first, _, rest = topic[1:].partition("/")
     platform = entry.get("platform") or (first if rest else os.environ.get("PLATFORM_NAME", "")) or "Platform"
     name = entry.get("name") or topic
-    sensor_id = topic[1:].replace("/", "_")
-    return Sensor(sensor_id, -1, platform, sensor_type, topic, name, unit=entry.get("unit", ""))
+    return Sensor(topic[1:], -1, platform, sensor_type, topic, name, unit=entry.get("unit", ""))
 
 
 def read_state(path: Path) -> list[Sensor]:
@@ -93,10 +92,13 @@ def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
 
 
 def _is_sensor(entry: Any) -> bool:
-    return isinstance(entry, dict) and all(
-        isinstance(entry.get(each.name), int if each.name == "number" else str) for each in fields(Sensor)
+    if not isinstance(entry, dict):
+        return False
+    return all(
+        isinstance(entry.get(each.name, each.default), int | float if each.type in ("int", "float") else str)
+        for each in fields(Sensor)
     )
 
 
 def _restored(entry: dict[str, Any]) -> Sensor:
-    return Sensor(**{each.name: entry[each.name] for each in fields(Sensor)})
+    return Sensor(**{each.name: entry[each.name] for each in fields(Sensor) if each.name in entry})

@@ -1,20 +1,17 @@
-"""The sensors of all platforms and their states; without clock, graph or files.
+"""The sensors of all platforms; without clock, graph or files.
 
-A sensor's id and topic never change; its name may. The states follow from its topic:
-
-    init          registered, has not published yet
-    ready         publishes, or a camera that waits for a subscriber
-    sleeping      connected, but silent for `SILENT_S`
-    disconnected  its publisher has gone
-    lost          not connected for `LOST_S`
+A sensor's id and topic never change; its name may.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from enum import Enum
 
 from rostether.errors import ServiceCallError
+from rostether.platform.sensor_state import REPORTED, Condition
 
 # By the sensor types of the registration service.
 MESSAGE_TYPES = {
@@ -27,13 +24,35 @@ MESSAGE_TYPES = {
 MAX_SENSORS = 1000
 
 MAX_TEXT_CHARACTERS = 100
-SILENT_S = 3.0
-LOST_S = 60.0
+
+# Below it, renewals load the manager; above it, a robot without power is shown as alive too long.
+MIN_LEASE_S = 1.0
+MAX_LEASE_S = 3600.0
+MAX_RATE_HZ = 1e6
+
+_ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
+_TYPE = re.compile(r"[A-Z][A-Z0-9_]*")
+_MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
+_COUNTED_TOPIC = re.compile(r"sensor_node(\d{1,9})")
+
+
+class Origin(Enum):
+    """How a sensor became known."""
+
+    # The reference's service: the topic is `sensor_node` and a number.
+    COUNTED = "counted"
+    # The service with an id: the topic is `sensors/` and the id.
+    ID = "id"
+    # A line in the sensors' file: the topic is the board's.
+    FILE = "file"
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """The identity and description of a sensor. `number` is -1 if it comes from the sensors' file."""
+    """The identity and description of a sensor.
+
+    `number` is that of a counted topic, else -1. `registered_name` is the name in the last registration.
+    """
 
     id: str
     number: int
@@ -43,18 +62,64 @@ class Sensor:
     name: str
     message_type: str = ""
     unit: str = ""
+    frame_id: str = ""
+    rate_hz: float = 0.0
+    lease_s: float = 0.0
+    registered_name: str = ""
+
+    @property
+    def origin(self) -> Origin:
+        """How it became known."""
+        if self.number >= 0:
+            return Origin.COUNTED
+        return Origin.ID if self.lease_s else Origin.FILE
+
+    @property
+    def is_camera(self) -> bool:
+        """Whether its messages are pictures."""
+        return self.sensor_type == "CAMERA"
 
 
-@dataclass(slots=True)
-class _Condition:
-    """The observations of a sensor's topic; times are seconds of a monotonic clock."""
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """A request to register by id, or to renew the lease.
 
-    since_s: float
-    state: str = "init"
-    is_connected: bool = False
-    was_connected: bool = False
-    left_s: float = 0.0
-    heard_s: float | None = None
+    `instance` identifies the process: while it holds the lease, others are refused.
+    """
+
+    id: str
+    instance: str
+    name: str
+    platform: str
+    sensor_type: str
+    message_type: str
+    unit: str = ""
+    frame_id: str = ""
+    rate_hz: float = 0.0
+    lease_s: float = 0.0
+    state: str = "ready"
+    state_text: str = ""
+
+    def check(self) -> None:
+        """Raise ServiceCallError for a field that cannot be used."""
+        if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
+            raise ServiceCallError(f"id is a name such as robot3/front, not {self.id!r:.100}")
+        if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
+            raise ServiceCallError(f"sensor_type is a word such as ANALOG, not {self.sensor_type!r:.100}")
+        if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
+            raise ServiceCallError(
+                f"message_type is a type such as std_msgs/Float64, not {self.message_type!r:.100}"
+            )
+        if not MIN_LEASE_S <= self.lease_s <= MAX_LEASE_S:
+            raise ServiceCallError(f"lease_s is {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s!r}")
+        if not 0 <= self.rate_hz <= MAX_RATE_HZ:
+            raise ServiceCallError(f"rate_hz is 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz!r}")
+        if self.state not in REPORTED:
+            raise ServiceCallError(f"state is {', '.join(REPORTED)}, not {self.state!r:.100}")
+        _check_text("platform_name", self.platform)
+        for what in ("instance", "name", "unit", "frame_id", "state_text"):
+            if text := getattr(self, what):
+                _check_text(what, text)
 
 
 class SensorRegistry:
@@ -64,7 +129,15 @@ class SensorRegistry:
         self._sensors: dict[str, Sensor] = {each.id: each for each in sensors}
         # They have published in an earlier run, so that a returning sensor gets its old entry.
         self._conditions = {
-            key: _Condition(now_s, "disconnected", was_connected=True, left_s=now_s) for key in self._sensors
+            key: Condition(
+                now_s,
+                "disconnected",
+                was_connected=True,
+                left_s=now_s,
+                lease_until_s=now_s + each.lease_s if each.origin is Origin.ID else None,
+                reported="ready",
+            )
+            for key, each in self._sensors.items()
         }
         self._next_number = 1 + max((each.number for each in self._sensors.values()), default=-1)
 
@@ -73,10 +146,14 @@ class SensorRegistry:
         """All sensors."""
         return tuple(self._sensors.values())
 
-    def state(self, sensor_id: str) -> tuple[str, float]:
-        """Return a sensor's state, and its start time."""
+    def find(self, sensor_id: str) -> Sensor | None:
+        """Return the sensor with an id, if there is one."""
+        return self._sensors.get(sensor_id)
+
+    def state(self, sensor_id: str) -> tuple[str, str, float]:
+        """Return a sensor's state, what the sensor reports about it, and the time since when it is so."""
         condition = self._conditions[sensor_id]
-        return condition.state, condition.since_s
+        return condition.state, condition.text, condition.since_s
 
     def is_ready(self, sensor_id: str) -> bool:
         """Return whether a sensor is known and ready."""
@@ -92,20 +169,63 @@ class SensorRegistry:
             raise ServiceCallError(f"sensor_type is {', '.join(MESSAGE_TYPES)}, not {sensor_type!r:.100}")
         found = self._find_gone(platform, sensor_type)
         if found is None:
-            number = self._next_number
-            topic = f"sensor_node{number}"
-            name = f"{platform} {sensor_type} {number}"
-            found = Sensor(topic, number, platform, sensor_type, topic, name, MESSAGE_TYPES[sensor_type])
-            self.add(found, now_s)
-            self._next_number += 1
+            found = self._add_counted(self._next_number, platform, sensor_type, now_s)
         else:
-            self._conditions[found.id] = _Condition(now_s, left_s=now_s)
+            self._conditions[found.id] = Condition(now_s, left_s=now_s)
         return found
+
+    def register_by_id(self, wanted: Registration, now_s: float) -> tuple[Sensor, str]:
+        """Register a sensor or renew its lease; returns it, and why it must wait, "" if it need not.
+
+        Raises ServiceCallError for a field that cannot be used.
+        """
+        wanted.check()
+        before = self._sensors.get(wanted.id)
+        if before is not None and before.origin is not Origin.ID:
+            raise ServiceCallError(f"the sensor {wanted.id} exists and has no lease; choose another id")
+        if before is None:
+            name = wanted.name or wanted.id
+            before = Sensor(wanted.id, -1, "", "", f"sensors/{wanted.id}", name, lease_s=wanted.lease_s)
+            self.add(before, now_s)
+        condition = self._conditions[wanted.id]
+        if condition.instance not in ("", wanted.instance) and condition.holds_lease(now_s):
+            remaining_s = (condition.lease_until_s or now_s) - now_s
+            return before, f"{condition.instance} is registered as {wanted.id} for {remaining_s:.0f} s more"
+        # The name given last is valid, whether by a registration or by a user.
+        has_new_name = wanted.name not in ("", before.registered_name)
+        self._sensors[wanted.id] = replace(
+            before,
+            name=wanted.name if has_new_name else before.name,
+            registered_name=wanted.name,
+            platform=wanted.platform,
+            sensor_type=wanted.sensor_type,
+            message_type=wanted.message_type,
+            unit=wanted.unit,
+            frame_id=wanted.frame_id,
+            rate_hz=wanted.rate_hz,
+            lease_s=wanted.lease_s,
+        )
+        condition.instance = wanted.instance
+        condition.lease_until_s = now_s + wanted.lease_s
+        condition.reported, condition.reported_text = wanted.state, wanted.state_text
+        return self._sensors[wanted.id], ""
+
+    def adopt(self, topic: str, message_type: str, platform: str, now_s: float) -> None:
+        """Add the sensor that publishes on an unregistered counted topic; ignores other topics.
+
+        It was registered with an earlier manager, whose saved state is missing. Raises ServiceCallError
+        when there are too many.
+        """
+        found = _COUNTED_TOPIC.fullmatch(topic)
+        if found is None or topic in self._sensors:
+            return
+        sensor_type = "CAMERA" if message_type == MESSAGE_TYPES["CAMERA"] else "ANALOG"
+        self._add_counted(int(found[1]), platform, sensor_type, now_s)
 
     def add(self, sensor: Sensor, now_s: float) -> None:
         """Add a sensor. Raises ServiceCallError when there are too many."""
         self._make_place()
-        self._conditions[sensor.id] = _Condition(now_s, left_s=now_s)
+        self._conditions[sensor.id] = Condition(now_s, left_s=now_s)
         self._sensors[sensor.id] = sensor
 
     def rename(self, sensor_id: str, name: str) -> Sensor:
@@ -113,20 +233,14 @@ class SensorRegistry:
         _check_text("name", name)
         if sensor_id not in self._sensors:
             raise ServiceCallError(f"no sensor has the id {sensor_id!r:.100}; see: rostether sensor list")
-        if self._sensors[sensor_id].number < 0:
+        if self._sensors[sensor_id].origin is Origin.FILE:
             raise ServiceCallError(f"the name of {sensor_id} is in the sensors' file: change it there")
         self._sensors[sensor_id] = replace(self._sensors[sensor_id], name=name)
         return self._sensors[sensor_id]
 
     def connect(self, sensor_id: str, is_connected: bool, now_s: float) -> None:
         """Record whether the sensor's topic has a publisher now."""
-        condition = self._conditions[sensor_id]
-        if condition.is_connected and not is_connected:
-            condition.left_s = now_s
-        if is_connected and not condition.is_connected:
-            condition.heard_s = None
-        condition.is_connected = is_connected
-        condition.was_connected |= is_connected
+        self._conditions[sensor_id].connect(is_connected, now_s)
 
     def note_message(self, sensor_id: str, now_s: float) -> None:
         """Record a message of the sensor; ignores unknown sensors."""
@@ -135,14 +249,19 @@ class SensorRegistry:
             condition.heard_s = now_s
 
     def judge(self, now_s: float) -> bool:
-        """Set all states by age; True if any has changed."""
+        """Set all states by age; True if any state or text has changed."""
         has_changed = False
         for key, condition in self._conditions.items():
-            state = _state(condition, self._sensors[key], now_s)
-            if state != condition.state:
-                condition.state, condition.since_s = state, now_s
-                has_changed = True
+            has_changed |= condition.judge(self._sensors[key].is_camera, now_s)
         return has_changed
+
+    def _add_counted(self, number: int, platform: str, sensor_type: str, now_s: float) -> Sensor:
+        topic = f"sensor_node{number}"
+        name = f"{platform} {sensor_type} {number}"
+        sensor = Sensor(topic, number, platform, sensor_type, topic, name, MESSAGE_TYPES[sensor_type])
+        self.add(sensor, now_s)
+        self._next_number = max(self._next_number, number + 1)
+        return sensor
 
     def _find_gone(self, platform: str, sensor_type: str) -> Sensor | None:
         for sensor in self._sensors.values():
@@ -161,19 +280,6 @@ class SensorRegistry:
             raise ServiceCallError(f"there are {MAX_SENSORS} sensors already, and none of them is lost")
         oldest = min(lost, key=lambda key: self._conditions[key].since_s)
         del self._sensors[oldest], self._conditions[oldest]
-
-
-def _state(condition: _Condition, sensor: Sensor, now_s: float) -> str:
-    if not condition.is_connected:
-        if now_s - condition.left_s >= LOST_S:
-            return "lost"
-        return "disconnected" if condition.was_connected else "init"
-    # A camera publishes only while it has subscribers; the manager does not subscribe to pictures.
-    if sensor.sensor_type == "CAMERA":
-        return "ready"
-    if condition.heard_s is None:
-        return "init" if condition.state in ("init", "disconnected", "lost") else "sleeping"
-    return "sleeping" if now_s - condition.heard_s >= SILENT_S else "ready"
 
 
 def _check_text(what: str, text: str) -> None:

@@ -24,11 +24,13 @@ class Screen:
     def __init__(self) -> None:
         self.states: dict[str, str] = {}
         self.names: dict[str, str] = {}
+        self.text = ""
 
     async def listen(self, node: TypedGraph) -> None:
         async for message in node.messages("/sensors", "sensing_platform/Sensors"):
             self.states = {each.id: each.state for each in message.sensors}
             self.names = {each.id: each.name for each in message.sensors}
+            self.text = "".join(each.state_text for each in message.sensors)
 
 
 async def register(node: TypedGraph, sensor_type: str) -> str:
@@ -76,17 +78,55 @@ async def test_a_sensors_life(tmp_path: Path) -> None:
         assert await register(robot, "DIGITAL") == "sensor_node2"
 
 
+BY_ID = {
+    "id": "robot3/front",
+    "instance": "/camera",
+    "name": "Front",
+    "platform_name": "Robot 3",
+    "sensor_type": "CAMERA",
+    "message_type": "sensor_msgs/CompressedImage",
+    "lease_s": 12.0,
+}
+
+
+async def test_a_sensor_with_an_id_and_a_manager_that_forgot_all() -> None:
+    network, (node, robot, viewer) = await typed_nodes("/sensing_manager", "/robot", "/viewer")
+    screen = Screen()
+
+    async def register_by_id(**change: object) -> str:
+        answer = await robot.call(
+            "/sensors_register_by_id", "sensing_platform/RegisterSensor", BY_ID | change
+        )
+        return str(answer.topic)
+
+    for run in range(2):
+        async with running(screen.listen(viewer), SensingManager(node, Lines()).run()):
+            await until(lambda: "/sensors_rename" in network.snapshot().services)
+            if run == 0:
+                assert await register(robot, "ANALOG") == "sensor_node0"
+                await robot.publisher("/sensor_node0", "std_msgs/Float64")
+            assert await register_by_id() == "/sensors/robot3/front"
+            await robot.publisher("/sensors/robot3/front", "sensor_msgs/CompressedImage")
+            await until(lambda: screen.states.get("robot3/front") == "ready")
+            # The second manager finds the topic in use.
+            await until(lambda: screen.states.get("sensor_node0") == "init")
+            await register_by_id(state="alert", state_text="no camera")
+            await until(lambda: screen.states["robot3/front"] == "alert")
+            assert screen.text == "no camera"
+        screen.states.clear()
+
+
 async def test_a_boards_topic_is_a_named_sensor() -> None:
     _, (node, board, viewer) = await typed_nodes("/sensing_manager", "/board", "/viewer")
     screen = Screen()
-    named = Sensor("arm_ultrasound", -1, "arm", "ANALOG", "/arm/ultrasound", "Distance", unit="m")
+    named = Sensor("arm/ultrasound", -1, "arm", "ANALOG", "/arm/ultrasound", "Distance", unit="m")
     async with running(screen.listen(viewer), SensingManager(node, Lines(), named=[named]).run()):
-        await until(lambda: screen.names == {"arm_ultrasound": "Distance"})
+        await until(lambda: screen.names == {"arm/ultrasound": "Distance"})
         # Any type: the manager does not read the value.
         topic = await board.publisher("/arm/ultrasound", "sensor_msgs/Range")
         await until(lambda: topic.subscriber_count)
         topic.publish(range=0.5)
-        await until(lambda: screen.states["arm_ultrasound"] == "ready")
+        await until(lambda: screen.states["arm/ultrasound"] == "ready")
 
 
 async def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path) -> None:

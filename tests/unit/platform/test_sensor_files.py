@@ -21,9 +21,9 @@ def test_a_line_makes_a_topic_a_sensor(tmp_path: Path, monkeypatch: pytest.Monke
         '"/cam/image" = { type = "CAMERA", platform = "Drone" }\n'
     )
     assert read_sensors_toml(file) == [
-        Sensor("arm_ultrasound", -1, "arm", "ANALOG", "/arm/ultrasound", "Distance", unit="m"),
+        Sensor("arm/ultrasound", -1, "arm", "ANALOG", "/arm/ultrasound", "Distance", unit="m"),
         Sensor("light", -1, "Robot3", "DIGITAL", "/light", "/light"),
-        Sensor("cam_image", -1, "Drone", "CAMERA", "/cam/image", "/cam/image"),
+        Sensor("cam/image", -1, "Drone", "CAMERA", "/cam/image", "/cam/image"),
     ]
 
 
@@ -57,8 +57,11 @@ def test_a_file_that_is_missing(tmp_path: Path) -> None:
 
 def test_the_state_is_read_as_written(tmp_path: Path) -> None:
     path = tmp_path / "below" / "sensors.json"
-    write_state(path, [KEPT])
-    assert read_state(path) == [KEPT]
+    by_id = Sensor(
+        "a/b", -1, "A", "GPS", "sensors/a/b", "B", "sensor_msgs/NavSatFix", rate_hz=5, lease_s=12.5
+    )
+    write_state(path, [KEPT, by_id])
+    assert read_state(path) == [KEPT, by_id]
     assert [each.name for each in path.parent.iterdir()] == ["sensors.json"]
 
 

@@ -1,10 +1,24 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
 from rostether.errors import ServiceCallError
 from rostether.platform import sensor_registry
-from rostether.platform.sensor_registry import Sensor, SensorRegistry
+from rostether.platform.sensor_registry import Registration, Sensor, SensorRegistry
+
+CAMERA = Registration(
+    id="robot3/front",
+    instance="/camera on robot3",
+    name="Front camera",
+    platform="Robot 3",
+    sensor_type="CAMERA",
+    message_type="sensor_msgs/CompressedImage",
+    rate_hz=5.0,
+    lease_s=12.0,
+)
 
 
 @pytest.fixture
@@ -39,7 +53,7 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     assert state(registry, key, 70.0) == "disconnected"
     assert state(registry, key, 129.9) == "disconnected"
     assert state(registry, key, 130.0) == "lost"
-    assert registry.state(key) == ("lost", 130.0)
+    assert registry.state(key) == ("lost", "", 130.0)
     registry.note_message(key, 131.0)
     assert state(registry, key, 131.0) == "ready"
 
@@ -107,3 +121,81 @@ def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch:
     # A message of the one that was replaced.
     registry.note_message("sensor_node0", 61.0)
     assert not registry.is_ready("sensor_node0")
+
+
+def test_a_sensor_with_an_id_reports_its_state(registry: SensorRegistry) -> None:
+    sensor, refusal = registry.register_by_id(CAMERA, 0.0)
+    assert (sensor.topic, sensor.name, refusal) == ("sensors/robot3/front", "Front camera", "")
+    assert state(registry, sensor.id, 0.0) == "init"
+    registry.connect(sensor.id, True, 1.0)
+    assert state(registry, sensor.id, 1.0) == "ready"
+    registry.register_by_id(replace(CAMERA, state="alert", state_text="no camera"), 4.0)
+    assert registry.judge(4.0)
+    assert registry.state(sensor.id) == ("alert", "no camera", 4.0)
+    registry.register_by_id(replace(CAMERA, state="alert", state_text="no light"), 8.0)
+    assert registry.judge(8.0)
+    assert registry.state(sensor.id) == ("alert", "no light", 4.0)
+    # The robot is switched off: the graph still lists its publisher.
+    assert state(registry, sensor.id, 19.9) == "alert"
+    assert state(registry, sensor.id, 20.0) == "lost"
+    assert registry.state(sensor.id)[1] == ""
+    registry.register_by_id(CAMERA, 30.0)
+    assert state(registry, sensor.id, 30.0) == "ready"
+    registry.connect(sensor.id, False, 31.0)
+    assert state(registry, sensor.id, 31.0) == "disconnected"
+
+
+def test_the_name_given_last_is_valid(registry: SensorRegistry) -> None:
+    registry.register_by_id(CAMERA, 0.0)
+    registry.rename("robot3/front", "Eye")
+    assert registry.register_by_id(CAMERA, 1.0)[0].name == "Eye"
+    assert registry.register_by_id(replace(CAMERA, name="Camera"), 2.0)[0].name == "Camera"
+    # As saved, and restored by the next manager.
+    again = SensorRegistry(registry.sensors, 10.0)
+    again.rename("robot3/front", "Eye")
+    assert again.register_by_id(replace(CAMERA, name="Camera"), 10.1)[0].name == "Eye"
+
+
+def test_one_node_holds_the_lease_of_an_id(registry: SensorRegistry) -> None:
+    other = replace(CAMERA, instance="/camera on robot4")
+    registry.register_by_id(CAMERA, 0.0)
+    registry.connect(CAMERA.id, True, 1.0)
+    refusal = registry.register_by_id(other, 2.0)[1]
+    assert refusal == "/camera on robot3 is registered as robot3/front for 10 s more"
+    # Its publisher has gone, or its lease has passed.
+    registry.connect(CAMERA.id, False, 3.0)
+    assert registry.register_by_id(other, 3.0)[1] == ""
+    registry.connect(CAMERA.id, True, 4.0)
+    assert registry.register_by_id(CAMERA, 14.9)[1] != ""
+    assert registry.register_by_id(CAMERA, 15.0)[1] == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"id": "robot 3"}, "id is a name such as robot3/front, not 'robot 3'"),
+        ({"id": "sensor_node0"}, "sensor_node0 exists and has no lease"),
+        ({"sensor_type": "radar"}, "sensor_type is a word such as ANALOG, not 'radar'"),
+        ({"message_type": "Float64"}, "message_type is a type such as std_msgs/Float64"),
+        ({"lease_s": 0.0}, "lease_s is 1 to 3600, not 0.0"),
+        ({"lease_s": float("nan")}, "lease_s is 1 to 3600, not nan"),
+        ({"rate_hz": -1.0}, "rate_hz is 0"),
+        ({"state": "fine"}, "state is init, ready, sleeping, alert, not 'fine'"),
+        ({"platform": ""}, "platform_name is 1 to 100 printable characters"),
+        ({"unit": "a\nb"}, "unit is 1 to 100 printable characters"),
+    ],
+)
+def test_what_cannot_be_registered_by_id(
+    registry: SensorRegistry, change: dict[str, Any], reason: str
+) -> None:
+    registry.register("Robot", "ANALOG", 0.0)
+    with pytest.raises(ServiceCallError, match=reason):
+        registry.register_by_id(replace(CAMERA, **change), 0.0)
+    assert len(registry.sensors) == 1
+
+
+def test_sensors_of_an_earlier_manager_are_adopted(registry: SensorRegistry) -> None:
+    registry.adopt("sensor_node4", "sensor_msgs/CompressedImage", "pi_camera", 0.0)
+    registry.adopt("sensor_nodes", "std_msgs/Float64", "x", 0.0)
+    assert [(each.id, each.sensor_type) for each in registry.sensors] == [("sensor_node4", "CAMERA")]
+    assert registry.register("Robot", "ANALOG", 1.0).topic == "sensor_node5"

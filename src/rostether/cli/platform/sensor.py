@@ -28,7 +28,11 @@ _FIELDS = (
     "topic",
     "message_type",
     "unit",
+    "frame_id",
+    "rate_hz",
+    "lease_s",
     "state",
+    "state_text",
 )
 _MODULE = "rostether.cli.platform.sensor:"
 _VERBS = {
@@ -69,9 +73,10 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
         for platform in sorted({each["platform_name"] for each in sensors}):
             write_line(platform)
             rows = [each for each in sensors if each["platform_name"] == platform]
-            widths = {key: max(len(row[key]) for row in rows) for key in _FIELDS}
+            columns = ("id", "sensor_type", "state", "topic")
+            widths = {key: max(len(row[key]) for row in rows) for key in columns}
             for row in rows:
-                cells = [row[key].ljust(widths[key]) for key in ("id", "sensor_type", "state", "topic")]
+                cells = [row[key].ljust(widths[key]) for key in columns]
                 write_line(f"  {'  '.join(cells)}  {row['name']}")
 
     run(main())
@@ -133,5 +138,5 @@ def _find(sensors: list[Message], wanted: str) -> Message:
     return found[0]
 
 
-def _plain(found: Message) -> dict[str, str]:
-    return {key: str(getattr(found, key)) for key in _FIELDS}
+def _plain(found: Message) -> dict[str, Any]:
+    return {key: getattr(found, key) for key in _FIELDS}

@@ -126,7 +126,7 @@ async def test_sensors_and_their_commands(master: MasterServer, graph: TypedGrap
             assert (await graph.wait_for_message("/sensor_node0", timeout_s=60)).data in range(101)
             assert await typed("rename", "sensor_node0", "Test value") == ["sensor_node0: Test value"]
             (refused,) = await typed("rename", "Distance", "Range", code=1)
-            assert "the name of arm_ultrasound is in the sensors' file: change it there" in refused
+            assert "the name of arm/ultrasound is in the sensors' file: change it there" in refused
         async with started(*managing, **environ) as manager:
             await manager.wait_for("sensors known from an earlier run: 1")
             async with asyncio.timeout(60):
@@ -137,7 +137,7 @@ async def test_sensors_and_their_commands(master: MasterServer, graph: TypedGrap
                 "Robot3",
                 "  sensor_node0  DIGITAL  ready  /sensor_node0  Test value",
                 "arm",
-                "  arm_ultrasound  ANALOG  init  /arm/ultrasound  Distance",
+                "  arm/ultrasound  ANALOG  init  /arm/ultrasound  Distance",
             ]
             shown = await typed("show", "Test value")
             assert shown[:4] == [

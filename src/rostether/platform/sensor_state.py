@@ -1,0 +1,77 @@
+"""The state of a sensor, from what the registry observes of it; without clock or graph.
+
+init          registered, has not published yet
+ready         publishes, or a camera that waits for a subscriber
+sleeping      connected, but silent
+alert         connected; the sensor reports a problem
+disconnected  its publisher has gone
+lost          not connected for `LOST_S`, or its lease has passed
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# States that a sensor with a lease may report itself.
+REPORTED = ("init", "ready", "sleeping", "alert")
+
+SILENT_S = 3.0
+LOST_S = 60.0
+
+
+@dataclass(slots=True)
+class Condition:
+    """The observations of one sensor; times are seconds of a monotonic clock.
+
+    `lease_until_s` is None for a sensor without a lease; one with a lease reports its state itself.
+    """
+
+    since_s: float
+    state: str = "init"
+    text: str = ""
+    is_connected: bool = False
+    was_connected: bool = False
+    left_s: float = 0.0
+    heard_s: float | None = None
+    lease_until_s: float | None = None
+    instance: str = ""
+    reported: str = "init"
+    reported_text: str = ""
+
+    def connect(self, is_connected: bool, now_s: float) -> None:
+        """Record whether the sensor's topic has a publisher now."""
+        if self.is_connected and not is_connected:
+            self.left_s = now_s
+        if is_connected and not self.is_connected:
+            self.heard_s = None
+        self.is_connected = is_connected
+        self.was_connected |= is_connected
+
+    def holds_lease(self, now_s: float) -> bool:
+        """Return whether a node publishes as this sensor under a lease that has not passed."""
+        return self.is_connected and self.lease_until_s is not None and now_s < self.lease_until_s
+
+    def judge(self, is_camera: bool, now_s: float) -> bool:
+        """Set the state, and the sensor's text about it; True if either has changed."""
+        before = self.state, self.text
+        self.state = self._judged(is_camera, now_s)
+        self.text = self.reported_text if self.state == self.reported else ""
+        if self.state != before[0]:
+            self.since_s = now_s
+        return (self.state, self.text) != before
+
+    def _judged(self, is_camera: bool, now_s: float) -> str:
+        if self.lease_until_s is not None and now_s >= self.lease_until_s:
+            return "lost"
+        if not self.is_connected:
+            if self.lease_until_s is None and now_s - self.left_s >= LOST_S:
+                return "lost"
+            return "disconnected" if self.was_connected else "init"
+        if self.lease_until_s is not None:
+            return self.reported
+        # A camera publishes only while it has subscribers; the manager does not subscribe to pictures.
+        if is_camera:
+            return "ready"
+        if self.heard_s is None:
+            return "init" if self.state in ("init", "disconnected", "lost") else "sleeping"
+        return "sleeping" if now_s - self.heard_s >= SILENT_S else "ready"
