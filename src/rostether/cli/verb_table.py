@@ -17,6 +17,10 @@ VERBS = {
     "link": VerbEntry(
         "rostether.cli.link.group:link", "Record, show and replay the bytes on a board's line."
     ),
+    "conformance": VerbEntry(
+        "rostether.cli.link.conformance:conformance",
+        "Check whether a client library speaks the wire protocol.",
+    ),
     "ports": VerbEntry("rostether.cli.bridge.ports:ports", "List serial ports and the devices on them."),
     "relay": VerbEntry(
         "rostether.cli.bridge.relay:relay", "Relay topics and services between ROS 1 and ROS 2."

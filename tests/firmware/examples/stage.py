@@ -209,6 +209,14 @@ async def running(
         yield Stage(board, graph, master.uri, reporter)
 
 
+@contextlib.asynccontextmanager
+async def running_alone(name: str, kind: str = "uno") -> AsyncIterator[SimulatedBoard]:
+    """Run an example without a bridge: its serial line is free."""
+    built = await build_example(name, kind)
+    async with await SimulatedBoard.start(built.elf, board=kind) as board:
+        yield board
+
+
 async def _join(
     master_uri: str, name: str, namespace: str = "/", remappings: Mapping[str, str] | None = None
 ) -> Graph:

@@ -17,7 +17,7 @@ def test_each_has_a_sketch_of_its_name_and_a_test() -> None:
     tests = "".join(each.read_text() for each in Path(__file__).parent.glob("test_*.py"))
     for name in NAMES:
         assert (EXAMPLES / name / f"{name}.ino").is_file()
-        assert f'running("{name}"' in tests
+        assert re.search(rf'running(_alone)?\("{name}"', tests)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,0 +1,199 @@
+"""`rostether conformance`: checks a client of the rosserial protocol case by case."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.conformance.case import Case, Outcome
+    from rostether.conformance.checked_client import Connect
+    from rostether.transports.address import Address
+    from rostether.transports.transport import Transport
+
+# The longest wait of a case in a quick run.
+QUICK_WAIT_S = 10.0
+
+_MARKS = {"pass": "pass", "fail": "FAIL", "not applicable": "n/a"}
+
+
+@click.command(
+    "conformance",
+    cls=Verb,
+    examples="""
+    rostether conformance /dev/ttyACM0               a board that runs the example Conformance
+    rostether conformance sim:Conformance.ino        the same on a simulated Uno
+    rostether conformance tcp://:11411 --quick       a client that connects over the network
+    rostether conformance --client tcp://127.0.0.1   be the client: the program in Python
+    rostether conformance --list                     the cases, without a client
+    """,
+)
+@click.argument("address", required=False, metavar="[ADDRESS]")
+@click.option("--quick", is_flag=True, help="Leave out the cases that wait longer than 10 s.")
+@click.option("--case", "names", multiple=True, metavar="NAME", help="Check only this case; repeatable.")
+@click.option(
+    "--client", "is_client", is_flag=True, help="Run the conformance program at ADDRESS, in Python."
+)
+@click.option("--list", "is_list", is_flag=True, help="List the cases.")
+@click.option(
+    "--vectors", "is_vectors", is_flag=True, help="Print test vectors for codecs: bytes and values."
+)
+@msg_path_option
+@json_option
+def conformance(
+    address: str | None,
+    quick: bool,
+    names: tuple[str, ...],
+    is_client: bool,
+    is_list: bool,
+    is_vectors: bool,
+    msg_paths: tuple[Path, ...],
+    as_json: bool,
+) -> int:
+    """Check whether a client library speaks the wire protocol.
+
+    The client at ADDRESS must run the conformance program: the example sketch Conformance, or the same
+    endpoints in another language. A client without some of them passes over the cases that need them. The
+    exit code is 0 if no case failed.
+    """
+    if is_vectors:
+        return _print_vectors()
+    cases = _chosen(names, quick=quick)
+    if is_list:
+        _print_cases(cases, as_json=as_json)
+        return EXIT_DONE
+    if address is None:
+        raise click.UsageError("give the client's address, for example /dev/ttyACM0 or tcp://:11411")
+    if is_client:
+        run(_be_client(address), is_service=True)
+        return EXIT_DONE
+    return run(_check(address, cases, msg_paths, as_json=as_json))
+
+
+def _chosen(names: Sequence[str], *, quick: bool) -> list[Case]:
+    from rostether.conformance.run_cases import CASES
+
+    unknown = set(names) - {each.name for each in CASES}
+    if unknown:
+        raise click.UsageError(f"there is no case {sorted(unknown)[0]}; --list shows the cases")
+    return [
+        each
+        for each in CASES
+        if (not names or each.name in names) and not (quick and each.wait_s > QUICK_WAIT_S)
+    ]
+
+
+def _print_cases(cases: Sequence[Case], *, as_json: bool) -> None:
+    for each in cases:
+        if as_json:
+            write_json({"case": each.name, "requirement": each.requirement})
+        else:
+            write_line(f"{each.name:<20} {each.requirement}")
+
+
+def _print_vectors() -> int:
+    from rostether.conformance.vectors import read_vectors
+
+    for each in read_vectors():
+        write_json(each)
+    return EXIT_DONE
+
+
+async def _be_client(address: str) -> None:
+    from rostether.conformance.program import ConformanceProgram
+    from rostether.device.device import Device
+
+    device = Device(address)
+    ConformanceProgram(device)
+    async with device:
+        write_line(f"the conformance program runs at {address}; Ctrl-C ends it")
+        await asyncio.Event().wait()
+
+
+async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path], *, as_json: bool) -> int:
+    from rostether.bridge.reporter import SilentReporter
+    from rostether.cli.board.simulated_links import simulated
+    from rostether.conformance.case import Verdict
+    from rostether.conformance.checked_client import CheckedClient
+    from rostether.conformance.run_cases import run_cases
+    from rostether.transports.address import parse_address
+
+    counts: Counter[Verdict] = Counter()
+    async with (
+        simulated([parse_address(address)], SilentReporter(), msg_paths) as (link,),
+        _connecting(link) as connect,
+    ):
+        client = CheckedClient(connect)
+        try:
+            await client.open()
+            if not as_json:
+                write_line(f"{address}: a client with {len(client.announcements)} announcements")
+            async for outcome in run_cases(client, cases):
+                counts[outcome.verdict] += 1
+                _write(outcome, as_json=as_json)
+        finally:
+            await client.close()
+    passed, failed, skipped = (counts[each] for each in Verdict)
+    if as_json:
+        write_json({"passed": passed, "failed": failed, "not_applicable": skipped})
+    else:
+        write_line(f"{passed} passed, {failed} failed, {skipped} not applicable")
+    return EXIT_FAILED if failed else EXIT_DONE
+
+
+@asynccontextmanager
+async def _connecting(link: Address) -> AsyncIterator[Connect]:
+    """Yield what opens a line to the client: opens the address, or waits for the client to connect."""
+    from rostether.conformance.checked_client import FIRST_ANSWER_S
+    from rostether.errors import TransportTimeoutError
+    from rostether.transports.opening import listen, open_transport
+
+    if not link.listens:
+        yield lambda: open_transport(link)
+        return
+    arrived: asyncio.Queue[Transport] = asyncio.Queue()
+
+    async def accept() -> Transport:
+        try:
+            async with asyncio.timeout(FIRST_ANSWER_S):
+                return await arrived.get()
+        except TimeoutError:
+            raise TransportTimeoutError(
+                f"no client connected to {link} within {FIRST_ANSWER_S:g} s; start the client first"
+            ) from None
+
+    listener = await listen(link, arrived.put_nowait, connections=1)
+    try:
+        yield accept
+    finally:
+        await listener.close()
+
+
+def _write(outcome: Outcome, *, as_json: bool) -> None:
+    case = outcome.case
+    if as_json:
+        write_json(
+            {
+                "case": case.name,
+                "verdict": outcome.verdict,
+                "requirement": case.requirement,
+                "seen": outcome.seen or None,
+            }
+        )
+        return
+    write_line(f"{_MARKS[outcome.verdict]:<5} {case.name}")
+    if outcome.seen:
+        write_line(f"    expected: {case.requirement}")
+        write_line(f"    seen:     {outcome.seen}")

@@ -1,0 +1,64 @@
+"""A case: one requirement of the protocol, the endpoints that it needs, and how to check it."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, TypeAlias
+
+from rostether.conformance.program import Part
+
+if TYPE_CHECKING:
+    from rostether.conformance.checked_client import CheckedClient
+
+Check: TypeAlias = "Callable[[CheckedClient], Awaitable[None]]"
+
+
+class Deviation(Exception):  # noqa: N818 - a finding, not an error of the program
+    """What the client did instead of what the case requires."""
+
+
+class Verdict(StrEnum):
+    """The outcome of one case."""
+
+    PASS = "pass"  # noqa: S105 - not a password
+    FAIL = "fail"
+    NOT_APPLICABLE = "not applicable"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One requirement; `name` is its stable key, `requirement` a sentence, `wait_s` how long it waits."""
+
+    name: str
+    requirement: str
+    check: Check
+    needs: tuple[Part, ...] = ()
+    wait_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The verdict on a case; `seen` is the deviation, or why the case was not applicable."""
+
+    case: Case
+    verdict: Verdict
+    seen: str = ""
+
+
+class CaseList:
+    """Collects the cases of a module in the order in which they are written."""
+
+    def __init__(self) -> None:
+        self.cases: list[Case] = []
+
+    def __call__(self, name: str, *needs: Part, wait_s: float = 0.0) -> Callable[[Check], Check]:
+        """Add the decorated function as a case; its docstring is the requirement."""
+
+        def add(check: Check) -> Check:
+            self.cases.append(Case(name, inspect.getdoc(check) or name, check, needs, wait_s))
+            return check
+
+        return add

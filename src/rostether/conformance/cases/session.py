@@ -1,0 +1,130 @@
+"""The life of a session: time, silence, stop, probes, and another line."""
+
+from __future__ import annotations
+
+import asyncio
+
+from rostether.conformance.case import CaseList, Deviation
+from rostether.conformance.checked_client import CheckedClient
+from rostether.conformance.program import Part
+from rostether.conformance.received_frame import is_time_request, read_text, text_payload
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.frame import encode_frame
+from rostether.rosserial.packets import decode_time
+
+# A client asks every 2.2 to 2.5 s; a host takes it for gone after 5 s.
+LONGEST_PERIOD_S = 5.0
+# The client's clock may be late by the round trip, on a slow line and a busy machine.
+CLOCK_TOLERANCE_S = 1.0
+# Less than the shortest period of time requests: two answers in a row within it are not by chance.
+PROBE_ANSWER_S = 1.5
+PROBE = b"\xff\x00"
+PROBE_PAUSE_S = 0.1
+# After 11 s without an answer the host is gone; the client's clock may be off, and its program slow.
+LOST_S = 14.0
+
+case = CaseList()
+
+
+@case("time-period")
+async def check_period(client: CheckedClient) -> None:
+    """A configured client asks for the time at least every 5 s."""
+    await client.expect(is_time_request, "a request for the time", LONGEST_PERIOD_S)
+
+
+@case("time-clock", Part.PING)
+async def check_clock(client: CheckedClient) -> None:
+    """The client's clock follows the host's answers."""
+    await _expect_clock(client, client.host_time_s())
+
+
+@case("time-layout", Part.PING)
+async def check_time_layout(client: CheckedClient) -> None:
+    """An answer for the time that is not 8 bytes long is ignored."""
+    client.send(ids.TIME, b"\x01\x02\x03\x04\x05\x06\x07")
+    await _expect_clock(client, client.host_time_s())
+
+
+@case("time-lost", Part.TEXT, wait_s=LOST_S)
+async def check_lost(client: CheckedClient) -> None:
+    """Without answers for the time for 11 s, the client sends no messages."""
+    client.unsettle()
+    client.answers_time = False
+    await asyncio.sleep(LOST_S)
+    await _expect_dropped(client)
+
+
+@case("stop-silent", Part.TEXT)
+async def check_stop(client: CheckedClient) -> None:
+    """After the host's stop (id 11) the client sends no messages."""
+    _stop(client)
+    await _expect_dropped(client)
+
+
+@case("stop-resume", Part.TEXT)
+async def check_resume(client: CheckedClient) -> None:
+    """After a stop, a request for the topics has the client send messages again."""
+    _stop(client)
+    await client.configure()
+    client.send(client.id_of("text_in"), text_payload("again"))
+    await client.next_on("text_out")
+
+
+@case("probe-waiting")
+async def check_probe(client: CheckedClient) -> None:
+    """A client that waits to be asked answers a wrong version byte with a request for the time."""
+    _stop(client)
+    for _ in range(2):
+        # One answer is enough for a burst of probes.
+        await asyncio.sleep(PROBE_PAUSE_S)
+        client.skip()
+        client.send_bytes(PROBE)
+        await client.expect(is_time_request, "an answer to ff 00", PROBE_ANSWER_S)
+
+
+@case("probe-configured", Part.TEXT)
+async def check_probe_configured(client: CheckedClient) -> None:
+    """A wrong version byte does not disturb a configured client."""
+    client.send_bytes(PROBE + encode_frame(client.id_of("text_in"), text_payload("valid")))
+    await client.next_on("text_out")
+
+
+@case("line-again")
+async def check_line_again(client: CheckedClient) -> None:
+    """The client announces its topics on a line that is closed and opened again."""
+    await client.reconnect()
+    found = await client.configure()
+    if len(found) < len(client.announcements):
+        raise Deviation(f"it announces {len(found)} endpoints instead of {len(client.announcements)}")
+
+
+def _stop(client: CheckedClient) -> None:
+    # A host that has gone answers nothing.
+    client.answers_time = False
+    client.unsettle()
+    client.send(ids.TX_STOP)
+
+
+async def _expect_dropped(client: CheckedClient) -> None:
+    """Send a text to a client that must not answer: only what is sent after a new request comes back."""
+    since = client.received
+    client.send(client.id_of("text_in"), text_payload("unwanted"))
+    await client.configure()
+    client.send(client.id_of("text_in"), text_payload("again"))
+    await client.next_on("text_out")
+    messages = [each for each in client.frames_since(since) if each.topic_id == client.id_of("text_out")]
+    if len(messages) > 1:
+        raise Deviation(f"{read_text(messages[0].payload)!r} came back")
+
+
+async def _expect_clock(client: CheckedClient, asked_s: float) -> None:
+    client.send(client.id_of("ping"))
+    payload = await client.next_on("pong")
+    time = decode_time(payload)
+    if time is None:
+        raise Deviation(f"{payload.hex(' ')} is not a std_msgs/Time")
+    device_s = time.secs + time.nsecs / 1e9
+    if not asked_s - CLOCK_TOLERANCE_S <= device_s <= client.host_time_s() + CLOCK_TOLERANCE_S:
+        raise Deviation(
+            f"the client's clock differs from the host's by {device_s - client.host_time_s():+.3f} s"
+        )

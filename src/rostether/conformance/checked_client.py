@@ -1,0 +1,283 @@
+"""The host's side of a check: sends bytes to the client under test, and waits for what it must answer.
+
+It uses the frame and packet codecs, and none of the bridge's leniency: every byte that is sent is chosen by a
+case. Requests for the time are answered, unless a case holds the answers back.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from rostether.conformance.case import Deviation
+from rostether.conformance.program import PREFIX, Part
+from rostether.conformance.received_frame import Announcement, Frame, is_announcement, read_announcement
+from rostether.errors import TransportError, TransportTimeoutError
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.events import FrameDiscarded
+from rostether.rosserial.frame import encode_frame
+from rostether.rosserial.frame_decoder import FrameDecoder
+from rostether.rosserial.packets import (
+    ParameterRequest,
+    ParameterResponse,
+    encode_time,
+)
+from rostether.rostime import Time
+from rostether.transports.transport import Transport
+
+# A client on a busy or slow machine has this long for each answer.
+ANSWER_S = 8.0
+# A board that the opened port resets spends up to 2 s in its bootloader; one on a network may connect late.
+FIRST_ANSWER_S = 15.0
+# The first request may be lost in the bootloader.
+ASK_AGAIN_S = 1.0
+# The announcements are complete if none follows within this time.
+SETTLED_S = 0.5
+# A pause of this length inside a frame: its rest does not come.
+TORN_AFTER_S = 0.5
+# The host's clock at the start of a check.
+HOST_EPOCH = Time(1_700_000_000, 0)
+# More than a client sends in a run; the rest of a flood is ignored.
+MAX_KEPT_FRAMES = 100_000
+# What is kept of invalid bytes, for the report.
+MAX_KEPT_DAMAGE = 20
+
+Connect = Callable[[], Awaitable[Transport]]
+
+
+class CheckedClient:
+    """One client under test. `connect` opens a line to it, again after a line has ended."""
+
+    def __init__(self, connect: Connect) -> None:
+        self._connect = connect
+        self._loop = asyncio.get_running_loop()
+        self._transport: Transport | None = None
+        self._decoder = FrameDecoder()
+        self._arrived = asyncio.Event()
+        self._began_s = self._heard_s = self._loop.time()
+        self._frames: list[Frame] = []
+        self._position = 0
+        self._parameters: dict[str, ParameterResponse] = {}
+        self._is_configured = False
+        self.answers_time = True
+        self.announcements: list[Announcement] = []
+        self.damage: list[str] = []
+
+    async def open(self) -> None:
+        """Connect, and ask for the topics until the client announces them.
+
+        Raises TransportError, and TransportTimeoutError if no client announces a topic.
+        """
+        await self.reconnect()
+        deadline_s = self._loop.time() + FIRST_ANSWER_S
+        while self._loop.time() < deadline_s:
+            self.send(ids.TOPIC_REQUEST)
+            if await self.find(is_announcement, ASK_AGAIN_S):
+                await self._collect_announcements()
+                return
+        raise TransportTimeoutError(
+            f"no client announced a topic within {FIRST_ANSWER_S:g} s; check its address, its baud rate, and "
+            f"that it runs the conformance program"
+        )
+
+    async def reconnect(self) -> None:
+        """Close the line if it is open, and open it again. Raises TransportError."""
+        await self.close()
+        self._decoder = FrameDecoder()
+        self._is_configured = False
+        self._transport = await self._connect()
+        self._transport.start(self)
+
+    async def close(self) -> None:
+        """Close the line."""
+        transport, self._transport = self._transport, None
+        if transport is not None:
+            transport.close()
+            await transport.wait_closed()
+
+    async def prepare(self) -> None:
+        """Bring the client into the state in which each case begins: configured, with nothing to read.
+
+        Raises Deviation if it does not answer, TransportError if the line ended and does not open again.
+        """
+        self.answers_time = True
+        self._parameters.clear()
+        if self._transport is None:
+            await self.reconnect()
+        if not self._is_configured:
+            await self.configure()
+        self.skip()
+
+    async def configure(self) -> list[Announcement]:
+        """Ask for the topics, and return the announcements, which may be fewer than at first.
+
+        Raises Deviation if there are none.
+        """
+        known = len(self.announcements)
+        self.skip()
+        # A client that waits for the rest of a damaged frame gives it up in this time.
+        for _ in range(3):
+            self.send(ids.TOPIC_REQUEST)
+            if await self.find(is_announcement, ANSWER_S / 2):
+                break
+        else:
+            raise Deviation("no announcement followed a request for the topics")
+        self._position -= 1
+        found: list[Announcement] = []
+        while len(found) < known:
+            frame = await self.find(is_announcement, ANSWER_S / 2)
+            if frame is None:
+                break
+            found.append(read_announcement(frame))
+        self._is_configured = True
+        return found
+
+    def unsettle(self) -> None:
+        """Have the next case begin with a request for the topics."""
+        self._is_configured = False
+
+    def send(self, topic_id: int, payload: bytes = b"") -> None:
+        """Send one frame."""
+        self.send_bytes(encode_frame(topic_id, payload))
+
+    def send_bytes(self, data: bytes) -> None:
+        """Send bytes that need not be a frame. Raises Deviation if the line has ended."""
+        if self._transport is None:
+            raise Deviation("the client closed the line")
+        self._transport.write(data)
+
+    async def send_slowly(self, data: bytes, pause_s: float = 0.002) -> None:
+        """Send bytes one by one."""
+        for byte in data:
+            self.send_bytes(bytes((byte,)))
+            await asyncio.sleep(pause_s)
+
+    def set_parameter(self, name: str, response: ParameterResponse) -> None:
+        """Answer requests for a parameter until the end of the case."""
+        self._parameters[name] = response
+
+    def skip(self) -> None:
+        """Ignore the frames that have arrived."""
+        self._position = len(self._frames)
+
+    @property
+    def received(self) -> int:
+        """How many frames have arrived."""
+        return len(self._frames)
+
+    def frames_since(self, received: int) -> list[Frame]:
+        """Return the frames that arrived after an earlier `received`."""
+        return self._frames[received:]
+
+    async def find(self, is_wanted: Callable[[Frame], bool], within_s: float) -> Frame | None:
+        """Return the next frame that meets a condition and read on behind it; None if none comes in time."""
+        deadline_s = self._loop.time() + within_s
+        while True:
+            while self._position < len(self._frames):
+                frame = self._frames[self._position]
+                self._position += 1
+                if is_wanted(frame):
+                    return frame
+            self._arrived.clear()
+            try:
+                async with asyncio.timeout_at(deadline_s):
+                    await self._arrived.wait()
+            except TimeoutError:
+                return None
+
+    async def expect(
+        self, is_wanted: Callable[[Frame], bool], what: str, within_s: float = ANSWER_S
+    ) -> Frame:
+        """Return as `find`; raises Deviation if none comes."""
+        frame = await self.find(is_wanted, within_s)
+        if frame is None:
+            raise Deviation(f"{what} did not come within {within_s:g} s")
+        return frame
+
+    async def next_on(self, name: str) -> bytes:
+        """Return the next message of a publisher of the program. Raises Deviation."""
+        topic_id = self.id_of(name)
+        return (
+            await self.expect(lambda each: each.topic_id == topic_id, f"a message on {PREFIX}{name}")
+        ).payload
+
+    def id_of(self, name: str, kind: int | None = None) -> int:
+        """Return the topic id of an endpoint of the program; `kind` chooses one half of a service."""
+        for each in self.announcements:
+            if each.info is not None and each.name == PREFIX + name and kind in (None, each.kind):
+                return each.info.topic_id
+        raise Deviation(f"{PREFIX}{name} is not announced")
+
+    def buffer_of(self, name: str) -> int:
+        """Return how long a message to a subscriber of the program may be, in bytes."""
+        (info,) = (each.info for each in self.announcements if each.info and each.name == PREFIX + name)
+        return info.buffer_size
+
+    def has(self, part: Part) -> bool:
+        """Return whether the client announced all endpoints of a part, with the right types."""
+        announced = {
+            (each.kind, each.name, each.info.message_type) for each in self.announcements if each.info
+        }
+        return all(
+            (kind, PREFIX + role.name, role.type) in announced
+            for role in part.value
+            for kind in role.announced_on
+        )
+
+    def host_time_s(self) -> float:
+        """Return the host's clock, in seconds since the epoch."""
+        return HOST_EPOCH.secs + self._loop.time() - self._began_s
+
+    def data_received(self, data: bytes) -> None:
+        """Read what the client sent, and answer its requests."""
+        now_s = self._loop.time()
+        is_torn = self._decoder.pending_bytes > 0 and now_s - self._heard_s > TORN_AFTER_S
+        torn = self._decoder.abandon(now_s) if is_torn else []
+        self._heard_s = now_s
+        for each in (*torn, *self._decoder.feed(data, now_s)):
+            if isinstance(each, FrameDiscarded):
+                if len(self.damage) < MAX_KEPT_DAMAGE:
+                    self.damage.append(f"{each.reason.name.lower()}: {each.data[:16].hex(' ')}")
+                continue
+            for payload in each.payloads:
+                self._keep(Frame(now_s, each.topic_id, payload))
+                self._answer(each.topic_id, payload)
+        self._arrived.set()
+
+    def connection_lost(self, error: TransportError | None) -> None:
+        """Note that the line has ended."""
+        self._transport = None
+        self._is_configured = False
+        self._arrived.set()
+
+    def pause_writing(self) -> None:
+        """Do nothing: a case sends little and waits for the answer."""
+
+    def resume_writing(self) -> None:
+        """Do nothing, as `pause_writing`."""
+
+    def _keep(self, frame: Frame) -> None:
+        if len(self._frames) < MAX_KEPT_FRAMES:
+            self._frames.append(frame)
+
+    def _answer(self, topic_id: int, payload: bytes) -> None:
+        if self._transport is None:
+            return
+        if topic_id == ids.TIME and self.answers_time:
+            self._transport.write(self.time_answer())
+        elif topic_id == ids.PARAMETER:
+            request = ParameterRequest.decode(payload)
+            response = self._parameters.get(request.name.lstrip("/")) if request is not None else None
+            if response is not None:
+                self._transport.write(encode_frame(ids.PARAMETER, response.encode()))
+
+    def time_answer(self) -> bytes:
+        """Return a frame with the host's time."""
+        return encode_frame(ids.TIME, encode_time(Time.from_ns(round(self.host_time_s() * 1e9))))
+
+    async def _collect_announcements(self) -> None:
+        frame: Frame | None = self._frames[self._position - 1]
+        while frame is not None:
+            self.announcements.append(read_announcement(frame))
+            frame = await self.find(is_announcement, SETTLED_S)
+        self._is_configured = True

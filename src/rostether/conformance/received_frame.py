@@ -1,0 +1,66 @@
+"""What a client sends: frames, announcements and texts, as a check looks at them."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from rostether.conformance.case import Deviation
+from rostether.rosserial import topic_id as ids
+from rostether.rosserial.packets import TIME_BYTES, TopicInfo
+
+
+class Frame(NamedTuple):
+    """A valid frame from the client."""
+
+    time_s: float
+    topic_id: int
+    payload: bytes
+
+
+class Announcement(NamedTuple):
+    """One announcement: the reserved id it came on, its payload, and its content if its layout is right."""
+
+    kind: int
+    payload: bytes
+    info: TopicInfo | None
+
+    @property
+    def name(self) -> str:
+        """The announced name, without a leading slash."""
+        return "" if self.info is None else self.info.topic_name.removeprefix("/")
+
+
+def is_time_request(frame: Frame) -> bool:
+    """Return whether a frame is a request for the time."""
+    return frame.topic_id == ids.TIME and len(frame.payload) in (0, TIME_BYTES)
+
+
+def text_payload(text: str | bytes) -> bytes:
+    """Return the payload of a std_msgs/String."""
+    data = text.encode() if isinstance(text, str) else text
+    return struct.pack("<I", len(data)) + data
+
+
+def read_text(payload: bytes) -> str:
+    """Return the text of a std_msgs/String. Raises Deviation for another layout."""
+    if len(payload) < 4 or len(payload) != 4 + int.from_bytes(payload[:4], "little"):
+        raise Deviation(f"{payload[:32].hex(' ')} is not a std_msgs/String")
+    return payload[4:].decode("utf-8", "replace")
+
+
+def missing_from(wanted: Iterable[object], found: Iterable[object]) -> list[object]:
+    """Return the wanted items that were not found, in order."""
+    present = set(found)
+    return [each for each in wanted if each not in present]
+
+
+def is_announcement(frame: Frame) -> bool:
+    """Return whether a frame announces an endpoint."""
+    return frame.topic_id in ids.ANNOUNCEMENTS and bool(frame.payload)
+
+
+def read_announcement(frame: Frame) -> Announcement:
+    """Decode an announcement; its content is None if the layout is wrong."""
+    return Announcement(frame.topic_id, frame.payload, TopicInfo.read(frame.payload))

@@ -1,0 +1,51 @@
+"""Clients under test in memory: the conformance program on a Python Device, with what spoils its bytes."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+
+from rostether.conformance.case import Case, Outcome
+from rostether.conformance.checked_client import CheckedClient
+from rostether.conformance.program import ConformanceProgram
+from rostether.conformance.run_cases import CASES, run_cases
+from rostether.device.device import Device
+from rostether.msgdef.registry import Registry
+from rostether.rosserial.device_link import DeviceLinkConfig
+from rostether.serde.store import TypeStore
+from rostether.transports.memory import Manipulator, MemoryTransport, memory_pair
+
+STORE = TypeStore(Registry())
+# A board's buffers, so that the limits are tested with short messages.
+CONFIG = DeviceLinkConfig(input_buffer_bytes=280, output_buffer_bytes=300)
+
+
+@asynccontextmanager
+async def a_client(manipulator: Manipulator | None = None) -> AsyncIterator[CheckedClient]:
+    """Yield a client to check; each connection starts the program anew, as a board that is reset."""
+    devices: list[Device] = []
+
+    async def connect() -> MemoryTransport:
+        for each in devices:
+            await each.close()
+        near, far = memory_pair(manipulator)
+        device = Device(far, store=STORE, config=CONFIG)
+        ConformanceProgram(device)
+        await device.__aenter__()
+        devices[:] = [device]
+        return near
+
+    client = CheckedClient(connect)
+    try:
+        yield client
+    finally:
+        await client.close()
+        for each in devices:
+            await each.close()
+
+
+async def outcomes(manipulator: Manipulator | None = None, cases: Sequence[Case] = CASES) -> list[Outcome]:
+    """Run the cases against a client."""
+    async with a_client(manipulator) as client:
+        await client.open()
+        return [each async for each in run_cases(client, cases)]
