@@ -12,8 +12,14 @@ const browser = await chromium.launch({
 const pages = [];
 const seen = [];
 
-async function open({ url, width = 1280, height = 800, touch = false }) {
-  const context = await browser.newContext({ viewport: { width, height }, hasTouch: touch, isMobile: touch });
+async function open({ url, width = 1280, height = 800, touch = false, script, ...options }) {
+  const context = await browser.newContext({
+    viewport: { width, height },
+    hasTouch: touch,
+    isMobile: touch,
+    ...options,
+  });
+  if (script) await context.addInitScript(script);
   const page = await context.newPage();
   const hosts = new Set();
   const errors = [];
@@ -33,6 +39,7 @@ const commands = {
   open,
   evaluate: ({ page, script }) => pages[page].evaluate(script),
   click: ({ page, selector }) => pages[page].click(selector, { timeout: 30_000 }),
+  fill: ({ page, selector, text }) => pages[page].fill(selector, text, { timeout: 30_000 }).then(() => null),
   text: ({ page, selector }) => pages[page].textContent(selector, { timeout: 30_000 }),
   // As when another tab is chosen.
   hide: ({ page, hidden }) =>

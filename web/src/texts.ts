@@ -19,6 +19,7 @@ export const texts = {
     frames: "Frames",
     recording: "Recording",
     simulation: "Simulation",
+    connect: "Connect a board",
   },
   shell: {
     viewOnly: "View only",
@@ -322,6 +323,45 @@ export const texts = {
     none: "No component publishes its status",
     noneText: "Boards and nodes publish their status on /diagnostics.",
     levels: { ok: "OK", warning: "Warning", error: "Error", stale: "Old" },
+  },
+  connect: {
+    intro:
+      "Connect a board to a USB port of this phone or computer. The robot serves it as if it were plugged in there.",
+    choose: "Choose a port",
+    known: (name: string) => `Connect ${name}`,
+    name: "Name of the board",
+    nameRule: "A name has 1 to 40 letters, digits or _, and begins with a letter.",
+    baud: "Baud rate",
+    baudHint: "Use the baud rate of the sketch. rosserial sketches use 57600 unless they set another.",
+    connect: "Connect",
+    disconnect: "Disconnect",
+    reset: "Reset",
+    showBoards: "Show in Boards",
+    stayVisible:
+      "Keep this page visible. While it is hidden, the board is disconnected. The screen stays on where the browser allows it.",
+    states: {
+      opening: "Connecting",
+      connected: "Connected",
+      away: "Not accepted by the robot",
+      hidden: "Disconnected while the page is hidden",
+      unplugged: "Unplugged",
+    },
+    counts: (baud: number, received: string, sent: string) =>
+      `${baud} baud, ${received} from the board, ${sent} to it`,
+    noServer: "The robot does not answer. This page tries again by itself.",
+    unpluggedText: "The port is gone. Plug the board in again.",
+    cannotOpen: (reason: string) => `The port cannot be opened; close other programs that use it. ${reason}`,
+    viewOnly: "This page may only view",
+    viewOnlyText: "Open the address with the full token to connect a board.",
+    notOffered: "This server accepts no boards",
+    notOfferedText: "The dashboard of rostether serve and of rostether demo accepts boards.",
+    notOfferedCommand: "rostether serve --dashboard",
+    insecure: "This page is not encrypted",
+    insecureText:
+      "Browsers give serial ports only to pages on https, or on localhost. Start the dashboard with --tls auto.",
+    unsupported: "This browser has no serial ports",
+    unsupportedText:
+      "Use Chrome or Edge on a computer or Chromebook, or Chrome 148 or newer on Android. iPhones and iPads have no browser with serial ports.",
   },
   units: {
     ago: (text: string) => `${text} ago`,

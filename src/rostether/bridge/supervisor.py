@@ -39,10 +39,11 @@ from rostether.ports.device_book import DeviceBook
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.settings import DeviceSettings
 from rostether.serde.store import TypeStore
-from rostether.transports.address import Address, SerialAddress, TcpAddress, XbeeAddress
+from rostether.transports.address import Address, SerialAddress, TcpAddress, WebAddress, XbeeAddress
 from rostether.transports.opening import listen, open_transport
 from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Listener, Transport
+from rostether.transports.web import WebTransport
 
 # A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
 MAX_JOIN_WAIT_S = 2.0
@@ -198,10 +199,15 @@ class Supervisor:
 
         listener = await self._listen(address, on_transport, entry=BOARD_ENTRY)
         self._listeners.append(listener)
+        if isinstance(address, WebAddress):
+            # The dashboard reports where its page is.
+            return
         self._reporter.line(Level.INFO, f"Waiting for boards on {listener.address}")
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
         self._door.line(Level.INFO, f"Connection from {transport.peer}")
+        if isinstance(transport, WebTransport):
+            address = transport.address
         error = await self._serve(address, transport, identify_peer(transport.remote, transport.proof))
         self._door.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
 
@@ -223,7 +229,7 @@ class Supervisor:
         try:
             node = board.node or await self._give_node(address, board, device)
             node.hardware_id = hardware_id(address, transport.peer, identity)
-            baud = address.baud if isinstance(address, SerialAddress | XbeeAddress) else None
+            baud = address.baud if isinstance(address, SerialAddress | XbeeAddress | WebAddress) else None
             if self._tap is not None:
                 transport = self._tap(transport)
             session = board.session = Session(transport, node, baud=baud)

@@ -6,6 +6,7 @@
     udp://:11411    udp://192.168.1.7:11411?connect=yes&bind=11411
     pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2
     sim:blink.ino?board=uno&adc=A0:2.5&range=0.5
+    web:    web:?ns=lab
 
 An empty host is loopback. Every address takes `name=` and `ns=`, the board's node name and namespace.
 """
@@ -148,7 +149,24 @@ class SimAddress(_Named):
         return f"sim:{self.program}"
 
 
-Address: TypeAlias = SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress | SimAddress
+@dataclass(frozen=True, slots=True)
+class WebAddress(_Named):
+    """The serial ports of devices that show the dashboard; `baud` is the speed of one board's line."""
+
+    baud: int = DEFAULT_BAUD
+
+    @property
+    def listens(self) -> bool:
+        """Whether one address brings many devices (see `opening.listen`)."""
+        return True
+
+    def __str__(self) -> str:
+        return "web:"
+
+
+Address: TypeAlias = (
+    SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress | SimAddress | WebAddress
+)
 
 _COMMON_OPTIONS = ("name", "ns")
 _KNOWN_OPTIONS = {
@@ -159,6 +177,7 @@ _KNOWN_OPTIONS = {
     "pty": (),
     "xbee": ("baud", "peers"),
     "sim": ("board", "baud", "uart", "seed", *SIM_WORDS),
+    "web": (),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
 _HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
@@ -199,6 +218,12 @@ def parse_address(text: str) -> Address:
         case "xbee":
             path, peers = _require_path(text, place), reader.xbee_peers()
             return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
+        case "web":
+            if place:
+                raise ConfigError(
+                    f"link address {text!r} names a place; write web: alone, because pages connect boards"
+                )
+            return WebAddress(name=name, ns=ns)
         case _:
             # Checked as in a serial port's address, and ignored: a simulated line follows the sketch.
             reader.baud()

@@ -13,6 +13,7 @@ from rostether.transports.address import (
     SimAddress,
     TcpAddress,
     UdpAddress,
+    WebAddress,
     XbeeAddress,
     parse_address,
 )
@@ -22,6 +23,7 @@ from rostether.transports.transport import Listener, Transport
 if TYPE_CHECKING:
     from rostether.transports.board_keys import BoardKeys
     from rostether.transports.peers import PeerEntry
+    from rostether.transports.web_boards import WebBoards
 
 
 def list_serial_ports() -> list[SerialPort]:
@@ -54,6 +56,8 @@ async def open_transport(address: Address | str) -> Transport:
             return await connect_udp(address)
         case SimAddress():
             raise ConfigError(f"{address} is a simulated board; `rostether serve {address}` starts it")
+        case WebAddress():
+            raise ConfigError(f"{address} is for `rostether serve --dashboard`: its page connects the boards")
         case _:
             raise ConfigError(f"{address} accepts many devices; add ?connect=yes to connect to one")
 
@@ -66,12 +70,14 @@ async def listen(
     connections_per_host: int | None = None,
     board_keys: BoardKeys | None = None,
     entry: PeerEntry | None = None,
+    web_boards: WebBoards | None = None,
 ) -> Listener:
     """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`.
 
     At most `connections` at a time, and of one address at most `connections_per_host` (None: the default of
     the kind of link; what needs no connection counts all alike). `board_keys` are those of single boards.
-    `entry` says which senders of datagrams become links.
+    `entry` says which senders of datagrams become links. `web_boards` are those that the dashboard's pages
+    connect.
     """
     if isinstance(address, str):
         address = parse_address(address)
@@ -100,5 +106,9 @@ async def listen(
             from rostether.transports.xbee import XbeeListener
 
             return await XbeeListener.start(address, on_transport, open_serial=open_serial)
+        case WebAddress():
+            if web_boards is None:
+                raise ConfigError(f"{address} needs --dashboard: its page connects the boards")
+            return web_boards.listen(address, on_transport)
         case _:
             raise ConfigError(f"{address} is one device, which cannot be listened on")

@@ -9,6 +9,7 @@ from rostether.transports.address import (
     SerialAddress,
     TcpAddress,
     UdpAddress,
+    WebAddress,
     XbeeAddress,
     parse_address,
 )
@@ -41,6 +42,7 @@ from rostether.transports.address import (
         ("udp://b:7?connect=on&bind=8", UdpAddress("b", 7, connect=True, bind=8)),
         ("pty:/tmp/board", PtyAddress("/tmp/board")),
         ("pty:board?name=b", PtyAddress("board", name="b")),
+        ("web:?ns=lab", WebAddress(ns="lab")),
         ("xbee:/dev/ttyUSB0?baud=57600&peers=1,0x2a", XbeeAddress("/dev/ttyUSB0", 57600, (1, 42))),
     ],
 )

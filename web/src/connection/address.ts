@@ -23,6 +23,13 @@ export function recordingUrl(name: string): string {
   return `/recordings/${encodeURIComponent(name)}${token ? `?token=${encodeURIComponent(token)}` : ""}`;
 }
 
+/** Where boards on this device's serial ports are connected. */
+export function serialUrl(): string {
+  const url = new URL(gatewayUrl());
+  url.pathname = "/serial";
+  return url.href;
+}
+
 /** The gateway's address; `?ws=ws://HOST:PORT` in the page's address names another than the page's own server. */
 export function gatewayUrl(): string {
   const given = new URLSearchParams(location.search).get("ws");

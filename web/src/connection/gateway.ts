@@ -1,5 +1,6 @@
 // The page's two connections to the gateway: one to view, one for commands, so that a camera never delays a stop.
 import { gatewayUrl } from "./address.ts";
+import { gatewaySocket } from "./gateway_socket.ts";
 import {
   type Channel,
   type ClientChannel,
@@ -15,7 +16,7 @@ import {
   type Status,
   serviceRequest,
 } from "./protocol.ts";
-import { ReconnectingSocket } from "./socket.ts";
+import type { ReconnectingSocket } from "./socket.ts";
 
 export interface GatewayHandlers {
   /** The view connection is open (`info`) or lost (undefined). */
@@ -60,7 +61,7 @@ export class Gateway {
 
   constructor(handlers: GatewayHandlers) {
     this.handlers = handlers;
-    this.view = new ReconnectingSocket(gatewayUrl, {
+    this.view = gatewaySocket(gatewayUrl, {
       onOpen: () => {
         this.view.send({ op: "subscribeConnectionGraph" });
         handlers.onConnection(this.info, "");
@@ -72,7 +73,7 @@ export class Gateway {
         handlers.onConnection(undefined, reason);
       },
     });
-    this.command = new ReconnectingSocket(gatewayUrl, {
+    this.command = gatewaySocket(gatewayUrl, {
       onOpen: () => {
         for (const [id, each] of this.advertised) this.sendAdvertise(id, each);
         if (this.watched.size > 0) {

@@ -1,5 +1,4 @@
 // One WebSocket that connects again by itself, sooner when the page is looked at.
-import { parseBinary, type ServerBinary, type ServerText, SUBPROTOCOL } from "./protocol.ts";
 
 const FIRST_RETRY_MS = 250;
 const MAX_RETRY_MS = 5000;
@@ -7,24 +6,26 @@ const MAX_RETRY_MS = 5000;
 const OPEN_TIMEOUT_MS = 10_000;
 
 export interface SocketHandlers {
-  /** The server's first message came: the connection can be used. */
-  onOpen(): void;
-  onText(message: ServerText): void;
-  onBinary(message: ServerBinary): void;
+  /** The WebSocket is open; a protocol whose client speaks first sends now. */
+  onStart?(): void;
+  /** A message; returns whether the connection can be used from now on. */
+  onMessage(data: string | ArrayBuffer): boolean;
   /** `retryMs` is how long it waits until it tries again. */
   onClose(reason: string, retryMs: number): void;
 }
 
 export class ReconnectingSocket {
   private readonly url: () => string;
+  private readonly protocols: string[];
   private readonly handlers: SocketHandlers;
   private socket: WebSocket | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private retryMs = FIRST_RETRY_MS;
   private isClosed = false;
 
-  constructor(url: () => string, handlers: SocketHandlers) {
+  constructor(url: () => string, protocols: string[], handlers: SocketHandlers) {
     this.url = url;
+    this.protocols = protocols;
     this.handlers = handlers;
     addEventListener("online", this.retryNow);
     document.addEventListener("visibilitychange", this.retryNow);
@@ -61,7 +62,7 @@ export class ReconnectingSocket {
     this.timer = undefined;
     let socket: WebSocket;
     try {
-      socket = new WebSocket(this.url(), [SUBPROTOCOL]);
+      socket = new WebSocket(this.url(), this.protocols);
     } catch (error) {
       this.retryLater(String(error));
       return;
@@ -69,25 +70,14 @@ export class ReconnectingSocket {
     this.socket = socket;
     socket.binaryType = "arraybuffer";
     const timeout = setTimeout(() => socket.close(), OPEN_TIMEOUT_MS);
+    socket.onopen = () => {
+      if (this.socket === socket) this.handlers.onStart?.();
+    };
     socket.onmessage = (event) => {
-      if (this.socket !== socket) return;
-      if (typeof event.data !== "string") {
-        const message = parseBinary(event.data as ArrayBuffer);
-        if (message) this.handlers.onBinary(message);
-        return;
-      }
-      let message: ServerText;
-      try {
-        message = JSON.parse(event.data) as ServerText;
-      } catch {
-        return;
-      }
-      if (message.op === "serverInfo") {
-        clearTimeout(timeout);
-        this.retryMs = FIRST_RETRY_MS;
-        this.handlers.onText(message);
-        this.handlers.onOpen();
-      } else this.handlers.onText(message);
+      if (this.socket !== socket || this.isClosed) return;
+      if (!this.handlers.onMessage(event.data as string | ArrayBuffer)) return;
+      clearTimeout(timeout);
+      this.retryMs = FIRST_RETRY_MS;
     };
     socket.onclose = (event) => {
       clearTimeout(timeout);

@@ -1,5 +1,6 @@
 // All panels, in the order of the navigation.
 import { boardsPanel } from "./boards/boards.ts";
+import { connectPanel } from "./connect/connect.ts";
 import { consolePanel } from "./console/console.ts";
 import { controlsPanel } from "./controls/controls.ts";
 import { diagnosticsPanel } from "./diagnostics/diagnostics.ts";
@@ -34,4 +35,5 @@ export const panels: readonly Panel[] = [
   framesPanel,
   recordingPanel,
   simulationPanel,
+  connectPanel,
 ];

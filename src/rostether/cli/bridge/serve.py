@@ -33,7 +33,7 @@ from rostether.cli.bridge.device_options import (
     unchosen_lines,
 )
 from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
-from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, shortage_lines
+from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, read_web_boards, shortage_lines
 from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.dashboard.served import DashboardSettings, dashboard_beside
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
@@ -68,6 +68,7 @@ class ServeOptions:
     mdns: bool | None
     ns_per_board: bool
     no_diagnostics: bool
+    no_web_boards: bool
     record_line: Path | None
     record_limit_mb: float
     limits: tuple[str, ...]
@@ -101,6 +102,11 @@ _serve_options = option_group(
             help="Put each board's topics into a namespace with the board's name.",
         ),
         click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics."),
+        click.option(
+            "--no-web-boards",
+            is_flag=True,
+            help="Refuse boards on the serial ports of devices that show the dashboard.",
+        ),
         click.option(
             "--record-line",
             type=click.Path(path_type=Path, dir_okay=False),
@@ -161,7 +167,8 @@ def serve(
     devices are left alone.
 
     An ADDRESS is a serial port, tcp://HOST:PORT or udp://HOST:PORT to listen on, pty:PATH for a new
-    pseudo-terminal, xbee:PORT, or sim:SKETCH for a simulated board. Options follow a question mark:
+    pseudo-terminal, xbee:PORT, sim:SKETCH for a simulated board, or web: for boards that pages of the
+    dashboard connect (always, with --dashboard). Options follow a question mark:
     baud=115200, name=arm, ns=lab, reset=no. If a port does not exist yet, the bridge waits for it.
     """
     twice = next((address for address in addresses if addresses.count(address) > 1), None)
@@ -176,6 +183,7 @@ def serve(
     environment = environment.limited(graph_limits)
     hosts = environment.listen_hosts if options.listen is not None else (LOOPBACK,)
     links = [link for address in addresses for link in read_links(address, hosts, graph.allow)]
+    web_boards = read_web_boards(links, is_served=dashboard is not None, is_refused=options.no_web_boards)
     devices = read_devices(options.config, options.probes)
     discovers = options.discover or bool(options.probes) or not addresses
     announces = check_mdns(is_wanted=options.mdns)
@@ -193,7 +201,7 @@ def serve(
         announces=announces,
         wants_mdns=options.mdns is True,
         gateways=(access := replace(gateways, allow=graph.allow)),
-        dashboard=DashboardSettings(dashboard, access) if dashboard is not None else None,
+        dashboard=DashboardSettings(dashboard, access, boards=web_boards) if dashboard is not None else None,
         bags=bags,
         record_line=options.record_line,
         record_limit_mb=options.record_limit_mb,
@@ -231,6 +239,7 @@ async def _serve(
         connections=serving.settings.connections,
         connections_per_host=serving.settings.connections_per_host,
         board_keys=serving.devices.board_keys(),
+        web_boards=serving.dashboard.boards if serving.dashboard is not None else None,
     )
     async with served_graphs(
         environment, graph, master_port=serving.master_port, msg_paths=serving.msg_paths

@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rostether.cli.shell.library_logs import show_library_logs
+from rostether.errors import ConfigError
 from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
-from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress, parse_address
 from rostether.transports.descriptors import shortage
 from rostether.transports.opening import listen
 from rostether.transports.typed_port import check_typed_port
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rostether.graph.ports import JoinGraph
     from rostether.ports.device_book import DeviceBook
     from rostether.transports.transport import Transport
+    from rostether.transports.web_boards import WebBoards
 
 
 def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:
@@ -42,6 +44,27 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:
         return [replace(link, host=host) for host in hosts]
     return [link]
+
+
+def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) -> WebBoards | None:
+    """Return the boards that pages of the dashboard connect, None without; adds their link if none is typed.
+
+    Raises ConfigError for a link that cannot be served.
+    """
+    typed = [link for link in links if isinstance(link, WebAddress)]
+    if len(typed) > 1:
+        raise ConfigError("web: is given twice; give it once")
+    if typed and is_refused:
+        raise ConfigError("web: serves boards of pages, --no-web-boards refuses them; give one of them")
+    if typed and not is_served:
+        raise ConfigError("web: needs --dashboard, whose page connects the boards")
+    if not is_served or is_refused:
+        return None
+    from rostether.transports.web_boards import WebBoards
+
+    if not typed:
+        links.append(WebAddress())
+    return WebBoards()
 
 
 def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:

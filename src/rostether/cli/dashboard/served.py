@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.websocket.site import Site
     from rostether.graph.ports import Graph
+    from rostether.transports.web_boards import WebBoards
 
 NODE = "dashboard"
 TELEOP_NODE = "web_teleop"
@@ -52,7 +53,7 @@ class DashboardSettings:
 
     `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
     gateway is served. `views` are panels whose addresses are printed too. `wider` is what people type, with
-    {port}, to let other machines connect.
+    {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
     """
 
     place: str = DEFAULT_PLACE
@@ -63,6 +64,7 @@ class DashboardSettings:
     tiles: Path | None = None
     views: tuple[View, ...] = ()
     wider: str = "--dashboard 0.0.0.0:{port}"
+    boards: WebBoards | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +153,7 @@ async def _served_at(
 
     try:
         async with gateway_on(
-            graph, on, served, report, DashboardParts(site, join_teleop, recordings)
+            graph, on, served, report, DashboardParts(site, join_teleop, recordings, settings.boards)
         ) as gateway:
             url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))
             page = url.partition("#")[0].rstrip("/")

@@ -15,6 +15,7 @@ from rostether.errors import ConfigError
 PANELS = (
     *("boards", "controls", "drive", "plots", "images", "scene", "map", "graph", "topics"),
     *("services", "parameters", "console", "diagnostics", "frames", "recording", "simulation"),
+    "connect",
 )
 
 # RViz writes about 10 kB.

@@ -37,6 +37,9 @@ from rostether.ports.device_book import DeviceBook
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.store import TypeStore
 from rostether.simulation.ultrasound import Obstacle
+from rostether.transports.address import WebAddress
+from rostether.transports.opening import listen
+from rostether.transports.web_boards import WebBoards
 
 REFRESH_S = 0.25
 PLAIN_LINE_S = 1.0
@@ -137,12 +140,20 @@ async def _demo(environment: RosEnvironment, wanted: _Wanted, devices: DeviceBoo
         ros2 = None if wanted.only_ros1 else await demo_ros2(stack, reporter, joins=wanted.joins)
         if ros2 is not None:
             join = JointJoin([join, ros2])
+        boards = WebBoards()
         supervisor = await stack.enter_async_context(
-            bridge(join, [board.link], reporter, devices=devices, diagnostics=True)
+            bridge(
+                join,
+                [board.link, WebAddress()],
+                reporter,
+                devices=devices,
+                diagnostics=True,
+                listen=partial(listen, web_boards=boards),
+            )
         )
         dashboard = await stack.enter_async_context(
             dashboard_beside(
-                DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`")
+                DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`", boards=boards)
                 if wanted.has_page
                 else None,
                 ServedGraphs(join, used.environment, ()),

@@ -9,6 +9,7 @@ from rostether.gateways.foxglove.recording_control import RecordingControl
 from rostether.gateways.websocket.admission import Rights
 from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph
+from rostether.transports.web_boards import WebBoards
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,16 +17,19 @@ class DashboardParts:
     """All parts are optional.
 
     `site` are files that it serves, `join_teleop` makes the node of clients that drive, `recordings` records
-    for clients.
+    for clients, `boards` are serial ports of the devices that show the page.
     """
 
     site: Site | None = None
     join_teleop: Callable[[], Awaitable[Graph]] | None = None
     recordings: RecordingControl | None = None
+    boards: WebBoards | None = None
 
     def metadata(self, rights: Rights) -> dict[str, str]:
         """Return the metadata about the parts for a client with these rights."""
         features = ["drive"] if self.join_teleop is not None and rights is Rights.FULL else []
         if self.recordings is not None:
             features.append("record")
+        if self.boards is not None and rights is Rights.FULL:
+            features.append("serial")
         return {"rights": rights.value, "features": ",".join(features)}

@@ -53,6 +53,9 @@ _RETRY_S = 1.0
 # Foxglove's own web application, app.foxglove.dev, is what the gateway is for.
 FOXGLOVE_SITE = "foxglove.dev"
 
+# Boards on the serial ports of devices that show the page.
+SERIAL_PATH = "/serial"
+
 # The WebSocket close code after which clients reconnect.
 _SERVICE_RESTART = 1012
 
@@ -99,6 +102,7 @@ class FoxgloveGateway:
             viewer_site=FOXGLOVE_SITE,
             subprotocols=outgoing.SUBPROTOCOLS,
             site=parts.site,
+            routes={SERIAL_PATH: parts.boards.open if parts.boards is not None else None},
         )
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}

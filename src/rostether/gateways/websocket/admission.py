@@ -159,6 +159,7 @@ class Admission:
         self.token = Token(token)
         self._view_token = Token(view_token)
         self._pages = PageRule(origins, own_names or OwnNames(), viewer_site)
+        self._own_pages = PageRule(origins, own_names or OwnNames())
         self._path = path.strip("/")
         self._wants_token_first = wants_token_first
 
@@ -175,9 +176,20 @@ class Admission:
 
     def refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Return why a WebSocket is refused, None when it is not."""
+        return self._refusal(path, headers, self._pages)
+
+    def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
+        """Return why a WebSocket is refused that is for the full token, and not for pages of a viewer."""
+        if (refused := self._refusal(path, headers, self._own_pages)) is not None:
+            return refused
+        if self.token.is_wanted and not self.has_token(path, headers):
+            return HTTPStatus.FORBIDDEN, "this needs the full token, not the one to view"
+        return None
+
+    def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
         origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
         has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
-        if not self._pages.admits(origin, host) and not (has_token and is_of_program(origin)):
+        if not pages.admits(origin, host) and not (has_token and is_of_program(origin)):
             if origin is None:
                 return HTTPStatus.FORBIDDEN, foreign_host(host)
             reason = f"pages of {origin:.200} may not connect: allow them with --origin {origin:.200}"

@@ -34,6 +34,9 @@ _FILE_S = 30.0
 # The part of a download that one call reads.
 _CHUNK_BYTES = 256 << 10
 
+# No method of HTTP is longer.
+_METHOD_BYTES = 16
+
 _ORDERLY = (CloseCode.NORMAL_CLOSURE, CloseCode.GOING_AWAY, CloseCode.NO_STATUS_RCVD)
 
 
@@ -80,6 +83,8 @@ class Connection(asyncio.Protocol):
         self._is_shaken = False
         self._timer: asyncio.TimerHandle | None = None
         self._is_ending = False
+        self._is_answered = False
+        self._start = b""
         self._download: asyncio.Task[None] | None = None
         self._unanswered_pings = 0
         self._unsent_at_ping = 0
@@ -120,14 +125,18 @@ class Connection(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Handle bytes."""
-        if self._download is not None:
-            # One connection, one file.
+        if self._is_answered:
+            # One connection, one plain request; its body is read, so that the client gets the response.
             return
+        if not self._is_shaken:
+            self._start = (self._start + data[:_METHOD_BYTES])[:_METHOD_BYTES]
         self._websocket.receive_data(data)
         self._handle_events()
 
     def eof_received(self) -> bool:
         """Handle the end of the client's data."""
+        if self._is_answered and self._download is None:
+            return False
         if self._download is not None:
             # TLS has no half-closed connections.
             return self._transport is not None and self._transport.can_write_eof()
@@ -219,11 +228,27 @@ class Connection(asyncio.Protocol):
                 self._handle_request(event)
             elif isinstance(event, Frame):
                 self._handle_frame(event)
+        if self._websocket.handshake_exc is not None and not self._is_shaken and not self._is_answered:
+            self._refuse_malformed()
+        if self._is_answered:
+            # What the library makes of the body is no WebSocket.
+            return
         self._write_protocol()
         if self._websocket.close_expected() and not self._is_ending:
             # The client gets the reason (RFC 6455, 7.4), then one side closes; data does not extend the time.
             self._is_ending = True
             self._set_timer(_CLOSE_S, self.abort)
+
+    def _refuse_malformed(self) -> None:
+        """Answer what the library does not parse, such as a request with a body."""
+        method = self._start.partition(b" ")[0]
+        if self._server.site is None or not method.isalpha() or not method.isupper():
+            return
+        if method in (b"GET", b"HEAD"):
+            reply = refusal(HTTPStatus.BAD_REQUEST, "the request is malformed, or has a body")
+        else:
+            reply = self._server.site.reply(method.decode(), "/", Headers())
+        self._answer(_response(reply), self._limits.handshake_s)
 
     def _handle_request(self, request: Request) -> None:
         self.path, self.headers = request.path, request.headers
@@ -233,15 +258,17 @@ class Connection(asyncio.Protocol):
         refused = self._server.refusal(self, request)
         if refused is not None:
             status, reason = refused
-            self._websocket.send_response(self._websocket.reject(status, reason + "\n"))
+            self._answer(self._websocket.reject(status, reason + "\n"), self._limits.handshake_s)
             return
         response = self._websocket.accept(request)
+        if response.status_code != HTTPStatus.SWITCHING_PROTOCOLS:
+            self._answer(response, self._limits.handshake_s)
+            return
         self._websocket.send_response(response)
         self._write_protocol()
-        if response.status_code == HTTPStatus.SWITCHING_PROTOCOLS:
-            self._set_timer(self._limits.ping_period_s, self._ping)
-            self._is_shaken = True
-            self._user = self._server.open_user(self)
+        self._set_timer(self._limits.ping_period_s, self._ping)
+        self._is_shaken = True
+        self._user = self._server.open_user(self)
 
     def _serve_file(self, request: Request) -> None:
         assert self._server.site is not None
@@ -252,15 +279,21 @@ class Connection(asyncio.Protocol):
         if (reason := refused(self, request)) is not None:
             reply = refusal(HTTPStatus.FORBIDDEN, reason)
         elif is_download:
-            self._is_ending = True
+            self._is_answered = self._is_ending = True
             self._set_timer(_FILE_S, self.abort)
             self._download = asyncio.ensure_future(self._send_download(self._server.site, request.path))
             return
         else:
             reply = self._server.site.reply(method, request.path, request.headers)
-        self._websocket.send_response(_response(reply))
-        self._is_ending = True
-        self._set_timer(_FILE_S, self.abort)
+        self._answer(_response(reply), _FILE_S)
+
+    def _answer(self, response: Response, limit_s: float) -> None:
+        """Answer a plain request, or refuse a WebSocket; then the client closes."""
+        assert self._transport is not None
+        self._is_answered = self._is_ending = True
+        self._transport.write(response.serialize())
+        self._end_sending()
+        self._set_timer(limit_s, self.abort)
 
     async def _send_download(self, site: Site, path: str) -> None:
         reply, file = await asyncio.to_thread(site.open_download, path)
@@ -304,11 +337,15 @@ class Connection(asyncio.Protocol):
         if data := b"".join(pieces):
             self._transport.write(data)
         if b"" in pieces:
-            # TLS has no half-close; the transport sends written data first.
-            if self._transport.can_write_eof():
-                self._transport.write_eof()
-            else:
-                self._transport.close()
+            self._end_sending()
+
+    def _end_sending(self) -> None:
+        assert self._transport is not None
+        # TLS has no half-close; the transport sends written data first.
+        if self._transport.can_write_eof():
+            self._transport.write_eof()
+        else:
+            self._transport.close()
 
     def _ping(self) -> None:
         # A client that still reads is alive, even if its pong is late. A client whose data is not read

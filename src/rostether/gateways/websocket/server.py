@@ -6,7 +6,7 @@ import asyncio
 import errno
 import os
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 
 from websockets.http11 import Request
@@ -43,6 +43,8 @@ class WebSocketServer:
         subprotocols: The WebSocket subprotocols, the best first.
         deflates: Whether messages are compressed for clients that support it.
         site: Files that are served by plain GET.
+        routes: Makers of users for paths of their own, for this server's pages and for programs, with the
+            full token; None: not offered.
     """
 
     def __init__(  # noqa: PLR0913 - each is an independent setting
@@ -59,12 +61,14 @@ class WebSocketServer:
         subprotocols: Sequence[str] = (),
         deflates: bool = False,
         site: Site | None = None,
+        routes: Mapping[str, Callable[[Connection], ConnectionUser] | None] | None = None,
     ) -> None:
         self.limits = limits
         self.subprotocols = subprotocols
         self.deflates = deflates
         self.site = site
-        self.open_user = open_user
+        self._open_user = open_user
+        self._routes = routes or {}
         own_names = OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
         self.admission = Admission(
             settings.origins,
@@ -166,7 +170,13 @@ class WebSocketServer:
 
     def refusal(self, connection: Connection, request: Request) -> tuple[HTTPStatus, str] | None:
         """Return why a WebSocket is refused, None when it is not."""
-        refused = self.admission.refusal(request.path, request.headers)
+        route = request.path.partition("?")[0]
+        if route not in self._routes:
+            refused = self.admission.refusal(request.path, request.headers)
+        elif self._routes[route] is None:
+            refused = HTTPStatus.NOT_FOUND, f"{route} is not offered here"
+        else:
+            refused = self.admission.own_refusal(request.path, request.headers)
         if refused is None and sum(each.is_open for each in self._connections) >= self.limits.clients:
             refused = (
                 HTTPStatus.SERVICE_UNAVAILABLE,
@@ -175,6 +185,11 @@ class WebSocketServer:
         if refused is not None:
             self._report_refused(connection, refused[1])
         return refused
+
+    def open_user(self, connection: Connection) -> ConnectionUser:
+        """Return the user of a connection whose handshake is done."""
+        open_user = self._routes.get(connection.path.partition("?")[0]) or self._open_user
+        return open_user(connection)
 
     def page_refusal(self, connection: Connection, request: Request) -> str | None:
         """Return why a plain request is refused, None when it is not."""

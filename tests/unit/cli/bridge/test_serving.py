@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.bridge.serving import loopback_lines, read_links, shortage_lines
+from rostether.cli.bridge.serving import loopback_lines, read_links, read_web_boards, shortage_lines
 from rostether.ros1.environment import RosEnvironment
-from rostether.transports.address import TcpAddress, UdpAddress, parse_address
+from rostether.transports.address import TcpAddress, UdpAddress, WebAddress, parse_address
 from unit.cli.command_shell import LiveGraph, Shell
 
 LOOPBACK = RosEnvironment.read({})
@@ -39,6 +39,19 @@ def test_one_line_says_what_is_on_loopback_only(
     assert all("--listen 0.0.0.0" in line for line in lines)
 
 
+def test_a_dashboard_serves_the_boards_of_its_pages() -> None:
+    links = read_links("/dev/ttyACM0")
+    assert read_web_boards(links, is_served=True, is_refused=False) is not None
+    assert links == [parse_address("/dev/ttyACM0"), WebAddress()]
+    links = read_links("web:?ns=lab")
+    assert read_web_boards(links, is_served=True, is_refused=False) is not None
+    assert links == [WebAddress(ns="lab")]
+    for is_served, is_refused in ((True, True), (False, False)):
+        links = []
+        assert read_web_boards(links, is_served=is_served, is_refused=is_refused) is None
+        assert links == []
+
+
 def test_one_line_says_when_the_wanted_connections_need_too_many_open_files(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -57,6 +70,8 @@ def test_one_line_says_when_the_wanted_connections_need_too_many_open_files(
         (["--config", "/no/such/file"], 1, "/no/such/file: no such file"),
         (["/dev/ttyACM0?bad=1"], 1, "bad"),
         (["usb:/dev/ttyACM0"], 1, "unknown kind of link 'usb'"),
+        (["web:"], 1, "web: needs --dashboard"),
+        (["web:", "--dashboard", "--no-web-boards"], 1, "give one of them"),
         (["/dev/ttyACM0", "--master", "nonsense"], 1, "nonsense"),
         (["/dev/ttyACM0", "--master", "http://a:1", "--master-port", "5"], 1, "give only one of them"),
         (["/dev/ttyACM0", "--msg-path", "/no/such/folder"], 1, "no such folder"),

@@ -25,6 +25,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
+from rostether.transports.web_boards import WebBoards
 
 LIMIT_S = 30.0  # of waits for conditions, on a machine under load
 BINARY_OPS = {1: "messageData", 2: "time", 3: "serviceCallResponse", 4: "fetchAssetResponse"}
@@ -138,6 +139,7 @@ async def stage(
     site: Site | None = None,
     join_teleop: Callable[[], Awaitable[Graph]] | None = None,
     recordings: RecordingControl | None = None,
+    boards: WebBoards | None = None,
     **options: Any,
 ) -> AsyncIterator[Stage]:
     """Run a gateway on a free port."""
@@ -149,7 +151,7 @@ async def stage(
             store,
             settings or FoxgloveSettings(port=0),
             report=lambda _, text: told.append(text),
-            dashboard=DashboardParts(site, join_teleop, recordings),
+            dashboard=DashboardParts(site, join_teleop, recordings, boards),
             **options,
         ) as gateway:
             yield Stage(gateway, store, network, robot, told)

@@ -67,6 +67,8 @@ async def test_a_large_file_comes_whole() -> None:
         (get("/none"), b"404 Not Found"),
         (get("/../../etc/passwd"), b"404 Not Found"),
         (get("/", method="DELETE"), b"405 Method Not Allowed"),
+        (get("/", more="Content-Length: 2\r\n") + b"{}", b"400 Bad Request"),
+        (get("/", method="POST", more="Content-Length: 4\r\n") + b"x=%2", b"405 Method Not Allowed"),
         (get("/", host="evil.example"), b"403 Forbidden"),
         (get("/", host="evil.example:8765"), b"403 Forbidden"),
     ],

@@ -1,0 +1,261 @@
+"""Boards on the serial ports of phones and other machines, which the dashboard's page relays by WebSocket.
+
+    board -- serial port -- page in a browser -- WS /serial -- WebTransport -- session
+
+Binary messages are the bytes of the line, both ways. The page's first message is text, `read_hello`. From
+then on it reports how many bytes it has written to its port, after each write and at least once a second:
+that paces what is sent, and shows that the page is alive. Pings do not: a browser answers them while the
+page's script is stopped.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Protocol
+
+from rostether.errors import PeerClosedError, RemoteProtocolError, TransportClosedError, TransportError
+from rostether.transports.address import WebAddress
+from rostether.transports.board_keys import NO_PROOF, Proof
+from rostether.transports.transport import Receiver
+from rostether.transports.web_hello import WebHello, read_hello, read_progress
+
+# A page says at once which board it connects.
+HELLO_LIMIT_S = 5.0
+# Pages report once a second. A busy one may be late; a board must count as away within 5 s.
+ALIVE_LIMIT_S = 4.0
+ALIVE_CHECK_S = 0.5
+# A page reads a port in much smaller chunks.
+MAX_MESSAGE_BYTES = 64 * 1024
+# On its way to the port at once: the round trip of a weak network at the speed of a fast port.
+WINDOW_BYTES = 16 * 1024
+# The same marks as sockets have.
+HIGH_WATER_BYTES = 64 * 1024
+LOW_WATER_BYTES = 16 * 1024
+# RFC 6455 (7.4.1).
+_NORMAL, _REFUSED, _TRY_LATER = 1000, 1008, 1013
+_CONNECTED = '{"op":"connected"}'
+
+
+class WebSocket(Protocol):
+    """The connection to a page, as `gateways.websocket.connection.Connection` is one."""
+
+    def send(self, *messages: str | bytes) -> None:
+        """Send messages, unless the connection has ended."""
+
+    def pause_reading(self) -> None:
+        """Read no more."""
+
+    def resume_reading(self) -> None:
+        """Read again."""
+
+    def close(self, code: int, reason: str = "") -> None:
+        """Close in order."""
+
+    def abort(self) -> None:
+        """Close at once."""
+
+
+class WebTransport:
+    """One board behind a page; made by `WebBoards.open`.
+
+    `connect` serves the board that the page names, or returns why not; `forget` is called at the end.
+    It cannot pause the board: what the page does not read in time, its port loses, as any serial port does.
+    """
+
+    remote: str | None = None
+    proof: Proof = NO_PROOF
+    can_pause = False
+
+    def __init__(
+        self,
+        socket: WebSocket,
+        connect: Callable[[WebTransport, WebHello], str | None],
+        forget: Callable[[WebTransport], None],
+    ) -> None:
+        self.address = WebAddress()
+        self.hello: WebHello | None = None
+        self._socket = socket
+        self._connect = connect
+        self._forget = forget
+        self._loop = asyncio.get_running_loop()
+        self._receiver: Receiver | None = None
+        self._early: list[bytes] = []
+        self._is_reading = True
+        self._unsent = bytearray()
+        self._sent_bytes = 0
+        self._written_bytes = 0
+        self._writing_paused = False
+        self._error: TransportError | None = None
+        self._loss_reported = False
+        self._ended = asyncio.Event()
+        self._heard_s = self._loop.time()
+        self._timer = self._loop.call_later(HELLO_LIMIT_S, self._refuse, "the page did not name its board")
+
+    @property
+    def peer(self) -> str:
+        """The board behind the page, for people."""
+        return f"web {self.hello.name}" if self.hello is not None else "web"
+
+    @property
+    def write_buffer_bytes(self) -> int:
+        """How many written bytes the page has not written to its port yet."""
+        return len(self._unsent) + self._sent_bytes - self._written_bytes
+
+    def start(self, receiver: Receiver) -> None:
+        """Begin to deliver; called once. Nothing received before it is lost."""
+        self._receiver = receiver
+        if self._writing_paused:
+            receiver.pause_writing()
+        self._loop.call_soon(self._catch_up)
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        if self._ended.is_set():
+            return
+        self._unsent += data
+        self._send()
+        if not self._writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
+            self._writing_paused = True
+            if self._receiver is not None:
+                self._receiver.pause_writing()
+
+    def pause_reading(self) -> None:
+        """Deliver nothing until resume_reading. Idempotent."""
+        self._is_reading = False
+        self._socket.pause_reading()
+
+    def resume_reading(self) -> None:
+        """Deliver again. Idempotent."""
+        self._is_reading = True
+        self._heard_s = self._loop.time()
+        self._loop.call_soon(self._catch_up)
+
+    def close(self) -> None:
+        """Send what is queued, then close. Idempotent."""
+        if self._ended.is_set():
+            return
+        # The page still writes this to its port.
+        self._socket.send(bytes(self._unsent))
+        self._socket.close(_NORMAL, "the bridge closed the line")
+        self._end(None)
+
+    async def wait_closed(self) -> None:
+        """Wait until the pipe has ended."""
+        await self._ended.wait()
+
+    # Events of the connection.
+
+    def received(self, message: str | bytes) -> None:
+        """Handle a message of the page."""
+        if self._ended.is_set():
+            return
+        self._heard_s = self._loop.time()
+        try:
+            if self.hello is None:
+                self._greet(message)
+            elif isinstance(message, str):
+                self._note_written(read_progress(message))
+            elif len(message) > MAX_MESSAGE_BYTES:
+                raise RemoteProtocolError(f"a message has at most {MAX_MESSAGE_BYTES} bytes of the line")
+            elif message:
+                self._deliver(message)
+        except RemoteProtocolError as error:
+            self._refuse(str(error))
+
+    def paused(self) -> None:
+        """Nothing to do: only `WINDOW_BYTES` are on their way."""
+
+    def resumed(self) -> None:
+        """Nothing to do."""
+
+    def closed(self) -> None:
+        """The page closed the connection, or the network did."""
+        self._end(PeerClosedError(f"{self.peer} is away: its page was closed or hidden, or lost its network"))
+
+    # within
+
+    def admit(self, address: WebAddress, hello: WebHello) -> None:
+        """Serve the board that the page has named."""
+        # With the prefix, a name typed on a page is never that of another node.
+        self.address = replace(address, name=address.name or f"web_{hello.name}", baud=hello.baud)
+        self.hello = hello
+        self._timer.cancel()
+        self._timer = self._loop.call_later(ALIVE_CHECK_S, self._check_alive)
+        # Until the board's node has joined the graph.
+        self._socket.pause_reading()
+        self._socket.send(_CONNECTED)
+
+    def _greet(self, message: str | bytes) -> None:
+        if not isinstance(message, str):
+            raise RemoteProtocolError("a page first names its board, as text")
+        reason = self._connect(self, read_hello(message))
+        if reason is not None:
+            self._socket.close(_TRY_LATER, reason)
+            self._end(None)
+
+    def _deliver(self, data: bytes) -> None:
+        if self._receiver is None or self._early or not self._is_reading:
+            self._early.append(data)
+        else:
+            self._receiver.data_received(data)
+
+    def _catch_up(self) -> None:
+        receiver = self._receiver
+        if receiver is None:
+            return
+        while self._early and (self._is_reading or self._ended.is_set()):
+            receiver.data_received(self._early.pop(0))
+        if self._ended.is_set():
+            self._report_loss()
+        elif self._is_reading:
+            self._heard_s = self._loop.time()
+            self._socket.resume_reading()
+
+    def _send(self) -> None:
+        room = WINDOW_BYTES - (self._sent_bytes - self._written_bytes)
+        if room > 0 and self._unsent:
+            chunk = bytes(self._unsent[:room])
+            del self._unsent[: len(chunk)]
+            self._sent_bytes += len(chunk)
+            self._socket.send(chunk)
+
+    def _note_written(self, written_bytes: int) -> None:
+        if not self._written_bytes <= written_bytes <= self._sent_bytes:
+            raise RemoteProtocolError(f"{written_bytes} bytes are not written: {self._sent_bytes} were sent")
+        self._written_bytes = written_bytes
+        self._send()
+        if self._writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
+            self._writing_paused = False
+            if self._receiver is not None:
+                self._receiver.resume_writing()
+
+    def _check_alive(self) -> None:
+        # A page whose messages are not read cannot report.
+        is_heard = self._receiver is not None and self._is_reading
+        if is_heard and self._loop.time() - self._heard_s > ALIVE_LIMIT_S:
+            self._socket.abort()
+            self._end(TransportClosedError(f"{self.peer} is away: its page does not answer"))
+            return
+        self._timer = self._loop.call_later(ALIVE_CHECK_S, self._check_alive)
+
+    def _refuse(self, reason: str) -> None:
+        self._socket.close(_REFUSED, reason)
+        self._end(TransportClosedError(f"{self.peer} was refused: {reason}"))
+
+    def _end(self, error: TransportError | None) -> None:
+        if self._ended.is_set():
+            return
+        self._error = error
+        self._ended.set()
+        self._timer.cancel()
+        self._unsent.clear()
+        self._forget(self)
+        if self._receiver is not None:
+            self._loop.call_soon(self._catch_up)
+
+    def _report_loss(self) -> None:
+        if not self._loss_reported and self._receiver is not None:
+            self._loss_reported = True
+            self._receiver.connection_lost(self._error)

@@ -1,0 +1,71 @@
+"""The boards that pages of the dashboard connect, between the dashboard's server and the bridge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rostether.transports.address import WebAddress
+from rostether.transports.web import WebSocket, WebTransport
+from rostether.transports.web_hello import WebHello
+
+# A classroom around one robot; each is a node.
+MAX_WEB_BOARDS = 32
+
+
+class WebListener:
+    """What the bridge has of the pages' boards; made by `WebBoards.listen`."""
+
+    def __init__(self, address: WebAddress, boards: WebBoards) -> None:
+        self._address = address
+        self._boards = boards
+
+    @property
+    def address(self) -> str:
+        """The link address."""
+        return str(self._address)
+
+    async def close(self) -> None:
+        """End all transports, and refuse new ones. Idempotent."""
+        self._boards.close()
+
+
+class WebBoards:
+    """All boards that pages connect: the dashboard's server opens them, the bridge listens for them."""
+
+    def __init__(self, max_boards: int = MAX_WEB_BOARDS) -> None:
+        self._max_boards = max_boards
+        self._transports: dict[WebTransport, None] = {}
+        self._address = WebAddress()
+        self._on_transport: Callable[[WebTransport], None] | None = None
+
+    def listen(self, address: WebAddress, on_transport: Callable[[WebTransport], None]) -> WebListener:
+        """Call back with each new board."""
+        self._address, self._on_transport = address, on_transport
+        return WebListener(address, self)
+
+    def open(self, socket: WebSocket) -> WebTransport:
+        """Return the user of a page's connection, which names its board next."""
+        return WebTransport(socket, self._connect, self._forget)
+
+    def close(self) -> None:
+        """End all boards, and refuse new ones."""
+        self._on_transport = None
+        for transport in list(self._transports):
+            transport.close()
+
+    def _connect(self, transport: WebTransport, hello: WebHello) -> str | None:
+        if self._on_transport is None:
+            return "the bridge is not running; try again later"
+        for other in list(self._transports):
+            # The page connects again before its old connection is known to be dead: the board keeps its name.
+            if other.hello is not None and other.hello.key == hello.key:
+                other.close()
+        if len(self._transports) >= self._max_boards:
+            return f"the limit of boards on pages ({self._max_boards}) is reached"
+        self._transports[transport] = None
+        transport.admit(self._address, hello)
+        self._on_transport(transport)
+        return None
+
+    def _forget(self, transport: WebTransport) -> None:
+        self._transports.pop(transport, None)

@@ -1,0 +1,98 @@
+"""A board on a serial port of the device that shows the page: the page's relay, the server and the bridge."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+
+import rostether
+from interop.ros1_peers import free_port
+from web.browser import Browser
+from web.robot import PATIENCE_S, POLL_S, end, run_rostether, wait_page
+from web.usb_board import UsbBoard
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+STATE = "document.querySelector('.connect-board .badge')?.innerText"
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tuple[str, str]]:
+    """The page and the master of a bridge that has only the boards of pages."""
+    port, master = free_port(), f"http://127.0.0.1:{free_port()}"
+    process = await run_rostether(
+        *(tmp_path_factory.mktemp("home"), master),
+        *("serve", "web:", "--ros1", "--dashboard", f"127.0.0.1:{port}"),
+    )
+    url = f"http://127.0.0.1:{port}/"
+    try:
+        await wait_page(url, process)
+        yield url, master
+    finally:
+        await end(process, signal.SIGTERM)
+
+
+async def connected_page(url: str, board: UsbBoard, browser: Browser) -> int:
+    """Open the page, choose the port, and connect the board as uno."""
+    page = await browser.do("open", url=url + "#/connect", script=board.script)
+    await browser.do("click", page=page, selector=".connect-ports .primary")
+    await browser.do("fill", page=page, selector=".connect-form input", text="uno")
+    await browser.do("click", page=page, selector=".connect-form .primary")
+    await browser.wait_for(page, f"{STATE} === 'Connected'")
+    return int(page)
+
+
+async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: Browser) -> None:
+    url, master = served
+    async with UsbBoard() as board, rostether.join("probe", master=master) as graph:
+        heard: list[str] = []
+
+        async def follow() -> None:
+            async for message in graph.messages("/heard", "std_msgs/String"):
+                heard.append(message.data)
+
+        async def talk(text: str) -> None:
+            async with asyncio.timeout(PATIENCE_S):
+                while text not in heard:
+                    spoken.publish(data=text)
+                    await asyncio.sleep(POLL_S)
+
+        following = asyncio.ensure_future(follow())
+        spoken = await graph.publisher("/spoken", "std_msgs/String")
+        page = await connected_page(url, board, browser)
+        await talk("by page")
+        assert board.bauds == ["57600"]
+        # It was reset once, before the robot got its bytes.
+        assert board.signals == [False, True]
+
+        await browser.do("hide", page=page, hidden=True)
+        await browser.wait_for(page, f"{STATE} === 'Disconnected while the page is hidden'")
+        await browser.do("hide", page=page, hidden=False)
+        await browser.wait_for(page, f"{STATE} === 'Connected'")
+        await talk("again")
+
+        await board.unplug()
+        await browser.wait_for(page, f"{STATE} === 'Unplugged'")
+        await browser.do(
+            "evaluate", page=page, script="void navigator.serial.dispatchEvent(new Event('connect'))"
+        )
+        await browser.wait_for(page, f"{STATE} === 'Connected'")
+        await talk("plugged in")
+        # One name, however often it came back.
+        await browser.do("evaluate", page=page, script="void (location.hash = '#/boards')")
+        await browser.wait_for(page, "document.body.innerText.includes('web_uno')")
+        assert not await browser.do(
+            "evaluate", page=page, script="document.body.innerText.includes('web_uno_2')"
+        )
+        assert (await browser.do("seen", page=page))["errors"] == []
+        following.cancel()
+
+
+async def test_a_browser_without_serial_ports_is_told_so(served: tuple[str, str], browser: Browser) -> None:
+    script = "delete Navigator.prototype.serial"
+    page = await browser.do("open", url=served[0] + "#/connect", script=script)
+    await browser.wait_for(page, "document.body.innerText.includes('This browser has no serial ports')")

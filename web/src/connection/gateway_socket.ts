@@ -1,0 +1,35 @@
+// A connection to the gateway that connects again by itself, and parses the gateway's messages.
+import { parseBinary, type ServerBinary, type ServerText, SUBPROTOCOL } from "./protocol.ts";
+import { ReconnectingSocket } from "./socket.ts";
+
+export interface GatewaySocketHandlers {
+  /** The server's first message came: the connection can be used. */
+  onOpen(): void;
+  onText(message: ServerText): void;
+  onBinary(message: ServerBinary): void;
+  /** `retryMs` is how long it waits until it tries again. */
+  onClose(reason: string, retryMs: number): void;
+}
+
+export function gatewaySocket(url: () => string, handlers: GatewaySocketHandlers): ReconnectingSocket {
+  return new ReconnectingSocket(url, [SUBPROTOCOL], {
+    onMessage(data) {
+      if (typeof data !== "string") {
+        const message = parseBinary(data);
+        if (message) handlers.onBinary(message);
+        return false;
+      }
+      let message: ServerText;
+      try {
+        message = JSON.parse(data) as ServerText;
+      } catch {
+        return false;
+      }
+      handlers.onText(message);
+      if (message.op !== "serverInfo") return false;
+      handlers.onOpen();
+      return true;
+    },
+    onClose: handlers.onClose,
+  });
+}
