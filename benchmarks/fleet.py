@@ -15,8 +15,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 from contract.graphs import until
 from interop.fleet_robots import KEY, STILL, fleet_on_bad_wifi
+from programs import started
 from rostether.platform.command_frame import Flags, decode_frame
-from unit.cli.serving_process import started
 
 _SECONDS = 15.0
 

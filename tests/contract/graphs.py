@@ -85,7 +85,7 @@ async def until(condition: Callable[[], object], timeout_s: float = 60.0) -> Non
 
 
 async def snapshot_when(
-    graph: Graph, condition: Callable[[Snapshot], object], timeout_s: float = 10.0
+    graph: Graph, condition: Callable[[Snapshot], object], timeout_s: float = 60.0
 ) -> Snapshot:
     """Return the first snapshot for which a condition holds: news may take its time to all nodes."""
     deadline_s = time.monotonic() + timeout_s

@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from interop.ros1_peers import Peer, Ros1Peers
+from interop.ros1_peers import Ros1Peers
+from programs import Peer
 from rostether.ros1.node.master_client import MasterClient
 
 RECORDER = Path(__file__).parent / "peers" / "robot_recorder.py"

@@ -17,12 +17,11 @@ import signal
 import socket
 import subprocess
 import tempfile
-import time
-from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass, field
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 from children import MARK
+from programs import PATIENCE_S, Peer, start_program
 from rostether.errors import GraphError
 from rostether.ros1.node.master_client import MasterClient
 
@@ -39,8 +38,6 @@ _PORTS_EACH = 1_000
 _MAX_WORKERS = 20
 _WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % _MAX_WORKERS
 _GIVEN_PORTS: set[int] = set()
-# A machine that is busy with other things may be five times slower than a quiet one.
-PATIENCE_S = 60.0
 ROSOUT = "/usr/lib/rosout/rosout"
 CORE_PARAMETERS = {
     "/run_id": "4df0c52c-e59c-11f1-8b3a-02fc00000001",
@@ -137,86 +134,6 @@ def ros_environment(master_uri: str, home: Path) -> dict[str, str]:
     }
 
 
-@dataclass
-class Peer:
-    """One running peer process; `lines` grows as it prints (standard error too)."""
-
-    process: asyncio.subprocess.Process
-    lines: list[str] = field(default_factory=list)
-    reader: asyncio.Task[None] | None = None
-
-    @property
-    def text(self) -> str:
-        """Return all it has printed so far."""
-        return "\n".join(self.lines)
-
-    async def read(self) -> None:
-        """Collect its output until it closes it."""
-        assert self.process.stdout is not None
-        async for line in self.process.stdout:
-            self.lines.append(line.decode(errors="replace").rstrip("\n"))
-
-    async def wait_for(
-        self, condition: Callable[[list[str]], bool] | str, timeout_s: float = PATIENCE_S
-    ) -> None:
-        """Wait until its output holds a text or meets a condition."""
-        wanted = (
-            (lambda lines: any(condition in line for line in lines))
-            if isinstance(condition, str)
-            else condition
-        )
-        deadline = time.monotonic() + timeout_s
-        while not wanted(self.lines):
-            if time.monotonic() > deadline or (self.process.returncode is not None and self.reader_done):
-                raise AssertionError(f"peer never printed {condition!r}; it printed:\n{self.text}")
-            await asyncio.sleep(0.01)
-
-    @property
-    def reader_done(self) -> bool:
-        """Tell whether its output has ended."""
-        return self.reader is None or self.reader.done()
-
-    async def finish(self, timeout_s: float = PATIENCE_S) -> str:
-        """Wait until it ends by itself; returns what it printed."""
-        try:
-            await asyncio.wait_for(self.process.wait(), timeout_s)
-        except TimeoutError:
-            raise AssertionError(f"peer did not end within {timeout_s} s; it printed:\n{self.text}") from None
-        if self.reader is not None:
-            await self.reader
-        return self.text
-
-    async def stop(self, signal_number: int = signal.SIGINT) -> None:
-        """End it and all it started, politely first."""
-        # roslaunch puts its nodes into groups of their own; they would outlive it and hold its output open.
-        groups = _descendants(self.process.pid)
-        for number in (signal_number, signal.SIGTERM, signal.SIGKILL):
-            if self.process.returncode is not None:
-                break
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self.process.pid, number)
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.process.wait(), 3.0)
-        for group in groups:
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(group, signal.SIGKILL)
-        if self.reader is not None:
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.reader, 3.0)
-
-
-def _descendants(pid: int) -> set[int]:
-    """Return the ids of a process, its children, and theirs."""
-    parents: dict[int, int] = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
-    found = {pid}
-    while added := {child for child, parent in parents.items() if parent in found} - found:
-        found |= added
-    return found
-
-
 class Ros1Peers:
     """Starts Debian's ROS 1 programs against one master."""
 
@@ -231,22 +148,13 @@ class Ros1Peers:
         With `keeps_stdin` more may be written to it later.
         """
         program = DEBIAN_PYTHON if command[0] == "python" else command[0]
-        process = await asyncio.create_subprocess_exec(
-            program,
-            *command[1:],
-            env=self.environment,
-            stdin=asyncio.subprocess.DEVNULL if stdin is None else asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.STDOUT,
-            start_new_session=True,
-            limit=1 << 22,
+        peer = await start_program(
+            program, *command[1:], environment=self.environment, reads=stdin is not None
         )
-        if stdin is not None and process.stdin is not None:
-            process.stdin.write(stdin)
+        if stdin is not None and peer.process.stdin is not None:
+            peer.process.stdin.write(stdin)
             if not keeps_stdin:
-                process.stdin.close()
-        peer = Peer(process)
-        peer.reader = asyncio.create_task(peer.read())
+                peer.process.stdin.close()
         self._peers.append(peer)
         return peer
 

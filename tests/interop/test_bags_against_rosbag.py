@@ -16,9 +16,8 @@ import pytest
 import pytest_asyncio
 from mcap.reader import make_reader
 
-from interop.command_line import started
 from interop.node_stage import Stage, stage_on
-from interop.ros1_peers import Peer
+from programs import Peer, start_command
 from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag.reader import BagReader
@@ -115,14 +114,14 @@ async def _theirs(stage: Stage, path: Path) -> list[list[object]]:
 
 
 async def _run(stage: Stage, *arguments: str) -> str:
-    peer = await started(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
+    peer = await start_command(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
     text = await peer.finish()
     assert peer.process.returncode == 0, text
     return text
 
 
 async def _ours_started(stage: Stage, *arguments: str) -> Peer:
-    return await started(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
+    return await start_command(*arguments, environment={"ROS_MASTER_URI": stage.peers.master_uri})
 
 
 async def _until(condition: Callable[[], bool]) -> None:
@@ -297,7 +296,7 @@ async def test_a_file_that_may_not_grow_ends_the_recording_with_a_line(
     publisher = await node.advertise("/chat", STORE.registry.message_type("std_msgs/String"))
     path = tmp_path / "a.bag"
     command = ("bag", "record", "--chunksize", "20", *packing, "-O", str(path), "/chat")
-    recorder = await started(
+    recorder = await start_command(
         *command,
         environment={"ROS_MASTER_URI": stage.peers.master_uri},
         on=("prlimit", "--fsize=200000"),

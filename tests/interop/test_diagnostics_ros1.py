@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from interop.ros1_peers import Ros1Peers
+from programs import started
 from rostether import Device
-from unit.cli.serving_process import started
 
 OK, WARN, ERROR = 0, 1, 2
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from interop.ros1_peers import Peer, Ros1Peers
+from interop.ros1_peers import Ros1Peers
+from programs import Peer
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.roscore import Roscore
 

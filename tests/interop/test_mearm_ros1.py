@@ -11,7 +11,8 @@ import pytest
 import pytest_asyncio
 
 from interop.mearm_workspace import show_packages
-from interop.ros1_peers import Peer, Ros1Peers
+from interop.ros1_peers import Ros1Peers
+from programs import Peer
 
 SELECT = ("rosservice", "call", "/select_position_set")
 POSE = ("rosservice", "call", "/set_servo_pose")

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from interop.command_line import started
 from interop.mearm_workspace import EXAMPLE, PACKAGE, show_packages
 from interop.ros1_peers import Ros1Peers
+from programs import start_command
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.param_yaml import parse_single_document
@@ -65,7 +65,7 @@ async def run_nodes(peers: Ros1Peers, side: str) -> list[Any]:
             nodes.append(await peers.start("rosrun", "mearm_model", program))
         else:
             environment = {"ROS_MASTER_URI": peers.master_uri, "ROS_PACKAGE_PATH": str(EXAMPLE)}
-            nodes.append(await started("run", "mearm_model", program, environment=environment))
+            nodes.append(await start_command("run", "mearm_model", program, environment=environment))
     return nodes
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from interop.ros1_peers import Ros1Peers, free_port
+from programs import started
 from unit.bridge.line_boards import TcpBoard, numbered
-from unit.cli.serving_process import started
 
 RECONNECTS = 1000
 # Until then caches fill and the allocator takes what it keeps.

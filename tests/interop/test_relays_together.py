@@ -13,8 +13,8 @@ import pytest_asyncio
 
 from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, acquainted, agreeing, answer, string, until
 from contract.zenoh_graphs import open_session
-from interop.command_line import started
-from interop.ros1_peers import Peer, free_port
+from interop.ros1_peers import free_port
+from programs import Peer, start_command
 from rostether.device.device import Device
 from rostether.errors import RostetherError
 from rostether.graph.ports import Graph, Publisher
@@ -43,7 +43,9 @@ class World:
         # A master of its own: no environment variable may name another graph.
         environment = {"ROS_DOMAIN_ID": "0", "ROS_DISTRO": "jazzy"}
         # The last of an option counts: a command may name another master.
-        peer = await started(arguments[0], *self._graph_options, *arguments[1:], environment=environment)
+        peer = await start_command(
+            arguments[0], *self._graph_options, *arguments[1:], environment=environment
+        )
         self._stack.push_async_callback(peer.stop, signal.SIGKILL)
         return peer
 

@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from interop.ros1_peers import DEBIAN_PYTHON, Peer, Ros1Peers
+from interop.ros1_peers import DEBIAN_PYTHON, Ros1Peers
+from programs import Peer
 from rostether.rospy.actionlib.comm_states import WAYS
 from rostether.rospy.environment import node_environment
 from unit.recording.bags import write_bag

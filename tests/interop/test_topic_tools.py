@@ -11,7 +11,7 @@ import pytest
 import pytest_asyncio
 
 from interop.node_stage import Stage, stage_on
-from interop.ros1_peers import Peer
+from programs import Peer
 
 THEIRS = Path("/usr/lib/topic_tools")
 OURS = [sys.executable, "-m", "rostether", "role"]

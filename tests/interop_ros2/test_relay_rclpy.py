@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
-from interop.command_line import started
-from interop.ros1_peers import Peer, Ros1Peers, debian_roscore
+from interop.ros1_peers import Ros1Peers, debian_roscore
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from interop_ros2.samples import MESSAGES
+from programs import Peer, start_command
 
 pytestmark = [
     pytest.mark.ros1,
@@ -82,7 +82,7 @@ async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> As
         services = ("--service", "/enable", "--service", "/pull")
         relays = []
         for _ in range(2):
-            relay = await started(*command, *services, "--master", ros1.master_uri)
+            relay = await start_command(*command, *services, "--master", ros1.master_uri)
             stack.push_async_callback(relay.stop)
             await relay.wait_for("Joining ROS 2", PATIENCE_S)
             relays.append(relay)

@@ -7,8 +7,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from interop.ros1_peers import Peer
 from interop_web.robot_stage import RobotStage
+from programs import Peer
 
 PATIENCE_S = 60.0
 

@@ -11,8 +11,8 @@ from typing import Any
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
-from interop.ros1_peers import Peer
 from interop_web.web_peers import WebPeers
+from programs import Peer
 from rostether.graph.ports import ParamValue
 from unit.gateways.foxglove.protocol_client import ProtocolClient, stage, until
 

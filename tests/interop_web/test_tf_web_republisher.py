@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from interop.command_line import started
 from interop.ros1_peers import free_port
+from programs import start_command
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 
@@ -31,7 +31,7 @@ async def test_a_client_of_roslibpy_sees_where_a_frame_is() -> None:
             ("run", "tf2_web_republisher", "tf2_web_republisher"),
             ("role", "static-transform-publisher", "1", "2", "3", "0", "0", "0", "world", "arm"),
         ):
-            peer = await started(*command, environment=environment)
+            peer = await start_command(*command, environment=environment)
             stack.push_async_callback(peer.stop, signal.SIGTERM)
             if command[0] == "rosbridge":
                 await peer.wait_for(f":{port}")

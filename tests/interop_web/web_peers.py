@@ -18,7 +18,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from interop.ros1_peers import Peer
+from programs import Peer
 
 FOLDER = Path(__file__).parent
 OLDEST_NODE = 20

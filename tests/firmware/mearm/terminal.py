@@ -10,7 +10,7 @@ import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
 
-from interop.ros1_peers import Peer
+from programs import Peer
 from unit.firmware.sketches import users_cache
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "mearm"

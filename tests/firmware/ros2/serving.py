@@ -7,8 +7,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from firmware.examples.stage import build_example
-from interop.command_line import started
-from interop.ros1_peers import Peer
+from programs import Peer, start_command
 
 SKETCHES = Path(__file__).parent / "sketches"
 
@@ -24,7 +23,7 @@ async def serving(
     *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
 ) -> AsyncIterator[Peer]:
     """Run `rostether serve` as long as the block lasts."""
-    peer = await started("serve", *arguments, environment=environment, on=on)
+    peer = await start_command("serve", *arguments, environment=environment, on=on)
     try:
         yield peer
     finally:

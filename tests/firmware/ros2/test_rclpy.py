@@ -11,9 +11,9 @@ import pytest_asyncio
 
 from firmware.ros2.mirrored import MIRROR, MIRRORED, NAMES
 from firmware.ros2.serving import serving, sim_address
-from interop.ros1_peers import Peer
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from interop_ros2.samples import ADDED, ros2_name
+from programs import Peer
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(300)]
 

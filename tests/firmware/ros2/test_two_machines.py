@@ -14,10 +14,9 @@ import pytest
 import pytest_asyncio
 
 from firmware.ros2.serving import SKETCHES, serving, sim_address
-from interop.command_line import started
 from interop.machines import Machines, machines, missing_namespaces
-from interop.ros1_peers import Peer
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
+from programs import Peer, start_command
 from unit.bridge.doubles import until
 
 pytestmark = [
@@ -45,7 +44,7 @@ class Router:
     async def start(self) -> None:
         """Start it, and wait until it routes."""
         command = ("core", "--ros2", "zenoh", *self._options)
-        self._process = await started(*command, environment=NOBODY, on=self._on)
+        self._process = await start_command(*command, environment=NOBODY, on=self._on)
         await self._process.wait_for("Press Ctrl-C", PATIENCE_S)
 
     async def stop(self) -> None:

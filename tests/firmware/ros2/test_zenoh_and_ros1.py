@@ -18,9 +18,10 @@ from contract.graphs import Inbox, snapshot_when, string, until
 from contract.zenoh_graphs import open_session, ros2_types
 from firmware.ros2.mirrored import MIRROR, MIRRORED, NAMES
 from firmware.ros2.serving import serving, sim_address
-from interop.ros1_peers import Peer, Ros1Peers, free_port
+from interop.ros1_peers import Ros1Peers, free_port
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
 from interop_ros2.samples import with_times, without_seq
+from programs import Peer
 from rostether.graph.ports import Graph, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.serde.plain_form import to_plain

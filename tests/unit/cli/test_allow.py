@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from interop.ros1_peers import free_port
+from programs import started
 from rostether import Device
 from rostether.cli.bridge.serving import read_links
 from rostether.transports.address import TcpAddress, UdpAddress
-from unit.cli.serving_process import started
 
 NETWORKS = ("10.0.0.0/8", "fd00::/8")
 

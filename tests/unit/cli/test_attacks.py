@@ -8,9 +8,9 @@ import struct
 import time
 
 from interop.ros1_peers import free_port
+from programs import started
 from rostether import Device
 from rostether.ros1.xmlrpc_client import XmlRpcClient
-from unit.cli.serving_process import started
 
 # Without bounds each of these took from 2 to 50 s.
 LIMIT_S = 1.0

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from unit.cli.serving_process import started
+from programs import started
 
 
 async def test_what_scripts_give_to_roscore_is_taken() -> None:

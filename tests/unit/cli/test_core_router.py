@@ -8,8 +8,8 @@ import pytest
 
 from contract.graphs import STRING, Inbox, string, until
 from contract.zenoh_graphs import open_session
-from interop.command_line import started
 from interop.ros1_peers import free_port
+from programs import start_command
 from rostether.ros2.zenoh.configuration import is_router_there
 from unit.cli.command_shell import Shell
 
@@ -17,7 +17,7 @@ from unit.cli.command_shell import Shell
 async def test_others_meet_at_it() -> None:
     port = free_port()
     listening = f'listen/endpoints=["tcp/127.0.0.1:{port}"]'
-    router = await started("core", "--ros2", "zenoh", environment={"ZENOH_CONFIG_OVERRIDE": listening})
+    router = await start_command("core", "--ros2", "zenoh", environment={"ZENOH_CONFIG_OVERRIDE": listening})
     sessions = []
     try:
         await router.wait_for("add --zenoh-listen tcp/0.0.0.0:7447 for other machines")
@@ -42,7 +42,7 @@ async def test_its_place_is_taken_once() -> None:
     listening = {"ZENOH_CONFIG_OVERRIDE": f'listen/endpoints=["tcp/127.0.0.1:{port}"]'}
     session = await open_session(port, is_router=True)
     try:
-        router = await started("core", "--ros2", "zenoh", environment=listening)
+        router = await start_command("core", "--ros2", "zenoh", environment=listening)
         assert "zenoh cannot listen" in await router.finish()
         assert router.process.returncode == 1
     finally:
@@ -51,7 +51,7 @@ async def test_its_place_is_taken_once() -> None:
 
 async def test_it_listens_only_where_it_is_told() -> None:
     port = free_port()
-    router = await started("core", "--ros2", "zenoh", "--zenoh-listen", f"tcp/127.0.0.1:{port}")
+    router = await start_command("core", "--ros2", "zenoh", "--zenoh-listen", f"tcp/127.0.0.1:{port}")
     try:
         # Whether the usual place is taken on this machine makes no difference.
         await router.wait_for("Nodes on this machine use tcp/localhost:7447")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
+from programs import running
 from rostether.cli.bag.recording_graph import recording_types
 from rostether.errors import RecordingError
 from rostether.graph.ports import Publisher
@@ -20,7 +21,6 @@ from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
 from unit.cli.command_shell import LiveGraph, Shell
-from unit.cli.processes import started
 from unit.recording.bags import IMU, START_NS, STRING, text
 from unit.recording.test_ros2_bags import JAZZY, foreign_bag
 
@@ -136,7 +136,7 @@ def test_a_killed_recording_has_what_came_before(
     publisher = graph.do(node.advertise("/chat", STRING))
     folder = tmp_path / "drive"
     words = ("bag", "record", "--format", "ros2", "--storage", storage, "-O", str(folder), "/chat")
-    with started(graph.uri, *words) as process:
+    with running(*words, ROS_MASTER_URI=graph.uri) as process:
         graph.wait_until(lambda: publisher.subscriber_count == 1)
         graph.do(_say(publisher, 20))
         graph.wait_until(lambda: _count(folder) == 20)
@@ -153,7 +153,7 @@ def test_what_is_left_out_while_recording_is_told_once_and_counted(
 ) -> None:
     publisher = graph.do(graph.node("/node").advertise("/chat", STRING))
     words = ("bag", "record", "--format", "ros2", "--limit", "4", "-O", str(tmp_path / name), "/chat")
-    with started(graph.uri, *words) as process:
+    with running(*words, ROS_MASTER_URI=graph.uri) as process:
         graph.wait_until(lambda: publisher.subscriber_count == 1)
         graph.do(_publish(publisher, [text("good"), b"\xff\xff\xff\xff", text("better"), b"\5\0\0\0"]))
         out, err = process.communicate(timeout=60)

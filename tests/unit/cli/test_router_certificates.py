@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from interop.command_line import started
 from interop.ros1_peers import free_port
+from programs import start_command
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl (apt install openssl)")
 
@@ -104,7 +104,7 @@ async def test_both_sides_say_why(folder: Path, tls: dict[str, object], here: st
         "listen_private_key": "robot.key",
     }
     listening = [f"tcp/localhost:{tcp_port}", f"tls/0.0.0.0:{port}"]
-    router = await started(
+    router = await start_command(
         "core", "--ros2", "zenoh", environment=configured(folder, "robot", robot, listen=listening)
     )
     places = {"listen": [f"tcp/localhost:{free_port()}"], "connect": [f"tls/localhost:{port}"]}
@@ -113,7 +113,7 @@ async def test_both_sides_say_why(folder: Path, tls: dict[str, object], here: st
         await router.wait_for(f"Other machines can reach it at tls/0.0.0.0:{port}")
         assert "Only this machine" not in router.text
         await router.wait_for("Press Ctrl-C")
-        doctor = await started("doctor", "--ros2", "zenoh", environment=variables)
+        doctor = await start_command("doctor", "--ros2", "zenoh", environment=variables)
         text = await doctor.finish()
         if not here:
             assert f"ok: tls/localhost:{port} in {folder}/other.json5: answers" in text
@@ -121,7 +121,7 @@ async def test_both_sides_say_why(folder: Path, tls: dict[str, object], here: st
         assert f"PROBLEM: tls/localhost:{port} in {folder}/other.json5: " in text
         assert here in text
         assert doctor.process.returncode == 1
-        other = await started("core", "--ros2", "zenoh", environment=variables)
+        other = await start_command("core", "--ros2", "zenoh", environment=variables)
         try:
             await other.wait_for(f"no zenoh router answers at tls/localhost:{port} yet")
             await other.wait_for(here)
@@ -136,7 +136,9 @@ async def test_both_sides_say_why(folder: Path, tls: dict[str, object], here: st
 async def test_an_endpoint_that_does_not_answer(folder: Path) -> None:
     port = free_port()
     places = {"listen": [f"tcp/localhost:{free_port()}"], "connect": [f"tls/localhost:{port}"]}
-    other = await started("core", "--ros2", "zenoh", environment=configured(folder, "dead", OURS, **places))
+    other = await start_command(
+        "core", "--ros2", "zenoh", environment=configured(folder, "dead", OURS, **places)
+    )
     try:
         await other.wait_for(f"no zenoh router answers at tls/localhost:{port} yet")
         await other.wait_for("Connection refused")

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import free_port
+from programs import started
 from rostether import Device
-from unit.cli.serving_process import started
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
+from programs import started
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.opening import open_transport
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
-from unit.cli.serving_process import started
 
 
 async def test_findings_in_the_log_once_and_in_diagnostics(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from rostether.rospy.environment import node_environment
 
 
 @contextlib.asynccontextmanager
-async def started(
+async def running_script(
     script: str | Path,
     *arguments: str,
     master_uri: str = "",
@@ -57,7 +57,7 @@ async def printed(
     environ: Mapping[str, str] | None = None,
 ) -> list[str]:
     """Run a script to its end and return the lines of its standard output."""
-    async with started(
+    async with running_script(
         script, *arguments, master_uri=master_uri, packages=packages, environ=environ
     ) as process:
         out, err = await asyncio.wait_for(process.communicate(), 60)

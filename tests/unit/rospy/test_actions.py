@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest_asyncio
 
 from rostether.ros1.master.server import MasterServer
-from unit.rospy.programs import line_of, printed, started
+from unit.rospy.programs import line_of, printed, running_script
 
 SCRIPTS = Path(__file__).parents[2] / "interop" / "rospy_scripts"
 
@@ -53,7 +53,7 @@ async def master() -> AsyncIterator[str]:
 
 
 async def test_a_client_and_a_server(master: str) -> None:
-    async with started(SCRIPTS / "action_server.py", "__name:=served", master_uri=master) as server:
+    async with running_script(SCRIPTS / "action_server.py", "__name:=served", master_uri=master) as server:
         await line_of(server, "SERVING")
         lines = await printed(SCRIPTS / "action_client.py", "/served", master_uri=master)
     assert "1 SUCCEEDED 'fine' result: 11" in lines

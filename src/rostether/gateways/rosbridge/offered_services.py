@@ -8,10 +8,10 @@ from itertools import count
 from typing import Any
 
 from rostether.errors import ServiceCallError, UnknownNameError
-from rostether.gateways.clean_line import clean_line
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.settings import MAX_CALLS
 from rostether.graph.ports import Graph, ServiceServer
+from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import ServiceType
 
 # Turns of the loop that an answer takes from a client's handler to the caller.
@@ -61,7 +61,7 @@ class OfferedService:
             )
         if not is_done:
             text = values if isinstance(values, str) and values else "the service says that it failed"
-            waiting.set_exception(ServiceCallError(clean_line(text)))
+            waiting.set_exception(ServiceCallError(fold_line(text)))
             return
         try:
             waiting.set_result(self._forms.from_json(self.type.response.name, values))

@@ -9,7 +9,6 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RemoteProtocolError, RostetherError
-from rostether.gateways.clean_line import clean_line
 from rostether.gateways.rosbridge.client_actions import ClientActions
 from rostether.gateways.rosbridge.client_services import ClientServices
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Wish
@@ -32,6 +31,7 @@ from rostether.gateways.websocket.admission import Token
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
+from rostether.mechanisms.text import fold_line
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.gateway_context import GatewayContext
@@ -169,7 +169,7 @@ class Session:
             self._mistake(f"{type(error).__name__}: {error}", request_id)
 
     def _mistake(self, text: str, request_id: object) -> None:
-        text = clean_line(text)
+        text = fold_line(text)
         self.status(StatusLevel.ERROR, text, request_id)
         if len(self._logged) < MAX_LOGGED and text not in self._logged:
             self._logged.add(text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Sequence
 
-from rostether.gateways.clean_line import clean_line
+from rostether.mechanisms.text import fold_line
 from rostether.transports.allow_list import AllowList
 
 # A page that may not connect retries every second; one log line in this time is enough.
@@ -54,7 +54,7 @@ class ConnectionLimiter:
             return
         self._reported.add(reason)
         more = f" ({self._omitted_count} more since the last such line)" if self._omitted_count else ""
-        self._report(f"refused {peer_name(transport)}: {clean_line(reason)}{more}")
+        self._report(f"refused {peer_name(transport)}: {fold_line(reason)}{more}")
         self._omitted_count = 0
 
     def _refusal(self, transport: asyncio.BaseTransport) -> str:

@@ -8,13 +8,13 @@ import pty
 import re
 import select
 import subprocess
-import sys
 import termios
 from pathlib import Path
 
 import pytest
 import yaml
 
+from programs import OURS
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.recording.bag.reader import BagReader
 from unit.cli.command_shell import LiveGraph, Shell
@@ -30,7 +30,7 @@ def bag(tmp_path: Path) -> Path:
 
 def _started(graph: LiveGraph, *arguments: str, stdin: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "rostether", "bag", *arguments],
+        [*OURS, "bag", *arguments],
         env={**os.environ, "ROS_MASTER_URI": graph.uri},
         stdin=stdin,
         stdout=subprocess.PIPE,
@@ -266,7 +266,7 @@ def test_a_terminal_shows_where_it_is_and_space_pauses_and_goes_on(graph: LiveGr
         return re.search(pattern, shown) is not None
 
     player = subprocess.Popen(
-        [sys.executable, "-m", "rostether", "bag", "play", str(bag), "--topics", "/a"],
+        [*OURS, "bag", "play", str(bag), "--topics", "/a"],
         env={**os.environ, "ROS_MASTER_URI": graph.uri},
         stdin=terminal,
         stdout=terminal,
@@ -299,7 +299,7 @@ def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_
     keyboard, terminal = pty.openpty()
     termios.tcsetwinsize(terminal, (24, 80))
     recorder = subprocess.Popen(
-        [sys.executable, "-m", "rostether", "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
+        [*OURS, "bag", "record", "-O", str(tmp_path / "a.bag"), "/chat"],
         env={**os.environ, "ROS_MASTER_URI": graph.uri},
         stdin=terminal,
         stdout=subprocess.DEVNULL,

@@ -8,6 +8,7 @@ import signal
 import sys
 from pathlib import Path
 
+from programs import started
 from rostether.cli.bag.record_options import BagRecording, bags_recorded
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
@@ -18,7 +19,6 @@ from rostether.recording.files import open_recording
 from rostether.ros2.types.type_support import Ros2Types
 from unit.cli.command_shell import Shell
 from unit.cli.link.test_group import board_at, master, receive
-from unit.cli.serving_process import started
 from unit.recording.bags import STRING, text
 
 

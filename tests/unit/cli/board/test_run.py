@@ -7,42 +7,20 @@ import os
 import pty
 import signal
 import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from programs import OURS, read_until, running
 from unit.simulation.simavr.programs import build
 
 pytestmark = pytest.mark.simavr
 
-COMMAND = (sys.executable, "-m", "rostether", "board", "run")
+RUN = ("board", "run")
 
 
 def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*COMMAND, *arguments], input=words, capture_output=True, text=True, timeout=120)
-
-
-@contextmanager
-def running(*arguments: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
-    options = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
-    process = subprocess.Popen([*COMMAND, *arguments], text=True, **options)
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def read_until(process: subprocess.Popen[str], text: str) -> str:
-    assert process.stdout is not None
-    for line in process.stdout:
-        if text in line:
-            return line
-    raise AssertionError(f"it never printed {text!r}")
+    return subprocess.run([*OURS, *RUN, *arguments], input=words, capture_output=True, text=True, timeout=120)
 
 
 def test_it_says_what_runs_where_and_ends_when_told() -> None:
@@ -78,7 +56,10 @@ def test_lines_of_input_are_words() -> None:
 def test_the_end_of_input_does_not_end_it(tmp_path: Path) -> None:
     lines = tmp_path / "words"
     lines.write_text("watch D13")
-    with lines.open() as given, running(str(build("tick")), "--for", "300ms", stdin=given) as process:
+    with (
+        lines.open() as given,
+        running(*RUN, str(build("tick")), "--for", "300ms", stdin=given.fileno()) as process,
+    ):
         stdout, _ = process.communicate(timeout=60)
     assert "pin D13 level=0" in stdout
     assert "stopped" in stdout
@@ -88,8 +69,8 @@ def test_the_end_of_input_does_not_end_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("sign", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 0)])
 def test_signals_end_it_quietly(tmp_path: Path, sign: signal.Signals, code: int) -> None:
     link = tmp_path / "board"
-    with running(str(build("tick")), "--link", str(link)) as process:
-        assert f"linked at {link}" in read_until(process, "serial port")
+    with running(*RUN, str(build("tick")), "--link", str(link), stdin=subprocess.PIPE) as process:
+        assert f"linked at {link}" in read_until(process, "serial port")[-1]
         assert link.is_symlink()
         process.send_signal(sign)
         assert process.wait(20) == code
@@ -101,10 +82,10 @@ def test_signals_end_it_quietly(tmp_path: Path, sign: signal.Signals, code: int)
 def test_words_typed_in_a_terminal() -> None:
     ours, theirs = pty.openpty()
     try:
-        with running(str(build("tick")), stdin=theirs, start_new_session=True) as process:
+        with running(*RUN, str(build("tick")), stdin=theirs) as process:
             read_until(process, "reset cause=power")
             os.write(ours, b"cycles\n")
-            assert "cycles=" in read_until(process, "cycles ")
+            assert "cycles=" in read_until(process, "cycles ")[-1]
             # The terminal's mode is left as it was: a program that shares it must not find it non-blocking.
             assert os.get_blocking(theirs)
     finally:
@@ -113,7 +94,7 @@ def test_words_typed_in_a_terminal() -> None:
 
 
 def test_a_reader_who_has_had_enough_ends_it() -> None:
-    command = f"{' '.join(COMMAND)} {build('tick')} --watch serial --json | head -n 3"
+    command = f"{' '.join((*OURS, *RUN))} {build('tick')} --watch serial --json | head -n 3"
     result = subprocess.run(
         ["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, timeout=120
     )

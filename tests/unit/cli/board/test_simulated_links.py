@@ -10,7 +10,8 @@ from typing import Any, cast
 
 import pytest
 
-from interop.ros1_peers import Peer, free_port
+from interop.ros1_peers import free_port
+from programs import Peer, started
 from rostether.cli.board.simulated_links import _report, simulated
 from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
@@ -19,7 +20,6 @@ from rostether.joining import join
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from rostether.transports.address import PtyAddress, SerialAddress, parse_address
-from unit.cli.serving_process import started
 from unit.simulation.simavr.programs import build
 
 pytestmark = pytest.mark.simavr

@@ -15,13 +15,13 @@ from pathlib import Path
 
 import pytest
 
+from programs import started
 from rostether.cli.bridge.doctor import _doctor
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.opening import open_transport
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.command_shell import LiveGraph, Shell
-from unit.cli.serving_process import started
 
 
 @asynccontextmanager

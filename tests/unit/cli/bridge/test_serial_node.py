@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from contract.graphs import snapshot_when
+from programs import started
 from rostether import Device
 from rostether.cli.bridge.serial_node import choose_link
 from rostether.errors import ConfigError
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
-from unit.cli.serving_process import started
 
 
 def _link(*rest: str, namespace: str = "/", node_name: str = "/serial_node", **parameters: object) -> str:
@@ -122,7 +123,8 @@ async def test_a_board_with_a_key_of_its_own(tmp_path: Path) -> None:
                 device.publisher("chatter", "std_msgs/String")
                 await node.wait_for("Setup publisher on chatter [std_msgs/String]")
                 async with join("looker", environ={"ROS_MASTER_URI": master.uri}) as graph:
-                    assert (await graph.snapshot()).topics["/talk"].publishers == ("/serial_node",)
+                    snapshot = await snapshot_when(graph.raw, lambda found: "/talk" in found.topics)
+                    assert snapshot.topics["/talk"].publishers == ("/serial_node",)
     finally:
         await master.close()
 

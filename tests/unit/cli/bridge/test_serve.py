@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import free_port
+from programs import started
 from rostether import Device
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
-from unit.cli.serving_process import started
 
 
 async def _until(condition: Callable[[], Awaitable[bool]]) -> None:

@@ -11,7 +11,8 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
-from interop.ros1_peers import Peer, free_port
+from interop.ros1_peers import free_port
+from programs import Peer, started
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard import browser, served
@@ -20,7 +21,6 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.own_names import outward_address
 from unit.cli.gateway.test_foxglove import offers
-from unit.cli.serving_process import started
 from unit.gateways.foxglove.protocol_client import ProtocolClient
 
 LAUNCH = "<launch><param name='speed' value='3'/></launch>"

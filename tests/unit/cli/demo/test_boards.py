@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import pty
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import pytest
 
+from programs import PATIENCE_S, Terminal, in_terminal
 from rostether.cli.demo import boards
 from rostether.cli.demo.boards import demo_board
 from rostether.cli.demo.view import RecentLines
@@ -19,45 +12,7 @@ from rostether.errors import BoardError
 from rostether.simulation.ultrasound import Obstacle
 from unit.cli.command_shell import LiveGraph, Shell
 
-LIMIT_S = 60.0
-
-
-class Terminal:
-    """A pseudo-terminal with the demo in it."""
-
-    def __init__(self, leader: int, process: subprocess.Popen[bytes]) -> None:
-        self.process = process
-        self._leader = leader
-        self.seen = b""
-
-    def type(self, keys: bytes) -> None:
-        os.write(self._leader, keys)
-
-    def wait_for(self, text: str) -> None:
-        deadline_s = time.monotonic() + LIMIT_S
-        while text.encode() not in self.seen:
-            assert time.monotonic() < deadline_s, f"{text!r} not in {self.seen[-4000:]!r}"
-            self.seen += os.read(self._leader, 65536)
-
-
-@contextmanager
-def demo(master_uri: str, *arguments: str) -> Iterator[Terminal]:
-    leader, follower = pty.openpty()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "rostether", "demo", "--join", "--ros1", "--no-page", *arguments],
-        env={**os.environ, "ROS_MASTER_URI": master_uri, "COLUMNS": "80", "LINES": "30", "TERM": "xterm"},
-        stdin=follower,
-        stdout=follower,
-        stderr=follower,
-        start_new_session=True,
-    )
-    os.close(follower)
-    try:
-        yield Terminal(leader, process)
-    finally:
-        process.kill()
-        process.wait()
-        os.close(leader)
+DEMO = ("demo", "--join", "--ros1", "--no-page")
 
 
 def play(terminal: Terminal, shell: Shell) -> None:
@@ -71,17 +26,17 @@ def play(terminal: Terminal, shell: Shell) -> None:
     terminal.wait_for("0.12 m")
     assert "data: True" in shell("topic", "echo", "-n", "1", "/led").out
     terminal.type(b"q")
-    assert terminal.process.wait(LIMIT_S) == 0
+    assert terminal.process.wait(PATIENCE_S) == 0
 
 
 def test_keys_move_the_python_board(graph: LiveGraph, shell: Shell) -> None:
-    with demo(graph.uri, "--board", "python") as terminal:
+    with in_terminal(*DEMO, "--board", "python", lines=30, ROS_MASTER_URI=graph.uri) as terminal:
         play(terminal, shell)
 
 
 @pytest.mark.simavr
 def test_keys_move_the_simulated_uno(graph: LiveGraph, shell: Shell) -> None:
-    with demo(graph.uri) as terminal:
+    with in_terminal(*DEMO, lines=30, ROS_MASTER_URI=graph.uri) as terminal:
         terminal.wait_for("Arduino Uno, simulated")
         play(terminal, shell)
 

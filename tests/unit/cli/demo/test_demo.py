@@ -9,17 +9,17 @@ from typing import cast
 import pytest
 
 from interop.ros1_peers import free_port
+from programs import read_until, running
 from rostether.cli.demo.demo import Controls
 from rostether.graph.ports import Publisher
 from rostether.simulation.ultrasound import Obstacle
 from unit.cli.command_shell import LiveGraph, Shell
-from unit.cli.processes import read_until, started
 
 PYTHON_DEMO = ("demo", "--board", "python")
 
 
 def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
-    with started(graph.uri, *PYTHON_DEMO, "--join") as process:
+    with running(*PYTHON_DEMO, "--join", ROS_MASTER_URI=graph.uri) as process:
         read_until(process, "virtual board ready")
         process.send_signal(signal.SIGINT)
         text, said = process.communicate(timeout=60)
@@ -29,7 +29,7 @@ def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
 
 
 def test_the_demo_keeps_out_of_a_graph_that_runs(graph: LiveGraph) -> None:
-    with started(graph.uri, *PYTHON_DEMO, "--ros1", "--seconds", "20") as process:
+    with running(*PYTHON_DEMO, "--ros1", "--seconds", "20", ROS_MASTER_URI=graph.uri) as process:
         lines = read_until(process, "virtual board ready")
         assert not graph.master.api.registrations.nodes
     own = next(line for line in lines if "Started a ROS master" in line)
@@ -42,7 +42,15 @@ def test_settings_are_tried_on_the_demo_s_board(graph: LiveGraph, tmp_path: Path
         '[devices.virtual_board]\naddress = "127.0.0.1"\n'
         'required_topics = ["odom"]\naccess = { publish = { deny = ["/tf"] } }\n'
     )
-    with started(graph.uri, *PYTHON_DEMO, "--join", "--config", str(config), "--seconds", "4") as process:
+    with running(
+        *PYTHON_DEMO,
+        "--join",
+        "--config",
+        str(config),
+        "--seconds",
+        "4",
+        ROS_MASTER_URI=graph.uri,
+    ) as process:
         _, said = process.communicate(timeout=60)
     assert "may not publish /tf" in said
     assert "does not announce odom, which devices.toml requires" in said
@@ -55,7 +63,7 @@ def test_the_user_s_own_settings_do_not_spoil_the_demo(
     config.parent.mkdir()
     config.write_text("[defaults]\naccess = { publish = { allow = [] } }\n")
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    with started(graph.uri, *PYTHON_DEMO, "--join", "--seconds", "3") as process:
+    with running(*PYTHON_DEMO, "--join", "--seconds", "3", ROS_MASTER_URI=graph.uri) as process:
         text, _ = process.communicate(timeout=60)
     assert process.returncode == 0, text
 
@@ -63,8 +71,8 @@ def test_the_user_s_own_settings_do_not_spoil_the_demo(
 def test_demos_side_by_side_have_masters_of_their_own(shell: Shell) -> None:
     port = free_port()
     with (
-        started(f"http://localhost:{port}", *PYTHON_DEMO, "--ros1", "--no-page") as first,
-        started(f"http://localhost:{port}", *PYTHON_DEMO, "--ros1", "--no-page") as second,
+        running(*PYTHON_DEMO, "--ros1", "--no-page", ROS_MASTER_URI=f"http://localhost:{port}") as first,
+        running(*PYTHON_DEMO, "--ros1", "--no-page", ROS_MASTER_URI=f"http://localhost:{port}") as second,
     ):
         masters = {
             line.partition("ROS_MASTER_URI=")[2]

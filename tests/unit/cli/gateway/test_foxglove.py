@@ -9,7 +9,8 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 from websockets.typing import Subprotocol
 
-from interop.ros1_peers import Peer, free_port
+from interop.ros1_peers import free_port
+from programs import Peer, started
 from rostether.cli.gateway import foxglove
 from rostether.cli.gateway.foxglove import settings_of_parameters
 from rostether.errors import ConfigError
@@ -17,7 +18,6 @@ from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.settings import CAPABILITIES, FoxgloveSettings
 from rostether.launch.bundled_packages import bundled_packages
 from rostether.ros1.master.server import MasterServer
-from unit.cli.serving_process import started
 from unit.gateways.foxglove.protocol_client import ProtocolClient
 
 

@@ -5,10 +5,10 @@ import pytest
 
 import rostether
 from interop.ros1_peers import free_port
+from programs import started
 from rostether.cli.gateway.node import NodeWords, read_gateway_words
 from rostether.errors import ConfigError
 from rostether.ros1.master.server import MasterServer
-from unit.cli.serving_process import started
 
 
 def test_a_port_of_its_own_is_in_the_name() -> None:

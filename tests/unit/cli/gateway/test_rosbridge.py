@@ -12,12 +12,12 @@ from websockets.asyncio.client import connect
 
 import rostether
 from interop.ros1_peers import free_port
+from programs import started
 from rostether.cli.gateway.rosbridge import read_settings
 from rostether.errors import ConfigError
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.launch.bundled_packages import bundled_packages
 from rostether.ros1.master.server import MasterServer
-from unit.cli.serving_process import started
 
 
 async def said_and_heard(uri: str, **message: Any) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
 import subprocess
@@ -17,6 +16,7 @@ import pytest
 import yaml
 
 from interop.ros1_peers import free_port
+from programs import running
 from rostether.cli.launch.sources import complete_launch
 from rostether.cli.main import main
 from unit.cli.command_shell import LiveGraph
@@ -188,26 +188,18 @@ def test_launch_file_of_ros2_is_refused_by_name(arm: Path, capsys: pytest.Captur
 
 
 @contextmanager
-def launched(*arguments: str, master_uri: str, cwd: Path, stdin: str = "") -> Iterator[subprocess.Popen[str]]:
-    environ = {**os.environ, "ROS_HOME": str(cwd), "ROS_MASTER_URI": master_uri}
-    process = subprocess.Popen(
-        [sys.executable, "-m", "rostether", "launch", *arguments],
-        env=environ,
+def launched(
+    *arguments: str, master_uri: str, cwd: Path, stdin: int = subprocess.DEVNULL
+) -> Iterator[subprocess.Popen[str]]:
+    with running(
+        *("launch", *arguments),
         cwd=cwd,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
+        stdin=stdin,
         stderr=subprocess.STDOUT,
-        text=True,
-    )
-    assert process.stdin is not None
-    process.stdin.write(stdin)
-    process.stdin.close()
-    process.stdin = None
-    try:
+        ROS_HOME=str(cwd),
+        ROS_MASTER_URI=master_uri,
+    ) as process:
         yield process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def pid_of(name: str, folder: Path) -> int:
@@ -268,8 +260,8 @@ def test_launch_is_the_master_where_there_is_none(arm: Path) -> None:
 
 def test_launch_file_can_come_from_stdin(arm: Path, graph: LiveGraph) -> None:
     text = '<launch><param name="from_stdin" value="$(arg v)"/></launch>'
-    with launched("-", "v:=7", master_uri=graph.uri, cwd=arm, stdin=text) as process:
-        output, _ = process.communicate(timeout=LIMIT_S)
+    with launched("-", "v:=7", master_uri=graph.uri, cwd=arm, stdin=subprocess.PIPE) as process:
+        output, _ = process.communicate(text, timeout=LIMIT_S)
     assert process.returncode == 0, output
     assert graph.do(graph.node("ask").get_param("/from_stdin")) == 7
 

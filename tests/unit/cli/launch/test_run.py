@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from programs import OURS, read_until, running
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.script_python import PYTHON_VARIABLE, python_for
 from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes, view_command
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
-from unit.cli.processes import read_until
 
 SAY = "import json, os, sys\nprint(json.dumps([sys.argv[1:], os.environ.get('PYTHONPATH')]), flush=True)\n"
 
@@ -37,7 +37,7 @@ def write(file: Path, text: str) -> Path:
 
 def run(*arguments: str, cwd: Path, **environ: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "rostether", "run", *arguments],
+        [*OURS, "run", *arguments],
         cwd=cwd,
         env={**os.environ, **environ},
         capture_output=True,
@@ -60,19 +60,10 @@ def test_a_programs_exit_code_and_death_are_ours(arm: Path) -> None:
     write(arm / "scripts" / "fail.sh", "#!/bin/sh\nexit 7\n")
     assert run("arm", "fail.sh", cwd=arm).returncode == 7
     write(arm / "scripts" / "wait.sh", "#!/bin/sh\necho ready\nexec sleep 60\n")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "rostether", "run", "arm", "wait.sh"],
-        cwd=arm,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    try:
+    with running("run", "arm", "wait.sh", cwd=arm) as process:
         read_until(process, "ready")
         process.send_signal(signal.SIGTERM)
         assert process.wait(20) == -signal.SIGTERM
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def test_prefix_and_debug(arm: Path) -> None:

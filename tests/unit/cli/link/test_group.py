@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import free_port
+from programs import started
 from rostether.cli.bag.figures import MEGABYTE
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
@@ -20,7 +21,6 @@ from rostether.transports.opening import open_transport
 from unit.bridge.doubles import until
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.command_shell import Shell
-from unit.cli.serving_process import started
 
 VECTORS = Path(__file__).parents[3] / "vectors"
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import free_port
+from programs import started
 from unit.cli.command_shell import Shell
-from unit.cli.serving_process import started
 
 
 @pytest.fixture

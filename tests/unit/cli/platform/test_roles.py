@@ -11,11 +11,11 @@ import pytest
 import pytest_asyncio
 
 from contract.graphs import until
+from programs import started
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
-from unit.cli.serving_process import started
 from unit.platform.datagrams import loopback_group
 
 

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from programs import running
 from rostether.graph.typed_graph import TypedGraph
 from rostether.robot.static_transforms import StaticTransform, publish_static_transform
 from rostether.robot.transform import Transform, quaternion_from_rpy
 from unit.cli.command_shell import STORE, LiveGraph, Shell
-from unit.cli.processes import started
 
 
 @pytest.fixture
@@ -90,7 +90,7 @@ def test_static_publishes_until_told_to_end(
     verb: tuple[str, str], graph: LiveGraph, shell: Shell, tmp_path: Path
 ) -> None:
     words = ["1", "-2", "-0.5", str(math.pi / 2), "0", "0", "world", "laser", "__name:=here"]
-    with started(graph.uri, *verb, *words) as process:
+    with running(*verb, *words, ROS_MASTER_URI=graph.uri) as process:
         # Where the process is slow to start, echo says on stderr that it waits.
         result = shell("tf", "echo", "-n", "1", "world", "laser")
         assert result.code == 0

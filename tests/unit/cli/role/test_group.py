@@ -12,13 +12,13 @@ import pytest
 import pytest_asyncio
 
 from interop.ros1_peers import free_port
+from programs import started
 from rostether import Device
 from rostether.cli.bridge.rosserial_server import _serial_link, _socket_link, _udp_link
 from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from unit.cli.command_shell import Shell
-from unit.cli.serving_process import started
 
 
 @pytest_asyncio.fixture

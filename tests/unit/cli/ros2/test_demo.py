@@ -5,15 +5,17 @@ from contextlib import AsyncExitStack
 
 import pytest
 
+from programs import read_until, running
 from rostether.cli.demo import graphs
 from rostether.cli.demo.view import RecentLines
 from unit.cli.command_shell import LiveGraph, Shell
-from unit.cli.processes import read_until, started
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
 
 def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:
-    with started(graph.uri, "demo", "--board", "python", "--join", "--seconds", "60") as process:
+    with running(
+        "demo", "--board", "python", "--join", "--seconds", "60", ROS_MASTER_URI=graph.uri
+    ) as process:
         lines = read_until(process, "virtual board ready")
         assert any("Joining ROS 2 domain 0 over zenoh" in line for line in lines)
         assert any("topic echo --ros2 zenoh /ultrasound" in line for line in lines)
@@ -26,7 +28,16 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
 
 
 def test_the_demo_stays_in_ros1_when_told_to(graph: LiveGraph, world: ZenohWorld) -> None:
-    with started(graph.uri, "demo", "--board", "python", "--join", "--ros1", "--seconds", "20") as process:
+    with running(
+        "demo",
+        "--board",
+        "python",
+        "--join",
+        "--ros1",
+        "--seconds",
+        "20",
+        ROS_MASTER_URI=graph.uri,
+    ) as process:
         lines = read_until(process, "virtual board ready")
     assert not any("ROS 2" in line for line in lines)
 

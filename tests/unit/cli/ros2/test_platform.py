@@ -6,9 +6,9 @@ import asyncio
 from pathlib import Path
 
 import rostether
+from programs import started
 from rostether.graph.typed_handles import TypedPublisher
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.serving_process import started
 from unit.platform.datagrams import loopback_group
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
 
+from programs import started
 from unit.cli.ros2.zenoh_world import ZenohWorld
-from unit.cli.serving_process import started
 
 
 async def received(client: ClientConnection, op: str, topic: str | None = None) -> dict[str, Any]:

@@ -10,12 +10,12 @@ from typing import Any
 import click
 import pytest
 
+from programs import running
 from rostether.cli.main import main
 from rostether.cli.shell.failures import EXIT_INTERRUPTED
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError
 from unit.cli.command_shell import LiveGraph
-from unit.cli.processes import started
 from unit.cli.talking import command_node
 
 ECHO = ("topic", "echo", "/ultrasound/range")
@@ -28,7 +28,7 @@ ECHO = ("topic", "echo", "/ultrasound/range")
 def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     graph: LiveGraph, number: signal.Signals, code: int, ignores_sigint: bool
 ) -> None:
-    with started(graph.uri, *ECHO, ignores_sigint=ignores_sigint) as process:
+    with running(*ECHO, ignores_sigint=ignores_sigint, ROS_MASTER_URI=graph.uri) as process:
         graph.wait_until(lambda: command_node(graph) is not None)
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
@@ -38,7 +38,7 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
 
 
 def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> None:
-    with started(graph.uri, "core", "--port", "0") as process:
+    with running("core", "--port", "0", ROS_MASTER_URI=graph.uri) as process:
         assert process.stdout is not None
         assert process.stdout.readline().startswith("ROS_MASTER_URI=http://")
         process.send_signal(signal.SIGTERM)
@@ -48,7 +48,7 @@ def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> No
 
 @pytest.mark.parametrize("command", [["msg", "list"], ["msg", "show", "--help"], ["topic", "list"]])
 def test_a_reader_that_has_had_enough_is_no_error(graph: LiveGraph, command: list[str]) -> None:
-    with started(graph.uri, *command) as process:
+    with running(*command, ROS_MASTER_URI=graph.uri) as process:
         assert process.stdout is not None
         process.stdout.close()
         process.stdout = None

@@ -302,7 +302,7 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
         assert (answer.success, answer.message) == (True, "ok")
         with pytest.raises(ServiceCallError, match="no battery"):
             await call(values="no battery", result=False)
-        with pytest.raises(ServiceCallError, match="no \ufffd power"):
+        with pytest.raises(ServiceCallError, match=r"no \\ud800 power"):
             await call(values="no \ud800\npower", result=False)
         with pytest.raises(ServiceCallError, match="field success"):
             await call(values={"success": "maybe"}, result=True)
@@ -355,7 +355,7 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
         ('{"op": "advertise", "topic": "/a", "type": "../../etc/passwd"}', "passwd"),
         ('{"op": "advertise", "topic": "/a", "type": ""}', ""),
         ('{"op": "subscribe", "topic": "/a", "throttle_rate": "fast"}', "'throttle_rate' wants a number"),
-        ('{"op": "unadvertise", "topic": "\\ud800 \\u001b[2J"}', "does not advertise \ufffd \ufffd[2J"),
+        ('{"op": "unadvertise", "topic": "\\ud800 \\u001b[2J"}', r"does not advertise \ud800 \u001b[2J"),
         ('{"op": "dance\\ud800"}', "there is no op"),
         ('{"op": "set_level", "level": "loud"}', "level wants one of none, error, warning, info, got 'loud'"),
         ('{"op": "unadvertise", "topic": "/a"}', "does not advertise /a"),

@@ -13,7 +13,7 @@ import pytest_asyncio
 import rostether
 from interop.ros1_peers import free_port
 from rostether.ros1.master.server import MasterServer
-from unit.rospy.programs import line_of, printed, started
+from unit.rospy.programs import line_of, printed, running_script
 
 SCRIPTS = Path(__file__).parents[3] / "interop" / "rospy_scripts"
 
@@ -36,7 +36,7 @@ async def test_a_node_that_talks_with_itself(master: str) -> None:
 async def test_a_node_waits_for_its_master() -> None:
     port = free_port()
     script = "import rospy; rospy.init_node('late'); print('here', rospy.get_name())"
-    async with started(script, master_uri=f"http://127.0.0.1:{port}") as process:
+    async with running_script(script, master_uri=f"http://127.0.0.1:{port}") as process:
         assert process.stderr is not None
         waiting = await asyncio.wait_for(process.stderr.readline(), 60)
         assert f"Unable to register with master node [http://127.0.0.1:{port}]".encode() in waiting
@@ -61,7 +61,7 @@ try:
 except rospy.ROSInterruptException:
     print("interrupted")
 """
-    async with started(script, master_uri=master) as process:
+    async with running_script(script, master_uri=master) as process:
         await line_of(process, "ready")
         process.send_signal(number)
         out, err = await asyncio.wait_for(process.communicate(), 60)
@@ -119,7 +119,7 @@ rospy.Subscriber("/in", String, take)
 print("ready", flush=True)
 rospy.spin()
 """
-    async with started(script, master_uri=master) as process:
+    async with running_script(script, master_uri=master) as process:
         await line_of(process, "ready")
         async with rostether.join("/one", master=master) as one, rostether.join("/two", master=master) as two:
             publishers = [await graph.publisher("/in", "std_msgs/String") for graph in (one, two)]
@@ -146,7 +146,7 @@ rospy.Subscriber("/in", Int32, take)
 print("ready", flush=True)
 rospy.spin()
 """
-    async with started(script, master_uri=master) as process:
+    async with running_script(script, master_uri=master) as process:
         await line_of(process, "ready")
         async with rostether.join("/fast", master=master) as graph:
             publisher = await graph.publisher("/in", "std_msgs/Int32")
@@ -176,7 +176,7 @@ except rospy.exceptions.ROSTimeMovedBackwardsException as error:
     async with rostether.join("/clock_driver", master=master) as graph:
         await graph.set_param("/use_sim_time", True)
         clock = await graph.publisher("/clock", "rosgraph_msgs/Clock")
-        async with started(script, master_uri=master) as process:
+        async with running_script(script, master_uri=master) as process:
             assert await line_of(process, "ready") == "ready 0 False"
             assert await clock.wait_for_subscriber(10)
 

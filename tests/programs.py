@@ -1,0 +1,214 @@
+"""Programs that tests start: our command line as its users run it, and peers."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+# A machine that is busy with other things may be five times slower than a quiet one.
+PATIENCE_S = 60.0
+
+OURS = (sys.executable, "-m", "rostether")
+
+
+@dataclass
+class Peer:
+    """One running program; `lines` grows as it prints (standard error too)."""
+
+    process: asyncio.subprocess.Process
+    lines: list[str] = field(default_factory=list)
+    reader: asyncio.Task[None] | None = None
+
+    @property
+    def text(self) -> str:
+        """Return all it has printed so far."""
+        return "\n".join(self.lines)
+
+    async def read(self) -> None:
+        """Collect its output until it closes it."""
+        assert self.process.stdout is not None
+        async for line in self.process.stdout:
+            self.lines.append(line.decode(errors="replace").rstrip("\n"))
+
+    async def wait_for(
+        self, condition: Callable[[list[str]], bool] | str, timeout_s: float = PATIENCE_S
+    ) -> None:
+        """Wait until its output holds a text or meets a condition."""
+        wanted = (
+            (lambda lines: any(condition in line for line in lines))
+            if isinstance(condition, str)
+            else condition
+        )
+        deadline = time.monotonic() + timeout_s
+        while not wanted(self.lines):
+            if time.monotonic() > deadline or (self.process.returncode is not None and self.reader_done):
+                raise AssertionError(f"peer never printed {condition!r}; it printed:\n{self.text}")
+            await asyncio.sleep(0.01)
+
+    @property
+    def reader_done(self) -> bool:
+        """Tell whether its output has ended."""
+        return self.reader is None or self.reader.done()
+
+    async def finish(self, timeout_s: float = PATIENCE_S) -> str:
+        """Wait until it ends by itself; returns what it printed."""
+        try:
+            await asyncio.wait_for(self.process.wait(), timeout_s)
+        except TimeoutError:
+            raise AssertionError(f"peer did not end within {timeout_s} s; it printed:\n{self.text}") from None
+        if self.reader is not None:
+            await self.reader
+        return self.text
+
+    async def stop(self, signal_number: int = signal.SIGINT) -> None:
+        """End it and all it started, politely first."""
+        # roslaunch puts its nodes into groups of their own; they would outlive it and hold its output open.
+        groups = _descendants(self.process.pid)
+        for number in (signal_number, signal.SIGTERM, signal.SIGKILL):
+            if self.process.returncode is not None:
+                break
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.process.pid, number)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self.process.wait(), 3.0)
+        for group in groups:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(group, signal.SIGKILL)
+        if self.reader is not None:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self.reader, 3.0)
+
+
+def _descendants(pid: int) -> set[int]:
+    """Return the ids of a process, its children, and theirs."""
+    parents: dict[int, int] = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
+    found = {pid}
+    while added := {child for child, parent in parents.items() if parent in found} - found:
+        found |= added
+    return found
+
+
+async def start_program(*command: str, environment: Mapping[str, str], reads: bool = False) -> Peer:
+    """Start a program as the leader of a process group; what it prints is kept. `reads`: from a pipe."""
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        env=environment,
+        stdin=asyncio.subprocess.PIPE if reads else asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+        start_new_session=True,
+        limit=1 << 22,
+    )
+    peer = Peer(process)
+    peer.reader = asyncio.create_task(peer.read())
+    return peer
+
+
+async def start_command(
+    *arguments: str, environment: Mapping[str, str] | None = None, on: Sequence[str] = ()
+) -> Peer:
+    """Start `rostether ARGUMENTS` until its user stops it. `on` begins the command, see `machines`."""
+    return await start_program(*on, *OURS, *arguments, environment={**os.environ, **(environment or {})})
+
+
+@asynccontextmanager
+async def started(*arguments: str, **environment: str) -> AsyncIterator[Peer]:
+    """Run `rostether ARGUMENTS` with no ROS variables but those given; ended with SIGINT if it still runs."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
+    peer = await start_program(*OURS, *arguments, environment=clean | {"PYTHONUNBUFFERED": "1"} | environment)
+    try:
+        yield peer
+        await peer.stop()
+        assert "Traceback" not in peer.text
+    finally:
+        await peer.stop(signal.SIGKILL)
+
+
+@contextmanager
+def running(
+    *arguments: str,
+    ignores_sigint: bool = False,
+    cwd: Path | None = None,
+    stdin: int = subprocess.DEVNULL,
+    stdout: int = subprocess.PIPE,
+    stderr: int = subprocess.PIPE,
+    **environment: str,
+) -> Iterator[subprocess.Popen[str]]:
+    """Run `rostether ARGUMENTS`, for tests without asyncio; it is killed with the block."""
+
+    def ignore() -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    process = subprocess.Popen(
+        [*OURS, *arguments],
+        env=os.environ | environment,
+        cwd=cwd,
+        stdin=stdin,
+        stdout=stdout,
+        stderr=stderr,
+        text=True,
+        preexec_fn=ignore if ignores_sigint else None,
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def read_until(process: subprocess.Popen[str], text: str) -> list[str]:
+    """Return the lines of stdout up to the one that holds a text; fails when the process ends before."""
+    assert process.stdout is not None
+    lines = []
+    for line in process.stdout:
+        lines.append(line.rstrip("\n"))
+        if text in line:
+            return lines
+    raise AssertionError(f"it never printed {text!r}: {lines}")
+
+
+class Terminal:
+    """A pseudo-terminal of 80 columns with a command of ours in it."""
+
+    def __init__(self, leader: int, process: subprocess.Popen[str]) -> None:
+        self.process = process
+        self.seen = b""
+        self._leader = leader
+
+    def type(self, keys: bytes) -> None:
+        """Press keys."""
+        os.write(self._leader, keys)
+
+    def wait_for(self, text: str) -> None:
+        """Wait until a text was shown."""
+        deadline_s = time.monotonic() + PATIENCE_S
+        while text.encode() not in self.seen:
+            assert time.monotonic() < deadline_s, f"{text!r} not in {self.seen[-4000:]!r}"
+            self.seen += os.read(self._leader, 65536)
+
+
+@contextmanager
+def in_terminal(*arguments: str, lines: int = 24, **environment: str) -> Iterator[Terminal]:
+    """Run `rostether ARGUMENTS` in a terminal; it is killed with the block."""
+    leader, follower = pty.openpty()
+    variables: Any = {"COLUMNS": "80", "LINES": str(lines), "TERM": "xterm"} | environment
+    try:
+        with running(*arguments, stdin=follower, stdout=follower, stderr=follower, **variables) as process:
+            os.close(follower)
+            yield Terminal(leader, process)
+    finally:
+        os.close(leader)
