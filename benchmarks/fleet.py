@@ -13,10 +13,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-from contract.graphs import until
 from interop.fleet_robots import KEY, STILL, fleet_on_bad_wifi
 from programs import started
 from rostether.platform.command_frame import Flags, decode_frame
+from waiting import until
 
 _SECONDS = 15.0
 

@@ -75,15 +75,6 @@ class Inbox:
         self.headers.append(dict(fields))
 
 
-async def until(condition: Callable[[], object], timeout_s: float = 60.0) -> None:
-    """Wait until a condition holds; fails when it does not in time."""
-    deadline_s = time.monotonic() + timeout_s
-    while not condition():
-        if time.monotonic() > deadline_s:
-            raise AssertionError("the condition never became true")
-        await asyncio.sleep(0.001)
-
-
 async def snapshot_when(
     graph: Graph, condition: Callable[[Snapshot], object], timeout_s: float = 60.0
 ) -> Snapshot:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import acquainted, until
+from contract.graphs import acquainted
 from rostether.errors import RostetherError, UnknownNameError
 from rostether.graph.ports import JoinGraph, ParamValue
+from waiting import until
 
 VALUES: list[ParamValue] = [
     True,

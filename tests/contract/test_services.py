@@ -19,7 +19,6 @@ from contract.graphs import (
     served,
     snapshot_when,
     string,
-    until,
 )
 from rostether.errors import (
     GraphError,
@@ -32,6 +31,7 @@ from rostether.errors import (
 from rostether.graph.ports import JoinGraph, ListsClients
 from rostether.msgdef.interface import ANY_MESSAGE, ServiceType
 from rostether.ros2.endpoint_info import EndpointKind, Ros2Graph
+from waiting import until
 
 ANY_SERVICE = ServiceType("*", "*", ANY_MESSAGE, ANY_MESSAGE)
 

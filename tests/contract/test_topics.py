@@ -5,11 +5,12 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import BOOL, STRING, Inbox, acquainted, snapshot_when, string, until
+from contract.graphs import BOOL, STRING, Inbox, acquainted, snapshot_when, string
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
+from waiting import until
 
 
 async def test_batches_arrive_whole_and_in_order(join: JoinGraph) -> None:

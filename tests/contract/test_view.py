@@ -7,11 +7,12 @@ import struct
 import time
 
 from contract.capabilities import Capabilities
-from contract.graphs import SET_BOOL, STRING, Inbox, answer, snapshot_when, string, until
+from contract.graphs import SET_BOOL, STRING, Inbox, answer, snapshot_when, string
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.graph.ports import JoinGraph, Level, Snapshot
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.rostime import Time
+from waiting import until
 
 CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 

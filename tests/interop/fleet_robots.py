@@ -8,7 +8,6 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from contract.graphs import until
 from interop.lossy_air import LossyAir
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -17,6 +16,7 @@ from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_
 from rostether.platform.multicast_socket import GroupAddress
 from unit.platform.datagrams import loopback_group, running
 from unit.platform.typed_nodes import Lines, typed_nodes
+from waiting import until
 
 ROBOTS = 20
 CONTROL = "arduino_control/ArduinoControl"

@@ -22,7 +22,8 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
+from waiting import until
 
 STORE = TypeStore(Registry())
 
@@ -95,7 +96,7 @@ class Bridged:
         )
 
     async def announced(self, role: str, name: str) -> None:
-        await until(lambda: self.has(role, name), f"{role} {name}", 60)
+        await until(lambda: self.has(role, name), f"{role} {name}")
 
 
 @pytest_asyncio.fixture
@@ -144,7 +145,7 @@ async def test_rostopic_publishes_to_a_board(bridged: Bridged) -> None:
     await bridged.peers.run(
         "rostopic", "pub", "-1", "/velocity", "geometry_msgs/Twist", "{linear: {x: 0.25}}"
     )
-    await until(lambda: received, "the message", 60)
+    await until(lambda: received, "the message")
     assert received[0].linear.x == 0.25
 
 
@@ -153,7 +154,7 @@ async def test_a_latched_message_reaches_a_board_that_comes_later(bridged: Bridg
     device = await bridged.device()
     received: list[Any] = []
     device.subscriber("mode", "std_msgs/UInt8", received.append)
-    await until(lambda: received, "the latched message", 60)
+    await until(lambda: received, "the latched message")
     assert received[0].data == 7
 
 
@@ -241,9 +242,9 @@ async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_ag
     assert {"/arm", "/arm_2"} <= set(nodes)
     assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm")
     await bridged.peers.run("rosnode", "kill", "/arm_2")
-    await until(lambda: bridged.reporter.having("not served until it reconnects"), "one board to go", 10.0)
+    await until(lambda: bridged.reporter.having("not served until it reconnects"), "one board to go")
     # The device does so by itself.
-    await until(lambda: len(bridged.supervisor.boards()) == 2, "the board to come back", 60)
+    await until(lambda: len(bridged.supervisor.boards()) == 2, "the board to come back")
     await bridged.announced("publisher", "second")
     assert sorted(view.node for view in bridged.supervisor.boards()) == ["/arm", "/arm_2"]
     assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm_2")

@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import STRING, until
+from contract.graphs import STRING
 from interop.node_stage import ON_BOTH_MASTERS, Stage, stage_on
 from interop.side_by_side import SideBySide
 from rostether.ros1.node.master_client import MasterClient
+from waiting import until
 
 TALKER = """
 import rospy

@@ -9,12 +9,12 @@ import struct
 from dataclasses import replace
 from pathlib import Path
 
-from contract.graphs import until
 from interop.fleet_robots import KEY, ROBOTS, STILL, Robot, fleet_on_bad_wifi
 from interop.lossy_air import LossyAir
 from programs import started
 from rostether.platform.command_frame import Flags, decode_frame
 from rostether.platform.multicast_socket import GroupAddress, open_sender
+from waiting import until
 
 
 async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:

@@ -20,7 +20,6 @@ from contract.graphs import (
     served,
     snapshot_when,
     string,
-    until,
 )
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
@@ -30,6 +29,7 @@ from rostether.graph.ports import Graph, ParamValue
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
+from waiting import until
 
 
 class World:

@@ -17,7 +17,7 @@ from rostether.param_yaml import parse_single_document
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
-from unit.bridge.doubles import until
+from waiting import until
 
 STORE = TypeStore(Registry([EXAMPLE]))
 SEQ_AND_STAMP_BYTES = 12
@@ -54,7 +54,7 @@ class Recorder:
     async def servos(self, *angles: int) -> None:
         """Wait until these are the last servo angles."""
         wanted = struct.pack("<4h", *angles)
-        await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}", 60)
+        await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}")
 
 
 async def run_nodes(peers: Ros1Peers, side: str) -> list[Any]:

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import SET_BOOL, STRING, until
+from contract.graphs import SET_BOOL, STRING
 from interop.node_stage import ON_BOTH_MASTERS, Stage, stage_on
 from rostether.graph.ports import Level, ParamValue
+from waiting import until
 
 LOG_ECHO = """
 import rospy

@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import BOOL, STRING, Inbox, string, until
+from contract.graphs import BOOL, STRING, Inbox, string
 from interop.node_stage import ON_BOTH_MASTERS, Stage, stage_on
 from rostether.msgdef.interface import ANY_MESSAGE
+from waiting import until
 
 SUBSCRIBE = """
 import sys, rospy
@@ -64,7 +65,7 @@ async def test_publisher_to_rospy_subscriber(stage: Stage) -> None:
     node = await stage.join("/talker")
     publisher = await node.advertise("/chat", STRING)
     peer = await stage.peers.rospy(SUBSCRIBE, "/chat", "200")
-    await until(lambda: publisher.subscriber_count == 1, 60)
+    await until(lambda: publisher.subscriber_count == 1)
     for start in range(0, 200, 50):
         publisher.publish_raw([string(f"message {number}") for number in range(start, start + 50)])
     printed = (await peer.finish()).splitlines()
@@ -78,7 +79,7 @@ async def test_publisher_to_roscpp_subscriber(stage: Stage) -> None:
     node = await stage.join("/talker")
     publisher = await node.advertise("/chat", STRING)
     peer = await stage.peers.roscpp("listen", "/chat", "200")
-    await until(lambda: publisher.subscriber_count == 1, 60)
+    await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string(f"message {number}") for number in range(200)])
     assert (await peer.finish()).splitlines() == [f"message {number}" for number in range(200)]
 
@@ -89,7 +90,7 @@ async def test_flood_of_publisher_to_roscpp_any_type_subscriber(stage: Stage) ->
     publisher = await node.advertise("/chat", STRING)
     count = 100_000
     peer = await stage.peers.roscpp("count", "/chat", str(count), "5")
-    await until(lambda: publisher.subscriber_count == 1, 60)
+    await until(lambda: publisher.subscriber_count == 1)
     batch = [string("x" * 60)] * 500
     for _ in range(count // 500):
         if not publisher.publish_raw(batch):
@@ -123,9 +124,7 @@ async def test_publisher_refuses_rospy_subscriber_of_another_type(
     node = await stage.join("/talker")
     publisher = await node.advertise("/chat", BOOL)
     await stage.peers.rospy(SUBSCRIBE, "/chat", "1")
-    await until(
-        lambda: "topic types do not match: [std_msgs/String] vs. [std_msgs/Bool]" in caplog.text, 20.0
-    )
+    await until(lambda: "topic types do not match: [std_msgs/String] vs. [std_msgs/Bool]" in caplog.text)
     assert publisher.subscriber_count == 0
 
 
@@ -133,7 +132,7 @@ async def test_rospy_publisher_to_subscriber(stage: Stage) -> None:
     node, inbox, latecomer = await stage.join("/listener"), Inbox(), Inbox()
     await node.subscribe("/chat", STRING, inbox.take, on_connection=inbox.take_header)
     await stage.peers.rospy(PUBLISH, "/chat", "once", "500", "message %d")
-    await until(lambda: len(inbox.payloads) == 500, 60)
+    await until(lambda: len(inbox.payloads) == 500)
     assert texts(inbox) == [f"message {number}" for number in range(500)]
     await node.subscribe("/chat", ANY_MESSAGE, latecomer.take, on_connection=latecomer.take_header)
     await until(lambda: latecomer.headers)
@@ -149,7 +148,7 @@ async def test_latched_rospy_publisher_to_subscriber(stage: Stage) -> None:
     await peer.wait_for("sent")
     node, inbox = await stage.join("/listener"), Inbox()
     await node.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
-    await until(lambda: inbox.payloads, 60)
+    await until(lambda: inbox.payloads)
     assert texts(inbox) == ["map 2"]
     assert inbox.headers[0]["latching"] == "1"
 
@@ -159,7 +158,7 @@ async def test_latched_roscpp_publisher_to_subscriber(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
     await stage.peers.roscpp("latch", "/map", "the map")
     await node.subscribe("/map", STRING, inbox.take, on_connection=inbox.take_header)
-    await until(lambda: inbox.payloads, 60)
+    await until(lambda: inbox.payloads)
     assert texts(inbox) == ["the map"]
     assert inbox.headers[0]["latching"] == "1"
 
@@ -171,14 +170,14 @@ async def test_flood_of_roscpp_publisher_to_subscriber_that_pauses(stage: Stage)
     subscriber = await node.subscribe("/chat", STRING, inbox.take)
     count = 100_000
     await stage.peers.roscpp("flood", "/chat", str(count), "64", "0")
-    await until(lambda: len(inbox.payloads) > 1000, 60)
+    await until(lambda: len(inbox.payloads) > 1000)
     subscriber.pause()
     paused_at = len(inbox.payloads)
     # Its answers to others show that the loop goes on while nothing is read.
     await node.snapshot()
     assert len(inbox.payloads) == paused_at
     subscriber.resume()
-    await until(lambda: len(inbox.payloads) == count, 60.0)
+    await until(lambda: len(inbox.payloads) == count)
     assert all(len(payload) == 64 for payload in inbox.payloads)
     numbers = [int(text.split(".")[0].split()[1]) for text in texts(inbox)]
     assert numbers == list(range(count))
@@ -189,7 +188,7 @@ async def test_large_message_of_rospy_publisher_to_subscriber(stage: Stage) -> N
     await node.subscribe("/big", STRING, inbox.take)
     script = PUBLISH.replace("sys.argv[4] % number", "'x' * 20_000_000")
     await stage.peers.rospy(script, "/big", "once", "2", "%")
-    await until(lambda: len(inbox.payloads) == 2, 60)
+    await until(lambda: len(inbox.payloads) == 2)
     assert [len(payload) for payload in inbox.payloads] == [20_000_004] * 2
 
 
@@ -198,7 +197,7 @@ async def test_rospy_publisher_that_restarts_is_found_again(stage: Stage) -> Non
     subscriber = await node.subscribe("/chat", STRING, inbox.take)
     for count in (1, 2):
         peer = await stage.peers.rospy(PUBLISH, "/chat", "once", "1", "hello")
-        await until(lambda: len(inbox.payloads) == count, 20.0)  # noqa: B023 - awaited at once
+        await until(lambda: len(inbox.payloads) == count)  # noqa: B023 - awaited at once
         await peer.stop()
         await until(lambda: subscriber.publisher_count == 0)
 
@@ -208,7 +207,7 @@ async def test_rostopic_pub_to_subscriber(stage: Stage) -> None:
     node, inbox = await stage.join("/listener"), Inbox()
     await node.subscribe("/chat", STRING, inbox.take)
     await stage.peers.start("rostopic", "pub", "-r", "50", "/chat", "std_msgs/String", "data: hello")
-    await until(lambda: len(inbox.payloads) >= 5, 60)
+    await until(lambda: len(inbox.payloads) >= 5)
     assert set(texts(inbox)) == {"hello"}
 
 
@@ -232,11 +231,11 @@ async def test_rosbag_records_publisher_and_plays_to_subscriber(stage: Stage, tm
     publisher = await node.advertise("/chat", STRING)
     bag = tmp_path / "chat.bag"
     recorder = await stage.peers.start("rosbag", "record", "-l", "100", "-O", str(bag), "/chat")
-    await until(lambda: publisher.subscriber_count == 1, 60)
+    await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string(f"message {number}") for number in range(100)])
     await recorder.finish()
     await publisher.close()
     await node.subscribe("/chat", STRING, inbox.take)
     await stage.peers.start("rosbag", "play", "--wait-for-subscribers", str(bag))
-    await until(lambda: len(inbox.payloads) == 100, 60)
+    await until(lambda: len(inbox.payloads) == 100)
     assert texts(inbox) == [f"message {number}" for number in range(100)]

@@ -9,7 +9,7 @@ from contextlib import AsyncExitStack
 import pytest
 import pytest_asyncio
 
-from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, served, snapshot_when, string, until
+from contract.graphs import ADD_DIAGNOSTICS, Inbox, answer, served, snapshot_when, string
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.cli.bridge.relay import finding_types
@@ -23,6 +23,7 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
+from waiting import until
 
 STORE = TypeStore(Registry())
 OWN = Registry(bundled=False)

@@ -11,7 +11,7 @@ from contextlib import AsyncExitStack
 
 import pytest_asyncio
 
-from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, acquainted, agreeing, answer, string, until
+from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, acquainted, agreeing, answer, string
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
 from programs import Peer, start_command
@@ -21,6 +21,7 @@ from rostether.graph.ports import Graph, Publisher
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
+from waiting import until
 
 # Set RELAY_TEST_S=60 for the long run.
 FLOW_S = float(os.environ.get("RELAY_TEST_S", "2"))

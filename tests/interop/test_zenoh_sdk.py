@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import Inbox, string, until
+from contract.graphs import Inbox, string
 from contract.zenoh_graphs import open_router
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
 from rostether.errors import ServiceCallError, ServiceTimeoutError
@@ -17,6 +17,7 @@ from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.serde.store import TypeStore
+from waiting import until
 
 pytestmark = pytest.mark.skipif(bool(missing_sdk()), reason=missing_sdk())
 

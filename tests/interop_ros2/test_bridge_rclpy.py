@@ -19,7 +19,8 @@ from rostether.ros2.rclpy.context import RclpyContext
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
+from waiting import until
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 
@@ -54,7 +55,7 @@ class Boards:
                 if (each.role, each.name, each.is_attached) == (role, name, True)
             ]
 
-        await until(nodes, f"{role} {name}", 60)
+        await until(nodes, f"{role} {name}")
         return nodes()[0]
 
     async def close(self) -> None:
@@ -93,7 +94,7 @@ async def test_rclpy_publishes_to_boards(boards: Boards, peer: RclpyPeer) -> Non
         await boards.announced("subscriber", topic)
         await peer.ask("advertise", topic=f"/{topic}", type=ros2_name(name))
         await peer.ask("publish", topic=f"/{topic}", messages=[MESSAGES[name]])
-        await until(lambda: heard, name, 10.0)  # noqa: B023 - awaited at once
+        await until(lambda: heard, name)  # noqa: B023 - awaited at once
         assert without_seq(to_plain(heard[0])) == MESSAGES[name]
 
 

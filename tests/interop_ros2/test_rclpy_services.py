@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from contract.graphs import TRUE, until
+from contract.graphs import TRUE
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from rostether.errors import ServiceTimeoutError, SessionError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import JoinGraph, ParamValue
@@ -14,6 +14,7 @@ from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.ros2.parameters.client import ParameterClient
 from rostether.ros2.parameters.typed_value import ParameterType, typed_value
 from rostether.serde.store import TypeStore
+from waiting import until
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 

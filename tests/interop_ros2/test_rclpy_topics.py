@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from contract.graphs import STRING, Inbox, snapshot_when, string, until
+from contract.graphs import STRING, Inbox, snapshot_when, string
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from interop_ros2.samples import ADDED, MESSAGES, ros2_name, with_times, without_seq
 from rostether.errors import UnknownTypeError
@@ -19,6 +19,7 @@ from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.rclpy.context import RclpyContext
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
+from waiting import until
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
 

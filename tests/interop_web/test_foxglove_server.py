@@ -14,7 +14,8 @@ from websockets.typing import Subprotocol
 from interop_web.web_peers import WebPeers
 from programs import Peer
 from rostether.graph.ports import ParamValue
-from unit.gateways.foxglove.protocol_client import ProtocolClient, stage, until
+from unit.gateways.foxglove.protocol_client import ProtocolClient, stage
+from waiting import until
 
 PARAMETERS: dict[str, ParamValue] = {
     "/bytes": b"\0\xff",

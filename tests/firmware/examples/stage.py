@@ -21,7 +21,8 @@ from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
+from waiting import until
 
 EXAMPLES = Path(__file__).parents[3] / "client" / "examples"
 STORE = TypeStore(Registry())
@@ -97,7 +98,7 @@ class Stage:
                 ear.take(codec.decode(payload))
 
         subscriber = await self.graph.raw.subscribe(topic, STORE.registry.message_type(type_name), take)
-        await until(lambda: subscriber.publisher_count, f"a publisher of {topic}", PATIENCE_S)
+        await until(lambda: subscriber.publisher_count, f"a publisher of {topic}")
         return ear
 
     async def message(self, topic: str, type_name: str, meets: Meets = lambda _message: True) -> Message:

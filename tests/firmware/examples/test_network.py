@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from firmware.examples.stage import EXAMPLES, running
-from unit.bridge.doubles import until
+from waiting import until
 
 
 async def test_tcp_hello_world(kind: str) -> None:
@@ -53,5 +53,5 @@ async def test_tcp_shared_key_of_others(key: str | None, says: bytes, tmp_path: 
     file.write_text(key or "")
     psk = f"&psk={file}" if key else ""
     async with running("TcpSharedKey", "uno", ["watch serial"], uses_network=True, options=psk) as stage:
-        await until(lambda: says in stage.board.serial, "what the sketch says of it", 60)
+        await until(lambda: says in stage.board.serial, "what the sketch says of it")
         assert "chatter" not in str(await stage.graph.raw.snapshot())

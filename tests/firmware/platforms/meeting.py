@@ -15,7 +15,8 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
+from waiting import until
 
 STORE = TypeStore(Registry())
 # Longer than any silence of a node that works; a busy machine takes its time.
@@ -47,7 +48,7 @@ class Meeting:
     async def counting(self, more: int = 3) -> None:
         """Wait until the node publishes."""
         before = len(self.counts)
-        await until(lambda: len(self.counts) >= before + more, "the node's counter", PATIENCE_S)
+        await until(lambda: len(self.counts) >= before + more, "the node's counter")
 
     async def ask(self, question: str) -> str:
         """Say something to the node, and return what it answers."""
@@ -56,7 +57,7 @@ class Meeting:
             assert await publisher.wait_for_subscriber(PATIENCE_S), "the node does not subscribe"
             before = len(self.answers)
             publisher.publish(data=question)
-            await until(lambda: len(self.answers) > before, f"an answer to {question[:40]!r}", PATIENCE_S)
+            await until(lambda: len(self.answers) > before, f"an answer to {question[:40]!r}")
             return self.answers[before]
         finally:
             await publisher.close()

@@ -17,8 +17,8 @@ import pytest
 
 from firmware.platforms.meeting import PATIENCE_S, meeting
 from firmware.platforms.programs import running
-from unit.bridge.doubles import until
 from unit.bridge.lateness import lateness
+from waiting import until
 
 pytestmark = pytest.mark.gcc
 
@@ -91,7 +91,7 @@ async def test_sets_the_baud_rate(linux_program: Path, baud: int) -> None:
     try:
         tty.setraw(slave)
         async with running(linux_program, os.ttyname(slave), str(baud)):
-            await until(lambda: _speed(slave) == baud, f"{baud} baud", PATIENCE_S)
+            await until(lambda: _speed(slave) == baud, f"{baud} baud")
     finally:
         os.close(master)
         os.close(slave)

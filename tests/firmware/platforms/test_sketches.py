@@ -14,7 +14,7 @@ from firmware.platforms.meeting import PATIENCE_S, Meeting, meeting
 from firmware.platforms.programs import EXAMPLES, NODE, compile_for_cortex_m, compile_program, running
 from rostether.serde.values import Message
 from rostether.simulation.qemu import QemuBoard
-from unit.bridge.doubles import until
+from waiting import until
 
 PLATFORMS = [
     pytest.param("linux", marks=pytest.mark.gcc),
@@ -83,7 +83,7 @@ async def test_pubsub(stage: Stage) -> None:
 
 async def test_logging(stage: Stage) -> None:
     async with stage.sketch("Logging") as met:
-        await until(lambda: met.reporter.having("nothing works"), "the fatal log", PATIENCE_S)
+        await until(lambda: met.reporter.having("nothing works"), "the fatal log")
 
 
 async def test_parameters(stage: Stage) -> None:

@@ -17,7 +17,7 @@ from firmware.ros2.serving import SKETCHES, serving, sim_address
 from interop.machines import Machines, machines, missing_namespaces
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
 from programs import Peer, start_command
-from unit.bridge.doubles import until
+from waiting import until
 
 pytestmark = [
     pytest.mark.asyncio(loop_scope="module"),
@@ -69,7 +69,7 @@ class Fleet:
     async def flows(self) -> None:
         """Wait until the board is heard and hears; from then on, nothing may be missing."""
         heard = len(self.numbers("/count"))
-        await until(lambda: len(self.numbers("/count")) > heard, "the count", PATIENCE_S)
+        await until(lambda: len(self.numbers("/count")) > heard, "the count")
         for _ in range(100):
             self._said += 1
             await self.node.do("publish", "/say", messages=[{"data": self._said}])
@@ -95,8 +95,8 @@ class Fleet:
             await self.node.do("publish", "/say", messages=[{"data": number}])
             # An Uno has room for 64 bytes that come while it waits for its own line.
             await asyncio.sleep(0.01)
-        await until(lambda: len(self.numbers("/repeated")) >= repeated + count, "the last one", PATIENCE_S)
-        await until(lambda: len(self.numbers("/count")) >= counted + count, "the count", PATIENCE_S)
+        await until(lambda: len(self.numbers("/repeated")) >= repeated + count, "the last one")
+        await until(lambda: len(self.numbers("/count")) >= counted + count, "the count")
         assert self.numbers("/repeated")[repeated:] == sent
         numbers = self.numbers("/count")[counted:]
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
@@ -150,7 +150,7 @@ async def test_a_router_restarts(fleet: Fleet, name: str) -> None:
     await fleet.routers[name].stop()
     heard = await fleet.fallen_silent()
     await fleet.routers[name].start()
-    await until(lambda: len(fleet.numbers("/count")) > heard, "the count again", PATIENCE_S)
+    await until(lambda: len(fleet.numbers("/count")) > heard, "the count again")
     await fleet.flows()
     await fleet.require_all(50)
     assert await fleet.call()

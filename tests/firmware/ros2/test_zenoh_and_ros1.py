@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
-from contract.graphs import Inbox, snapshot_when, string, until
+from contract.graphs import Inbox, snapshot_when, string
 from contract.zenoh_graphs import open_session, ros2_types
 from firmware.ros2.mirrored import MIRROR, MIRRORED, NAMES
 from firmware.ros2.serving import serving, sim_address
@@ -26,6 +26,7 @@ from rostether.graph.ports import Graph, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
+from waiting import until
 
 pytestmark = [
     pytest.mark.ros1,

@@ -213,12 +213,3 @@ class FakeLine:
 
     def _note_dropped(self, lane: TopicQueue, count: int) -> None:
         self.dropped.append((lane.topic, count))
-
-
-async def until(condition: Callable[[], object], what: str, limit_s: float = 60.0) -> None:
-    """Wait for a condition; fails with `what` it waited for."""
-    loop = asyncio.get_running_loop()
-    deadline = loop.time() + limit_s
-    while not condition():
-        assert loop.time() < deadline, f"gave up waiting for {what}"
-        await asyncio.sleep(0.001)

@@ -20,9 +20,10 @@ from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.host_output import PROBE
 from rostether.rosserial.packets import TopicInfo
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE, topic_info
 from unit.bridge.raw_board import TOPIC_REQUEST
+from waiting import until
 
 COUNT = "std_msgs/UInt32"
 TIME_REQUEST = encode_frame(ids.TIME, bytes(8))

@@ -8,9 +8,9 @@ from rostether.bridge.session import Session
 from rostether.bridge.settings import BridgeSettings
 from rostether.rosserial import topic_id as ids
 from rostether.transports.memory import memory_pair
-from unit.bridge.doubles import until
 from unit.bridge.nodes import STORE, World, topic_info
 from unit.bridge.raw_board import RawBoard
+from waiting import until
 
 ENDPOINTS = 250
 

@@ -7,7 +7,7 @@ import pytest
 
 from rostether.bridge.board_registry import Board, BoardRegistry
 from rostether.errors import SessionError
-from unit.bridge.doubles import until
+from waiting import until
 
 
 class FakeNode:

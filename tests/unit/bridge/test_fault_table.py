@@ -14,11 +14,11 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import MessagesReceived
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import TopicInfo
-from unit.bridge.doubles import until
 from unit.bridge.lateness import lateness
 from unit.bridge.line_boards import COUNT, TIME_REQUEST, Board, Bridge, TcpBoard, gone_missing, line, numbered
 from unit.bridge.nodes import topic_info
 from unit.rosserial.host_link_boards import settled_link
+from waiting import until
 
 GARBAGE = random.Random(4).randbytes(64 * 1024)
 AT_ONCE_S = 0.5

@@ -19,8 +19,9 @@ from rostether.bridge.supervisor import Supervisor
 from rostether.device.device import Device
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE, text
+from waiting import until
 
 STRING = STORE.registry.message_type("std_msgs/String")
 

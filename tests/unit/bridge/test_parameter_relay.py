@@ -10,8 +10,8 @@ from rostether.bridge.parameter_relay import MAX_WAITING, Answer, ParameterRelay
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, MasterUnreachableError
 from rostether.graph.ports import Graph, ParamValue
-from unit.bridge.doubles import until
 from unit.bridge.nodes import World
+from waiting import until
 
 
 class Answers:

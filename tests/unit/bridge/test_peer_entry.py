@@ -17,9 +17,10 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE
 from vectors.captures import load, names
+from waiting import until
 
 TIME_REQUEST = encode_frame(ids.TIME, bytes(8))
 

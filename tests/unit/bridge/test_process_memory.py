@@ -10,8 +10,8 @@ import pytest
 
 from rostether.bridge import process_memory
 from rostether.bridge.process_memory import FEW_BOARDS, BoardObjects, give_back_memory
-from unit.bridge.doubles import until
 from unit.bridge.line_boards import Bridge, TcpBoard
+from waiting import until
 
 
 class _Circle:

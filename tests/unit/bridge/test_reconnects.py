@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from rostether.bridge.settings import BridgeSettings
-from unit.bridge.doubles import until
 from unit.bridge.line_boards import Bridge, TcpBoard, numbered
+from waiting import until
 
 RECONNECTS = 250
 # Until then caches fill.

@@ -17,9 +17,9 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import Log, LogLevel, ParameterResponse, TopicInfo
 from rostether.transports.memory import memory_pair
-from unit.bridge.doubles import until
 from unit.bridge.nodes import STORE, World, text, topic_info
 from unit.bridge.raw_board import RawBoard
+from waiting import until
 
 STRING = STORE.registry.message_type("std_msgs/String")
 SET_BOOL = STORE.registry.service_type("std_srvs/SetBool")

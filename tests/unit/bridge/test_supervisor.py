@@ -19,9 +19,10 @@ from rostether.transports.address import Address, parse_address
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Transport
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE, text, topic_info
 from unit.bridge.raw_board import RawBoard
+from waiting import until
 
 CHATTER = (ids.PUBLISHER, topic_info("chatter", topic_id=125))
 PORT = "/dev/null"  # exists everywhere; the test's own `open` answers for it

@@ -6,12 +6,13 @@ import signal
 
 import pytest
 
-from contract.graphs import STRING, Inbox, string, until
+from contract.graphs import STRING, Inbox, string
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
 from programs import start_command
 from rostether.ros2.zenoh.configuration import is_router_there
 from unit.cli.command_shell import Shell
+from waiting import until
 
 
 async def test_others_meet_at_it() -> None:

@@ -29,7 +29,7 @@ from rostether.serde.values import Message
 from rostether.transports.memory import memory_pair
 from rostether.transports.opening import listen, open_transport
 from unit.device.host import HOST_TIME, STORE, Host, Hosts, hosting
-from unit.transports.recorder import until
+from waiting import until
 
 
 def quick() -> Backoff:

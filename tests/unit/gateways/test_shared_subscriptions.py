@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 
 import pytest
 
@@ -12,18 +12,13 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
+from waiting import until
 
 TOPIC = "/chatter"
 STRING = Registry().message_type("std_msgs/String")
 OWN = MessageType("our_msgs/Level", "f" * 32, "uint8 level\n")
 HELLO = b"\x05\0\0\0hello"
 BYE = b"\x03\0\0\0bye"
-
-
-async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(10):
-        while not condition():
-            await asyncio.sleep(0.001)
 
 
 @pytest.fixture

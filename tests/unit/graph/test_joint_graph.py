@@ -9,7 +9,7 @@ from typing import Any, cast
 import pytest
 
 from contract.broken_graph import BrokenGraph
-from contract.graphs import BOOL, SET_BOOL, STRING, TRUE, Inbox, answer, string, until
+from contract.graphs import BOOL, SET_BOOL, STRING, TRUE, Inbox, answer, string
 from rostether.errors import (
     GraphError,
     InvalidNameError,
@@ -28,6 +28,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph, Level, ListsClients, ParamValue, ServiceHandler
 from rostether.msgdef.interface import ServiceType
 from rostether.ros2.listed_client import ListedClient
+from waiting import until
 
 
 class World:

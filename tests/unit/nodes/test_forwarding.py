@@ -6,11 +6,12 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from contract.graphs import STRING, Inbox, string, until
+from contract.graphs import STRING, Inbox, string
 from rostether.errors import ConfigError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.nodes.forwarding import ByteRate, MessageRate, Select, everything, forward
+from waiting import until
 
 NETWORK_NODES = ("/talker", "/relay", "/listener")
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import ConfigError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
@@ -21,6 +20,7 @@ from rostether.nodes.joy import JoySettings, device_named, publish_joystick
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from unit.nodes.test_joystick import event
+from waiting import until
 
 STORE = TypeStore(Registry())
 

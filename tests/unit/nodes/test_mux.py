@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from contract.graphs import STRING, Inbox, string, until
+from contract.graphs import STRING, Inbox, string
 from rostether.errors import ServiceCallError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Publisher
@@ -14,6 +14,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.nodes.mux import Mux
 from rostether.serde.store import TypeStore
+from waiting import until
 
 STORE = TypeStore(Registry())
 

@@ -5,10 +5,10 @@ import math
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import ConfigError
 from rostether.platform.arduino_control import StickSettings, publish_commands
 from unit.platform.typed_nodes import STORE, Lines, typed_nodes
+from waiting import until
 
 
 def test_the_type_is_the_references() -> None:

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import ConfigError
 from rostether.platform.command_frame import Flags, decode_frame
 from rostether.platform.command_link import SenderSettings
@@ -10,6 +9,7 @@ from rostether.platform.fleet import FleetSender, FleetSettings
 from rostether.platform.multicast_socket import GroupAddress
 from unit.platform.datagrams import PlainReceiver, loopback_group
 from unit.platform.typed_nodes import Lines
+from waiting import until
 
 ONE_ROBOT = SenderSettings(7, to_groups=False)
 

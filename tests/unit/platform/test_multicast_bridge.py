@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
@@ -16,6 +15,7 @@ from rostether.platform.multicast_bridge import BridgeSettings, send_topic
 from rostether.platform.multicast_socket import GroupAddress
 from unit.platform.datagrams import GROUPS, PlainReceiver, loopback_group, running
 from unit.platform.typed_nodes import Lines, typed_nodes
+from waiting import until
 
 CONTROL = "arduino_control/ArduinoControl"
 EXAMPLE = bytes.fromhex("0000000000000080000000000000f03f")

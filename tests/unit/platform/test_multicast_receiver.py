@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform import multicast_receiver
@@ -15,6 +14,7 @@ from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_
 from rostether.platform.multicast_socket import GroupAddress, open_sender
 from unit.platform.datagrams import GROUPS, loopback_group, running
 from unit.platform.typed_nodes import Lines, typed_nodes
+from waiting import until
 
 CONTROL = "arduino_control/ArduinoControl"
 EXAMPLE = bytes.fromhex("0000000000000080000000000000f03f")

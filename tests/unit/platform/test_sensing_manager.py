@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import ServiceCallError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform import sensing_manager
@@ -14,6 +13,7 @@ from rostether.platform.sensing_manager import SensingManager
 from rostether.platform.sensor_registry import Sensor
 from unit.platform.datagrams import running
 from unit.platform.typed_nodes import Lines, typed_nodes
+from waiting import until
 
 REGISTER = "sensors/RegistrationService"
 

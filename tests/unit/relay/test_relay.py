@@ -9,18 +9,7 @@ from contextlib import asynccontextmanager
 import pytest
 import pytest_asyncio
 
-from contract.graphs import (
-    ADD_DIAGNOSTICS,
-    EMPTY,
-    SET_BOOL,
-    STRING,
-    TRUE,
-    Inbox,
-    agreeing,
-    answer,
-    string,
-    until,
-)
+from contract.graphs import ADD_DIAGNOSTICS, EMPTY, SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownTypeError
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mark
 from rostether.graph.memory_graph import MemoryGraph
@@ -31,6 +20,7 @@ from rostether.relay import relay as relay_module
 from rostether.relay.relay import Relay
 from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.relay.side import ForgetNode, Side
+from waiting import until
 
 SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
 

@@ -45,10 +45,3 @@ async def first(
             if wanted(message):
                 return message
     raise AssertionError("the node has left")
-
-
-async def until(condition: Callable[[], bool]) -> None:
-    """Wait for a condition."""
-    async with asyncio.timeout(LIMIT_S):
-        while not condition():
-            await asyncio.sleep(0.005)

@@ -8,7 +8,8 @@ from rostether.robot.tf_messages import TF_TYPE, from_message, tf_publisher, to_
 from rostether.robot.tf_statistics import TfStatistics
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.rostime import Time
-from unit.robot.graphs import entered, running, until
+from unit.robot.graphs import entered, running
+from waiting import until
 
 SECOND = 10**9
 STEP = StampedTransform("world", "base", 100 * SECOND, Transform((1.0, 2.0, 3.0)))

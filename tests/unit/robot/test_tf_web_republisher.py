@@ -19,7 +19,8 @@ from rostether.robot import tf_web_republisher
 from rostether.robot.tf_messages import tf_publisher, to_message
 from rostether.robot.tf_web_republisher import MAX_FRAMES, republish_for_web
 from rostether.robot.transform import StampedTransform, Transform, quaternion_from_rpy
-from unit.robot.graphs import entered, running, until
+from unit.robot.graphs import entered, running
+from waiting import until
 
 ASK = {"source_frames": ["/arm", "nowhere"], "target_frame": "world", "rate": 100.0}
 ACTION = "tf2_web_republisher/TFSubscriptionAction"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 
 import pytest
 
@@ -14,12 +14,7 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 from rostether.ros1.roscore import Roscore
 from rostether.ros1.xmlrpc_client import XmlRpcClient
-
-
-async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(60):
-        while not condition():
-            await asyncio.sleep(0.005)
+from waiting import until
 
 
 @pytest.fixture

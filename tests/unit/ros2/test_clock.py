@@ -9,7 +9,6 @@ from collections.abc import AsyncIterator
 import pytest
 import pytest_asyncio
 
-from contract.graphs import until
 from rostether.errors import GraphError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
@@ -18,6 +17,7 @@ from rostether.ros2.clock import CLOCK_TOPIC, CLOCK_TYPE, NodeClock
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.parameters.typed_value import typed_value
 from rostether.rostime import Time
+from waiting import until
 
 WALL = Time(1_700_000_000, 5)
 

@@ -15,7 +15,7 @@ from rostether.simulation.virtual_board import VirtualBoard
 from rostether.transports.memory import memory_pair
 from rostether.transports.opening import listen
 from unit.device.host import HOST_TIME, STORE, Host, Hosts, hosting
-from unit.transports.recorder import until
+from waiting import until
 
 TOPICS = {
     "led": "std_msgs/Bool",

@@ -70,10 +70,3 @@ class Arrivals:
         transport, recorder = await self.next(), Recorder()
         transport.start(recorder)
         return transport, recorder
-
-
-async def until(condition: Callable[[], bool]) -> None:
-    """Wait for something that nothing announces."""
-    async with asyncio.timeout(WAIT_LIMIT_S):
-        while not condition():
-            await asyncio.sleep(0.002)

@@ -17,8 +17,9 @@ from rostether.transports import greeting, tcp
 from rostether.transports.address import TcpAddress, parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.tcp import TcpListener
-from unit.transports.recorder import Arrivals, Recorder, until
+from unit.transports.recorder import Arrivals, Recorder
 from unit.transports.strangers import is_hung_up
+from waiting import until
 
 
 @pytest.fixture

@@ -14,7 +14,8 @@ from rostether.errors import ConfigError, TransportOpenError
 from rostether.transports import pty
 from rostether.transports.address import PtyAddress
 from rostether.transports.pty import PtyTransport, open_pty
-from unit.transports.recorder import Recorder, until
+from unit.transports.recorder import Recorder
+from waiting import until
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 

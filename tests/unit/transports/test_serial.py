@@ -20,7 +20,8 @@ from rostether.transports import serial, serial_errors
 from rostether.transports.address import SerialAddress
 from rostether.transports.serial import SerialPort, SerialTransport, list_ports, open_serial
 from rostether.transports.serial_errors import explain_open_error, find_holder, is_pseudo_terminal
-from unit.transports.recorder import Recorder, until
+from unit.transports.recorder import Recorder
+from waiting import until
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 

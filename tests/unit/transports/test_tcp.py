@@ -17,8 +17,9 @@ from rostether.transports.tcp import (
     TcpTransport,
     connect_tcp,
 )
-from unit.transports.recorder import Arrivals, Recorder, until
+from unit.transports.recorder import Arrivals, Recorder
 from unit.transports.strangers import is_hung_up, stranger, trust_nobody
+from waiting import until
 
 
 def port_of(listener: TcpListener) -> int:

@@ -11,8 +11,9 @@ from rostether.errors import TransportClosedError, TransportOpenError
 from rostether.transports.address import UdpAddress
 from rostether.transports.transport import Transport
 from rostether.transports.udp import MAX_DATAGRAM_BYTES, UdpListener, connect_udp, split_datagrams
-from unit.transports.recorder import Arrivals, Recorder, until
+from unit.transports.recorder import Arrivals, Recorder
 from unit.transports.strangers import trust_nobody
+from waiting import until
 
 
 class Clock:

@@ -13,9 +13,10 @@ from rostether.errors import AccessDeniedError
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.settings import ANY_ACCESS, Access, DeviceSettings, NameRule
 from rostether.rosserial.events import ServiceRole, TopicRole
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, publisher, service, subscriber
 from unit.bridge.test_parameter_relay import Answers
+from waiting import until
 
 LIMITED = Access(
     publish=NameRule(allow=("/lab/*",)),

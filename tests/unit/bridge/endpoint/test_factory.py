@@ -12,8 +12,9 @@ from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.errors import TypeMismatchError, UnknownTypeError
 from rostether.rosserial.events import ServiceRole, TopicAnnounced, TopicRole
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, publisher, service, subscriber, topic_info
+from waiting import until
 
 
 @pytest.fixture

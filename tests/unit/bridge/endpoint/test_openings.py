@@ -8,8 +8,8 @@ import pytest
 from rostether.bridge.endpoint.openings import EndpointOpenings
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.rosserial.events import TopicRole
-from unit.bridge.doubles import until
 from unit.bridge.nodes import World, topic_info
+from waiting import until
 
 SLOT = (TopicRole.PUBLISHER, "level")
 

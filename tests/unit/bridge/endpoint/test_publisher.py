@@ -10,8 +10,9 @@ from rostether.bridge.endpoint.publisher import HELD_BYTES, PublisherEndpoint
 from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.graph.ports import Graph
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, text, topic_info
+from waiting import until
 
 
 def endpoint(

@@ -11,9 +11,9 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import HostEvent, TimeRequested
 from rostether.rosserial.frame import encode_frame
 from rostether.transports.memory import memory_pair
-from unit.bridge.doubles import until
 from unit.bridge.nodes import STORE, World, text, topic_info
 from unit.bridge.raw_board import RawBoard
+from waiting import until
 
 
 def lucky_header(topic_id: int, following: bytes) -> bytes:

@@ -12,8 +12,9 @@ from rostether.graph.memory_graph import MemoryGraph
 from rostether.msgdef.interface import ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.rosserial.events import ServiceRole
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, service
+from waiting import until
 
 TYPE = STORE.registry.service_type("std_srvs/SetBool")
 YES = b"\x01"

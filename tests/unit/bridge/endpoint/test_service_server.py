@@ -10,9 +10,10 @@ from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import ServiceCallError, ServiceTimeoutError
 from rostether.rosserial.events import ServiceRole
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, service
 from unit.bridge.virtual_time import on_virtual_time
+from waiting import until
 
 TYPE = STORE.registry.service_type("std_srvs/SetBool")
 YES, NO = b"\x01", b"\x00"

@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, text, topic_info
+from waiting import until
 
 STRING = STORE.registry.message_type("std_msgs/String")
 

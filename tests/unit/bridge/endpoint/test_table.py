@@ -21,8 +21,9 @@ from rostether.rosserial.events import (
     TopicRole,
     TopicWithdrawn,
 )
-from unit.bridge.doubles import FakeLine, until
+from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, publisher, service, subscriber, text, topic_info
+from waiting import until
 
 
 class Table(World):

@@ -26,9 +26,9 @@ from rostether.rosserial.events import (
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.store import TypeStore
 from rostether.transports.memory import memory_pair
-from unit.bridge.doubles import until
 from unit.bridge.nodes import World, publisher
 from unit.bridge.raw_board import RawBoard
+from waiting import until
 
 SETTLED = NegotiationSettled(1, 0, 1, 0.1)
 OWN = "my_robot/Wheel"

@@ -3,7 +3,8 @@ from __future__ import annotations
 import asyncio
 
 from rostether.bridge.outbound.reading_pause import ReadingPause
-from unit.bridge.doubles import FakeTransport, until
+from unit.bridge.doubles import FakeTransport
+from waiting import until
 
 
 class PausableTransport(FakeTransport):

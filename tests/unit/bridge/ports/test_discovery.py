@@ -24,10 +24,11 @@ from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.port_locks import find_user
 from rostether.transports.address import parse_address
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
 from unit.bridge.lateness import lateness
 from unit.bridge.machine import CH340, MODEM, UNO, Machine
 from unit.bridge.nodes import STORE, text
+from waiting import until
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 
@@ -267,7 +268,7 @@ async def test_a_port_in_use_is_left_alone_said_once_and_served_later(site: Site
         await until(lambda: site.reporter.having("in use by screen (PID 4711)"), "the line")
         assert machine.opens == {}
         machine.users.clear()
-        await until(lambda: site.connected(), "the board", limit_s=8.0)
+        await until(lambda: site.connected(), "the board")
     assert len(site.reporter.having("in use")) == 1
 
 
@@ -289,7 +290,7 @@ async def test_a_program_that_really_has_the_port_open_is_not_disturbed(site: Si
             await until(lambda: site.reporter.having(f"(PID {program.pid})"), "the line")
             assert machine.opens == {}
             program.kill()
-            await until(lambda: site.connected(), "the board", limit_s=10)
+            await until(lambda: site.connected(), "the board")
         finally:
             program.kill()
             program.communicate()

@@ -13,7 +13,8 @@ from rostether.ports.devices_toml import parse_devices_toml
 from rostether.transports.address import Address, SerialAddress, parse_address
 from rostether.transports.serial import SerialPort
 from rostether.transports.transport import Transport
-from unit.bridge.doubles import FakeTransport, RecordingReporter, until
+from unit.bridge.doubles import FakeTransport, RecordingReporter
+from waiting import until
 
 
 class Bench:

@@ -7,7 +7,8 @@ from rostether.errors import ConfigError, TransportOpenError
 from rostether.graph.ports import Level
 from rostether.transports import mdns
 from rostether.transports.address import TcpAddress
-from unit.bridge.doubles import RecordingReporter, until
+from unit.bridge.doubles import RecordingReporter
+from waiting import until
 
 
 def test_only_listeners_that_the_network_reaches_are_announced() -> None:

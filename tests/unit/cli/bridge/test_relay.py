@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string, until
+from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.middleware import Middleware
@@ -27,6 +27,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
 from rostether.ros2.types.type_support import Ros2Types
 from unit.cli.command_shell import Shell
+from waiting import until
 
 
 def test_what_is_typed() -> None:

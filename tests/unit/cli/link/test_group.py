@@ -18,9 +18,9 @@ from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.capture import Capture, Chunk
 from rostether.transports.opening import open_transport
-from unit.bridge.doubles import until
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.command_shell import Shell
+from waiting import until
 
 VECTORS = Path(__file__).parents[3] / "vectors"
 

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import until
 from programs import started
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from unit.platform.datagrams import loopback_group
+from waiting import until
 
 
 @pytest_asyncio.fixture

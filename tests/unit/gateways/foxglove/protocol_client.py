@@ -160,13 +160,6 @@ async def stage(
         await graph.close()
 
 
-async def until(condition: Callable[[], object]) -> None:
-    """Wait for a condition."""
-    async with asyncio.timeout(LIMIT_S):
-        while not condition():
-            await asyncio.sleep(0.005)
-
-
 def _binary(data: bytes) -> dict[str, Any]:
     op = BINARY_OPS[data[0]]
     if op == "messageData":

@@ -18,7 +18,8 @@ import pytest
 
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.graph.memory_network import MemoryNetwork
-from unit.gateways.foxglove.protocol_client import ProtocolClient, Stage, stage, until
+from unit.gateways.foxglove.protocol_client import ProtocolClient, Stage, stage
+from waiting import until
 
 TOPIC = "/cmd_vel"
 TWIST = "geometry_msgs/Twist"

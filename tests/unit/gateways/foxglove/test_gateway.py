@@ -20,7 +20,8 @@ from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
 from rostether.graph.ports import ServiceEntry, Snapshot
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
-from unit.gateways.foxglove.protocol_client import Stage, stage, until
+from unit.gateways.foxglove.protocol_client import Stage, stage
+from waiting import until
 
 STRING, SET_BOOL = "std_msgs/String", "std_srvs/SetBool"
 

@@ -16,7 +16,8 @@ from rostether.gateways.foxglove import recording_control
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.own_authority import own_certificate
 from rostether.gateways.websocket.site import Site
-from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage, until
+from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage
+from waiting import until
 
 FREE = FoxgloveSettings(port=0)
 

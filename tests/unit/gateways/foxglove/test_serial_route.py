@@ -23,7 +23,8 @@ from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.opening import listen
 from rostether.transports.web_boards import WebBoards
 from unit.bridge.nodes import STORE, text
-from unit.gateways.foxglove.protocol_client import Stage, stage, until
+from unit.gateways.foxglove.protocol_client import Stage, stage
+from waiting import until
 
 STRING = STORE.registry.message_type("std_msgs/String")
 SETTINGS = FoxgloveSettings(port=0)

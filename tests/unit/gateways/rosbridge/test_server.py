@@ -20,7 +20,8 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
-from unit.gateways.rosbridge.web_client import World, until, world
+from unit.gateways.rosbridge.web_client import World, world
+from waiting import until
 
 STRING = "std_msgs/String"
 SETTINGS = RosbridgeSettings(host="127.0.0.1", port=0)

@@ -18,7 +18,8 @@ from websockets.typing import Subprotocol
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket import connection as connection_module
-from unit.gateways.foxglove.protocol_client import LIMIT_S, stage, until
+from unit.gateways.foxglove.protocol_client import LIMIT_S, stage
+from waiting import until
 
 Connection: TypeAlias = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 

@@ -11,7 +11,8 @@ import pytest
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.site import Site
-from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage, until
+from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage
+from waiting import until
 
 SITE = Site({"index.html": b"<p>page</p>", "large.bin": bytes(range(256)) * 40_000})
 FREE = FoxgloveSettings(port=0)

@@ -10,11 +10,11 @@ from contextlib import asynccontextmanager, suppress
 import pytest
 
 from children import is_running
-from contract.graphs import until
 from rostether.errors import ConfigError
 from rostether.mechanisms.backoff import Backoff
 from rostether.platform.boot.part_process import PartProcess
 from rostether.platform.boot.robot_file import Part
+from waiting import until
 
 # Reports that it is alive as services do, and its process id.
 ALIVE = """

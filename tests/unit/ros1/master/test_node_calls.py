@@ -11,12 +11,7 @@ import pytest
 from rostether.ros1.master import node_calls as module
 from rostether.ros1.master.node_calls import NodeCallQueue
 from rostether.ros1.xmlrpc_server import XmlRpcServer
-
-
-async def until(condition: Callable[[], object], timeout_s: float = 60.0) -> None:
-    async with asyncio.timeout(timeout_s):
-        while not condition():
-            await asyncio.sleep(0.002)
+from waiting import until
 
 
 class FakeNode:
@@ -118,7 +113,8 @@ async def test_a_hanging_node_delays_nobody_and_is_told_later(
     queue.publisher_update(node.server.uri, "/t", [])
     await until(lambda: node.heard)
     queue.publisher_update(other.server.uri, "/t", [])
-    await until(lambda: other.heard, 0.4)
+    await until(lambda: other.heard)
+    assert queue._outboxes[node.server.uri].pending
     # Its call times out and is repeated until it answers.
     await until(lambda: len(node.heard) == 2)
     node.gate.set()

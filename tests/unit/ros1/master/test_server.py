@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from typing import TypeVar
 
 import pytest
@@ -15,6 +15,7 @@ from rostether.ros1.master import server as module
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
+from waiting import until
 
 T = TypeVar("T")
 
@@ -22,12 +23,6 @@ T = TypeVar("T")
 def note(notes: list[T], item: T) -> list[object]:
     notes.append(item)
     return [1, "", 0]
-
-
-async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(60):
-        while not condition():
-            await asyncio.sleep(0.005)
 
 
 @pytest.fixture

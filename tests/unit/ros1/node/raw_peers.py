@@ -8,10 +8,11 @@ import struct
 from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass, field
 
-from contract.graphs import STRING, until
+from contract.graphs import STRING
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.tcpros.handshake import publisher_fields, subscriber_fields
 from rostether.tcpros.header import decode_fields, encode_header
+from waiting import until
 
 __all__ = ["STRING", "FakePublisher", "RawPeer", "until"]
 

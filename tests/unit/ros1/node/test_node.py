@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import SET_BOOL, STRING, Inbox, until
+from contract.graphs import SET_BOOL, STRING, Inbox
 from rostether.errors import GraphError, InvalidNameError, MasterUnreachableError
 from rostether.graph.ports import ParamValue
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
@@ -18,6 +18,7 @@ from rostether.ros1.node import endpoint_handles as endpoints
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
+from waiting import until
 
 LOOPBACK = RosEnvironment.read({})
 CHECK_INTERVAL_S = 0.02

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 import pytest
 import pytest_asyncio
 
-from contract.graphs import EMPTY, SET_BOOL, until
+from contract.graphs import EMPTY, SET_BOOL
 from rostether.errors import (
     ServiceCallError,
     ServiceTimeoutError,
@@ -22,6 +22,7 @@ from rostether.ros1.node.service_client import ServiceClient
 from rostether.tcpros.handshake import server_fields
 from rostether.tcpros.service_framing import encode_error, encode_response
 from unit.ros1.node.raw_peers import RawPeer
+from waiting import until
 
 
 class FakeServer:

@@ -10,11 +10,12 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
-from contract.graphs import STRING, Inbox, until
+from contract.graphs import STRING, Inbox
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 from rostether.ros1.xmlrpc_client import XmlRpcClient
+from waiting import until
 
 # As rosnode takes it apart to show connections.
 ROSNODE_PATTERN = re.compile(r"\w+ connection on port (\d+) to \[(.*) on socket (\d+)\]")

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
@@ -19,6 +18,7 @@ from rostether.ros2.parameters.services import PARAMETER_EVENTS, ParameterServic
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.parameters.typed_value import typed_value
 from rostether.ros2.rcl_interfaces import rcl_interfaces
+from waiting import until
 
 
 async def join_with(network: MemoryNetwork, name: str, store: ParameterStore) -> MemoryGraph:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
-from contract.graphs import Inbox, until
+from contract.graphs import Inbox
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.ros2.parameters.services import PARAMETER_EVENTS, ParameterServices
@@ -16,6 +16,7 @@ from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, typed_value
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 from rostether.serde.values import Message
+from waiting import until
 
 
 class Asker:

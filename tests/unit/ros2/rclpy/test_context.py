@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator
 import pytest
 import pytest_asyncio
 
-from contract.graphs import BOOL, STRING, Inbox, string, until
+from contract.graphs import BOOL, STRING, Inbox, string
 from ros2_domains import own_domain
 from rostether.errors import GraphError, InvalidNameError, TypeMismatchError
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
@@ -17,6 +17,7 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types
+from waiting import until
 
 pytestmark = pytest.mark.rclpy
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from contract.graphs import STRING, Inbox, until
+from contract.graphs import STRING, Inbox
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.ros2.environment import Ros2Environment
@@ -13,6 +13,7 @@ from rostether.ros2.zenoh import session as session_module
 from rostether.ros2.zenoh.access_check import find_denied_topics
 from rostether.ros2.zenoh.configuration import Reach, RouterChoice, peer_configuration
 from rostether.ros2.zenoh.session import ZenohSession
+from waiting import until
 
 RULES = {
     "enabled": True,
@@ -54,7 +55,7 @@ async def test_what_a_router_denies_is_reported(
     node = await visitor.join("visitor")
     await node.advertise("/robot1/cmd_vel", STRING)
     await node.subscribe("/chat", STRING, Inbox().take)
-    await until(lambda: "access denied" in caplog.text, 60)
+    await until(lambda: "access denied" in caplog.text)
     assert f"the router at {endpoint} does not carry /robot1/cmd_vel for this program" in caplog.text
 
     configuration = peer_configuration(Ros2Environment(), Reach())

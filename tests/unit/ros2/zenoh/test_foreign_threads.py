@@ -6,9 +6,9 @@ from typing import cast
 
 import zenoh
 
-from contract.graphs import until
 from contract.zenoh_graphs import open_router, open_session
 from rostether.ros2.zenoh.foreign_threads import stay_known
+from waiting import until
 
 
 async def test_a_thread_of_zenohs_keeps_its_state_between_callbacks() -> None:

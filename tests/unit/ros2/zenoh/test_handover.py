@@ -3,8 +3,8 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from contract.graphs import until
 from rostether.ros2.zenoh.handover import Handover
+from waiting import until
 
 
 async def test_items_of_a_thread_arrive_in_order_and_in_batches() -> None:

@@ -7,10 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from contract.graphs import until
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import STEPS
 from rostether.ros2.zenoh.put_queue import LONG_NS, VERY_LONG_NS, PutQueue, Puts
+from waiting import until
 
 
 class Link:

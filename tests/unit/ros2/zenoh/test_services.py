@@ -10,7 +10,7 @@ import pytest
 import pytest_asyncio
 import zenoh
 
-from contract.graphs import SET_BOOL, string, until
+from contract.graphs import SET_BOOL, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from rostether.errors import (
     SerializationError,
@@ -23,6 +23,7 @@ from rostether.ros2.zenoh import service_server
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
+from waiting import until
 
 SUPPORT = ros2_types().service(SET_BOOL)
 KEY = data_key(0, "/switch", "std_srvs::srv::dds_::SetBool_", SUPPORT.type_hash)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from contract.graphs import STRING, Inbox, string, until
+from contract.graphs import STRING, Inbox, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.errors import InvalidNameError, MasterUnreachableError
@@ -13,6 +13,7 @@ from rostether.ros2.zenoh import configuration
 from rostether.ros2.zenoh import session as session_module
 from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
+from waiting import until
 
 
 async def test_domains_do_not_meet() -> None:
@@ -57,7 +58,7 @@ async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
     publisher.publish_raw([string("nobody hears it")])
 
     router = await open_session(port, is_router=True)
-    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1, 60)
+    await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)
     publisher.publish_raw([string("after"), string("last")])
     await until(lambda: len(inbox.payloads) >= 3)
     assert await listener.call_service("/echo", echo, b"", timeout_s=60) == b""
@@ -83,7 +84,7 @@ async def test_a_routers_restart_brings_latched_messages_once() -> None:
         # Said while nobody can hear it: the latch keeps it.
         publisher.publish_raw([string(text)])
         router = await open_session(port, is_router=True)
-        await until(lambda: inbox.payloads[-1] == string(text), 20.0)  # noqa: B023 - awaited at once
+        await until(lambda: inbox.payloads[-1] == string(text))  # noqa: B023 - awaited at once
     await until(lambda: publisher.subscriber_count == 1)
     publisher.publish_raw([string("last")])
     await until(lambda: inbox.payloads[-1] == string("last"))
@@ -101,7 +102,7 @@ async def test_who_starts_before_the_router_finds_it() -> None:
     router = await open_session(port, is_router=True)
     listener = await router.join("listener")
     await listener.subscribe("/map", STRING, inbox.take)
-    await until(lambda: inbox.payloads, 60)
+    await until(lambda: inbox.payloads)
     assert inbox.payloads == [string("kept")]
     await early.close()
     await router.close()

@@ -9,13 +9,14 @@ import pytest
 import pytest_asyncio
 import zenoh
 
-from contract.graphs import BOOL, STRING, Inbox, string, until
+from contract.graphs import BOOL, STRING, Inbox, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.distribution import find_distribution
 from rostether.ros2.zenoh.attachment import parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
+from waiting import until
 
 IMU = ros2_types().registry.message_type("sensor_msgs/Imu")
 CDR_HELLO = b"\0\1\0\0\x06\0\0\0hello\0"

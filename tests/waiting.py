@@ -1,0 +1,18 @@
+"""Waiting for conditions: tests never wait for a fixed time."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+
+# A machine that is busy with other things may be many times slower than a quiet one.
+LIMIT_S = 60.0
+
+
+async def until(condition: Callable[[], object], what: str = "the condition") -> None:
+    """Wait until a condition holds; fails with `what` it waited for."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, f"gave up waiting for {what}"
+        await asyncio.sleep(0.001)
