@@ -24,20 +24,28 @@ _ONLY_PYTHON_2 = re.compile(
 )
 
 
+# Python 3.14 reads this as two exception types. Those have capital letters, variables do not.
+_CAUGHT_AS = re.compile(r"^\s*except\s+[\w.]+\s*,\s*[a-z_]\w*\s*:", re.MULTILINE)
+
+
 def explain_python2(script: Path) -> str:
     """Return what to do with a script for Python 2; an empty string for every other file."""
     data = _read(script)
+    text = data.decode(errors="replace")
+    line = 0
     try:
         _parse(data)
     except SyntaxError as error:
-        line = error.lineno or 1
-        lines = data.decode(errors="replace").splitlines()
-        text = lines[line - 1] if line <= len(lines) else ""
-        if _OF_PYTHON_2.search(error.msg) or _ONLY_PYTHON_2.search(text):
-            return f"{script}:{line}: written for Python 2; convert it with `2to3 -w {script}`"
+        number = error.lineno or 1
+        lines = text.splitlines()
+        if _OF_PYTHON_2.search(error.msg) or _ONLY_PYTHON_2.search("".join(lines[number - 1 : number])):
+            line = number
     except ValueError:  # a zero byte
-        return ""
-    return ""
+        pass
+    else:
+        if caught := _CAUGHT_AS.search(text):
+            line = text.count("\n", 0, caught.start()) + 1
+    return f"{script}:{line}: written for Python 2; convert it with `2to3 -w {script}`" if line else ""
 
 
 def is_module(file: Path) -> bool:

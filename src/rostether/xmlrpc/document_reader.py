@@ -100,16 +100,17 @@ class DocumentReader:
         self._value: XmlRpcValue = None
         self._has_value = False
         self._text: list[str] = []
-        parser = self._parser = expat.ParserCreate()
+
+    def steps(self) -> Iterator[None]:
+        """Read on with each, once. Raises RemoteProtocolError."""
+        document = self._document
+        # Not an attribute: it refers to this object, and its 12 KB would wait for the garbage collector.
+        parser = expat.ParserCreate()
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = _refuse_doctype
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.CharacterDataHandler = self._text.append
-
-    def steps(self) -> Iterator[None]:
-        """Read on with each. Raises RemoteProtocolError."""
-        document, parser = self._document, self._parser
         try:
             for start in range(0, len(document), STEP_BYTES):
                 end = start + STEP_BYTES

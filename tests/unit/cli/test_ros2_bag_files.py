@@ -47,7 +47,10 @@ def test_converted_all_the_way_round_it_is_the_same(bag: Path, tmp_path: Path, s
     for source, target in pairwise(steps):
         printed = shell.output("bag", "convert", str(source), str(target), *options.get(target.name, []))
         assert printed == f"{target}: 6 messages\n"
-    versions = [open_recording(path).format_version for path in steps]
+    versions = []
+    for path in steps:
+        with closing(open_recording(path)) as recording:
+            versions.append(recording.format_version)
     assert versions == [
         "2.0",
         "rosbag2 (version 9, mcap)",

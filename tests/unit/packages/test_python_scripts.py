@@ -40,6 +40,11 @@ def test_others_are_left_to_python(tmp_path: Path, text: str) -> None:
     assert explain_python2(tmp_path / "missing.py") == ""
 
 
+def test_the_line_of_a_python_2_exception_is_told(tmp_path: Path) -> None:
+    script = _script(tmp_path, "try:\n    x = 1\nexcept IOError, error:\n    pass\n")
+    assert explain_python2(script).startswith(f"{script}:3: ")
+
+
 def test_modules_only_define(tmp_path: Path) -> None:
     head = '"""Text."""\nimport math\nX = 1\n'
     assert is_module(_script(tmp_path, head + "def f():\n    pass\n"))

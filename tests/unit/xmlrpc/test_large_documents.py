@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import pytest
 
 from rostether.errors import RemoteProtocolError
@@ -60,3 +63,16 @@ def test_values_are_counted(empty: bytes) -> None:
     assert len(values) == most
     with pytest.raises(RemoteProtocolError, match=f"at most {MAX_VALUES} values"):
         load_call(call(document % (empty * (most + 1))))
+
+
+def test_a_document_that_was_read_leaves_no_work_for_the_garbage_collector() -> None:
+    reader = DocumentReader(b"<methodCall><methodName>getPid</methodName></methodCall>")
+    for _ in reader.steps():
+        pass
+    alive = weakref.ref(reader)
+    gc.disable()
+    try:
+        del reader
+        assert alive() is None
+    finally:
+        gc.enable()

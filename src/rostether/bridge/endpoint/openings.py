@@ -35,6 +35,8 @@ Slot: TypeAlias = tuple[Role, str]
 MAX_RETRY_S = 5.0
 # Leaving must not hang on a master that does not answer.
 CLOSE_LIMIT_S = 1.0
+# Closings of one board at once. Each takes 10 KB: more would fill memory when many boards leave together.
+CLOSED_AT_ONCE = 2
 
 
 class EndpointOpenings:
@@ -49,6 +51,7 @@ class EndpointOpenings:
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
         self._turn = asyncio.Lock()
+        self._closers = asyncio.Semaphore(CLOSED_AT_ONCE)
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Bring an endpoint into the graph as soon as the earlier ones of its slot have left it."""
@@ -144,8 +147,9 @@ class EndpointOpenings:
             opening = self._opening.get(endpoint)
             if opening is not None:
                 await asyncio.wait([opening])
-            await self._take_turn()
-            await endpoint.close()
+            async with self._closers:
+                await self._take_turn()
+                await endpoint.close()
             self._log(endpoint, "closed")
         except Exception as error:  # noqa: BLE001 - callers that wait for this closing continue
             self._notices.episode(

@@ -16,7 +16,7 @@ from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.parameters import ParameterWatches
 from rostether.ros1.node.publication import Publication, Publisher
-from rostether.ros1.node.registrations import Kind, Registrations
+from rostether.ros1.node.registrations import UNREGISTER_TIMEOUT_S, Kind, Registrations
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
 from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
@@ -24,9 +24,6 @@ from rostether.ros1.node.subscription import OnPublisher, Subscription
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.values import XmlRpcValue
-
-# What leaving costs at most when the master hangs.
-UNREGISTER_TIMEOUT_S = 2.0
 
 
 class Endpoints:
@@ -194,12 +191,15 @@ class Endpoints:
     async def close(self) -> None:
         """Unregister everything and end all connections."""
         if self._is_open:
-            with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
-                    await asyncio.gather(self._registrations.close(), self.watches.close())
+            await asyncio.gather(self._registrations.close(), self._close_watches())
             await self._close_all()
         await self._listener.close()
         await self._server.close()
+
+    async def _close_watches(self) -> None:
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
+                await self.watches.close()
 
     async def _close_all(self) -> None:
         await asyncio.gather(

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import suppress
 from enum import Enum
 from weakref import WeakSet, WeakValueDictionary
 from zlib import crc32
@@ -19,6 +20,11 @@ from rostether.ros1.node.master_client import MasterClient
 
 # One small call each; a master that came back has our topics again within about this time.
 DEFAULT_CHECK_INTERVAL_S = 2.0
+
+# Calls to the master at once while a node leaves, and what one may take. A board of 100 topics that leaves
+# with 100 others must not take 10 KB of memory for each; a master that hangs must not hold the node.
+UNREGISTERED_AT_ONCE = 2
+UNREGISTER_TIMEOUT_S = 2.0
 
 # A thousand nodes of one process that ask every 2 s would use a sixth of a core, and the master as much.
 MAX_CHECKS_HZ = 200
@@ -64,6 +70,8 @@ class Registrations:
         self._on_replaced = on_replaced
         # The type's name for each; a service has none at the master.
         self._wanted: dict[tuple[Kind, str], str] = {}
+        # No longer wanted, but the master may still have them: a removal was cancelled, or is under way.
+        self._left_over: set[tuple[Kind, str]] = set()
         self._locks: WeakValueDictionary[tuple[Kind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False
         self._watch: asyncio.Task[None] | None = None
@@ -83,21 +91,35 @@ class Registrations:
                 _log.warning("%s: %s; will register when it is back", self._master.caller_id, error)
 
     async def remove(self, kind: Kind, name: str) -> None:
-        """Unregister."""
+        """Unregister. If this is cancelled, `close` does it."""
         if self._wanted.pop((kind, name), None) is not None:
-            try:
-                await self._settle(kind, name)
-            except GraphError as error:
-                # A master that is gone, or has forgotten us, needs no unregistering.
-                _log.debug("%s", error)
+            self._left_over.add((kind, name))
+            await self._unregister(kind, name)
 
     async def close(self) -> None:
-        """Stop looking, and unregister what is left, all at once."""
+        """Stop looking, and unregister what is left, until the master does not answer in time."""
         if self._watch is not None:
             self._watch.cancel()
             await asyncio.wait((self._watch,))
             _watching.discard(self)
-        await asyncio.gather(*(self.remove(kind, name) for kind, name in list(self._wanted)))
+        self._left_over.update(self._wanted)
+        self._wanted.clear()
+        remaining = iter(list(self._left_over))
+        await asyncio.gather(*(self._unregister_all(remaining) for _ in range(UNREGISTERED_AT_ONCE)))
+
+    async def _unregister_all(self, remaining: Iterator[tuple[Kind, str]]) -> None:
+        with suppress(TimeoutError):
+            for kind, name in remaining:
+                async with asyncio.timeout(UNREGISTER_TIMEOUT_S):
+                    await self._unregister(kind, name)
+
+    async def _unregister(self, kind: Kind, name: str) -> None:
+        try:
+            await self._settle(kind, name)
+        except GraphError as error:
+            # A master that is gone, or has forgotten us, needs no unregistering.
+            _log.debug("%s", error)
+        self._left_over.discard((kind, name))
 
     async def _settle(self, kind: Kind, name: str) -> None:
         """Make the master's entry what we want now; one call at a time, or the last one need not win."""

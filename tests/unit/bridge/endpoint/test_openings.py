@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.bridge.endpoint.openings import EndpointOpenings
+from rostether.bridge.endpoint.openings import CLOSED_AT_ONCE, EndpointOpenings
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.rosserial.events import TopicRole
 from unit.bridge.nodes import World, topic_info
@@ -149,3 +149,26 @@ async def test_an_endpoint_that_hangs_holds_up_no_other(world: World) -> None:
     assert "hanging out" not in done
     hanging.may_close.set()
     await until(lambda: "hanging out" in done, "the end")
+
+
+async def test_a_board_s_endpoints_leave_a_few_at_a_time(world: World) -> None:
+    openings = EndpointOpenings(world.notices)
+    leaving: list[int] = []
+    may_leave = asyncio.Event()
+
+    class Slow(Endpoint):
+        async def close(self) -> None:
+            leaving.append(len(leaving))
+            await may_leave.wait()
+            self.done.append(self.name)
+
+    done: list[str] = []
+    for number in range(20):
+        endpoint: Any = Slow(str(number), done)
+        openings.close((TopicRole.PUBLISHER, endpoint.name), endpoint)
+    for _ in range(100):
+        await asyncio.sleep(0)
+    assert len(leaving) == CLOSED_AT_ONCE
+    may_leave.set()
+    await openings.finish()
+    assert len(done) == 20

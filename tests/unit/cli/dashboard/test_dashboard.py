@@ -186,8 +186,9 @@ async def test_the_gateway_alone() -> None:
             await alone.wait_for("the gateway without the page is at ws://localhost:")
             url = re.search(r"ws://(localhost:\d+)", alone.text)
             assert url is not None
-            with pytest.raises(urllib.error.HTTPError, match="426"):
+            with pytest.raises(urllib.error.HTTPError, match="426") as refused:
                 await asyncio.to_thread(urllib.request.urlopen, f"http://{url[1]}", timeout=60)
+            refused.value.close()
     finally:
         await master.close()
 

@@ -15,6 +15,7 @@ from rostether.graph.ports import ParamValue
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node import endpoint_handles as endpoints
+from rostether.ros1.node import registrations
 from rostether.ros1.node.node import Ros1Graph, join_ros1
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
@@ -187,7 +188,8 @@ async def test_simulated_time_is_zero_until_the_clock_ticks(stage: Stage) -> Non
 
 
 async def test_leaving_is_quick_when_the_master_hangs(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(endpoints, "UNREGISTER_TIMEOUT_S", 0.05)
+    for module in (endpoints, registrations):
+        monkeypatch.setattr(module, "UNREGISTER_TIMEOUT_S", 0.05)
     node = await stage.join("/node")
     await node.advertise("/chat", STRING)
     await node.watch_param("/rate", lambda _: None)

@@ -49,6 +49,34 @@ async def test_the_last_wish_wins(kind: Kind, adds_last: bool, monkeypatch: pyte
     await server.close()
 
 
+async def test_a_removal_that_was_cancelled_is_done_at_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
+    server = await MasterServer.start(port=0)
+    master = MasterClient(server.uri, "/node")
+    registrations = Registrations(
+        master,
+        node_uri=NODE_URI,
+        service_uri=SERVICE_URI,
+        on_publishers=lambda *_: None,
+        register_more=nothing,
+        on_replaced=lambda _: None,
+    )
+    names = [f"/x{number}" for number in range(5)]
+    for name in names:
+        await registrations.add(Kind.PUBLISHER, name, "a/B")
+    with monkeypatch.context() as patch:
+        patch.setattr(MasterClient, "unregister_publisher", lambda *_: asyncio.sleep(60))
+        removal = asyncio.ensure_future(registrations.remove(Kind.PUBLISHER, names[0]))
+        await asyncio.sleep(0)
+        removal.cancel()
+        await asyncio.wait([removal])
+    assert names[0] in (await master.system_state())[0]
+    await registrations.close()
+    assert await master.system_state() == ({}, {}, {})
+    await master.close()
+    await server.close()
+
+
 async def test_nodes_ask_a_master_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
     server = await MasterServer.start(port=0)
     asked_s: list[float] = []
