@@ -38,7 +38,7 @@ async def follow_changes(
                 yield merged
 
 
-async def follow_each(  # noqa: C901 - its two inner functions share its variables
+async def follow_each(
     graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
 ) -> AsyncGenerator[list[Snapshot]]:
     """Yield a snapshot of each graph now and after each change, until all have ended or `closed` is set.
@@ -48,32 +48,13 @@ async def follow_each(  # noqa: C901 - its two inner functions share its variabl
     latest: dict[Graph, Snapshot] = {}
     news = asyncio.Event()
     tasks: dict[Graph, asyncio.Task[None]] = {}
-
-    async def follow(graph: Graph) -> None:
-        try:
-            async for snapshot in graph.changes():
-                latest[graph] = snapshot
-                news.set()
-        except GraphError:
-            latest.pop(graph, None)  # Hidden parts are not in the snapshot.
-        finally:
-            news.set()
-
-    async def forward(event: asyncio.Event) -> None:
-        while True:
-            await event.wait()
-            news.set()
-            if event is closed:
-                return
-            event.clear()
-
-    watching = [asyncio.ensure_future(forward(event)) for event in (joined, closed)]
+    watching = [asyncio.ensure_future(_forward(joined, news)), asyncio.ensure_future(_note(closed, news))]
     reported: list[Snapshot] = []
     try:
         while True:
             for graph in graphs():
                 if graph not in tasks:
-                    tasks[graph] = asyncio.ensure_future(follow(graph))
+                    tasks[graph] = asyncio.ensure_future(_follow(graph, latest, news))
             snapshots = [latest[graph] for graph in graphs() if graph in latest]
             if snapshots and snapshots != reported:
                 reported = snapshots
@@ -87,6 +68,29 @@ async def follow_each(  # noqa: C901 - its two inner functions share its variabl
         for task in (*watching, *tasks.values()):
             task.cancel()
         await asyncio.gather(*watching, *tasks.values(), return_exceptions=True)
+
+
+async def _forward(event: asyncio.Event, news: asyncio.Event) -> None:
+    while await event.wait():
+        news.set()
+        event.clear()
+
+
+async def _note(event: asyncio.Event, news: asyncio.Event) -> None:
+    await event.wait()
+    news.set()
+
+
+async def _follow(graph: Graph, latest: dict[Graph, Snapshot], news: asyncio.Event) -> None:
+    """Keep the latest snapshot of a graph until it ends."""
+    try:
+        async for snapshot in graph.changes():
+            latest[graph] = snapshot
+            news.set()
+    except GraphError:
+        latest.pop(graph, None)  # Hidden parts are not in the snapshot.
+    finally:
+        news.set()
 
 
 def _merge_topics(one: TopicEntry, other: TopicEntry) -> TopicEntry:

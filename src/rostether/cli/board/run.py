@@ -13,6 +13,7 @@ import click
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.board.qemu import MACHINES, run_in_qemu
 from rostether.cli.shell.input_lines import input_lines
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -24,18 +25,118 @@ if TYPE_CHECKING:
 
 
 OLD_OPTIONS = {"--for": "--duration"}
+# Options that are commands of the simulator under the same name.
+_REPEATED_WORDS = ("adc", "pin", "servo", "watch", "guard")
+_SINGLE_WORDS = ("hcsr04", "range", "attitude", "fault", "network")
 
 
 @dataclass(frozen=True, slots=True)
-class _Start:
+class BoardOptions:
+    """What the options of `board run` select."""
+
     board: str
     link_path: Path | None
     tcp_port: int | None
     uart: int | None
+    adc: tuple[str, ...]
+    pin: tuple[str, ...]
+    range: str | None
+    hcsr04: str | None
+    attitude: str | None
+    watch: tuple[str, ...]
+    servo: tuple[str, ...]
+    fault: str | None
+    network: str | None
+    autoreset: bool
+    guard: tuple[str, ...]
     seed: int
     is_fast: bool
     duration: str | None
-    words: tuple[str, ...]
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The board's surroundings as commands of the simulator."""
+        words = [f"{word} {value}" for word in _REPEATED_WORDS for value in getattr(self, word)]
+        words += [f"{word} {value}" for word in _SINGLE_WORDS if (value := getattr(self, word)) is not None]
+        return (*words, "autoreset on") if self.autoreset else tuple(words)
+
+
+_board_options = option_group(
+    "options",
+    BoardOptions,
+    (
+        click.option(
+            "--board",
+            default="uno",
+            show_default=True,
+            help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu.",
+        ),
+        click.option(
+            "--link",
+            "link_path",
+            type=click.Path(path_type=Path),
+            help="Create a link to the board's serial port at PATH.",
+        ),
+        click.option(
+            "--tcp",
+            "tcp_port",
+            type=click.IntRange(0, 65535),
+            metavar="PORT",
+            help="Offer the board's serial port as this TCP port.",
+        ),
+        click.option(
+            "--uart", type=click.IntRange(0, 3), help="The UART to connect (0; leonardo, micro: 1)."
+        ),
+        click.option("--adc", multiple=True, metavar="A0=VOLTS", help="Set the voltage of an analog input."),
+        click.option("--pin", multiple=True, metavar="D7=0|1", help="Set the level of a digital pin."),
+        click.option(
+            "--range",
+            metavar="METRES|none",
+            help="Connect an HC-SR04 with an obstacle at this distance.",
+        ),
+        click.option("--hcsr04", metavar="trig=D6,echo=D5", help="The pins of the HC-SR04."),
+        click.option(
+            "--attitude",
+            metavar='"ROLL PITCH YAW"',
+            help="The attitude of the board and its MPU-9150, in degrees.",
+        ),
+        click.option(
+            "--watch",
+            multiple=True,
+            metavar="PIN|serial",
+            help="Print changes of a pin, or the serial output.",
+        ),
+        click.option("--servo", multiple=True, metavar="PIN", help="Print the angle of a servo on a pin."),
+        click.option(
+            "--fault", metavar="flip=0.01,seed=3", help="Simulate a bad serial line: flip, drop, delay."
+        ),
+        click.option(
+            "--network",
+            metavar="HOST:PORT",
+            help="Connect all TCP connections of the sketch to this address.",
+        ),
+        click.option(
+            "--autoreset", is_flag=True, help="Reset the board whenever the port is opened, as USB boards do."
+        ),
+        click.option(
+            "--guard", multiple=True, metavar="SYMBOL", help="Print writes to a variable of the program."
+        ),
+        click.option(
+            "--seed",
+            type=click.IntRange(0, 2**32 - 1),
+            default=0,
+            help="The seed of the random RAM contents at power-up.",
+        ),
+        click.option(
+            "--fast", "is_fast", is_flag=True, help="Run as fast as possible instead of in real time."
+        ),
+        click.option(
+            "--duration",
+            metavar="TIME",
+            help="Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.",
+        ),
+    ),
+)
 
 
 @click.command(
@@ -49,98 +150,22 @@ class _Start:
     """,
 )
 @click.argument("program", type=click.Path(path_type=Path))
-@click.option(
-    "--board",
-    default="uno",
-    show_default=True,
-    help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu.",
-)
-@click.option(
-    "--link", type=click.Path(path_type=Path), help="Create a link to the board's serial port at PATH."
-)
-@click.option(
-    "--tcp",
-    type=click.IntRange(0, 65535),
-    metavar="PORT",
-    help="Offer the board's serial port as this TCP port.",
-)
-@click.option("--uart", type=click.IntRange(0, 3), help="The UART to connect (0; leonardo, micro: 1).")
-@click.option("--adc", multiple=True, metavar="A0=VOLTS", help="Set the voltage of an analog input.")
-@click.option("--pin", multiple=True, metavar="D7=0|1", help="Set the level of a digital pin.")
-@click.option(
-    "--range", "distance", metavar="METRES|none", help="Connect an HC-SR04 with an obstacle at this distance."
-)
-@click.option("--hcsr04", metavar="trig=D6,echo=D5", help="The pins of the HC-SR04.")
-@click.option(
-    "--attitude", metavar='"ROLL PITCH YAW"', help="The attitude of the board and its MPU-9150, in degrees."
-)
-@click.option(
-    "--watch", multiple=True, metavar="PIN|serial", help="Print changes of a pin, or the serial output."
-)
-@click.option("--servo", multiple=True, metavar="PIN", help="Print the angle of a servo on a pin.")
-@click.option("--fault", metavar="flip=0.01,seed=3", help="Simulate a bad serial line: flip, drop, delay.")
-@click.option(
-    "--network", metavar="HOST:PORT", help="Connect all TCP connections of the sketch to this address."
-)
-@click.option(
-    "--autoreset", is_flag=True, help="Reset the board whenever the port is opened, as USB boards do."
-)
-@click.option("--guard", multiple=True, metavar="SYMBOL", help="Print writes to a variable of the program.")
-@click.option(
-    "--seed",
-    type=click.IntRange(0, 2**32 - 1),
-    default=0,
-    help="The seed of the random RAM contents at power-up.",
-)
-@click.option("--fast", is_flag=True, help="Run as fast as possible instead of in real time.")
-@click.option(
-    "--duration",
-    metavar="TIME",
-    help="Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.",
-)
+@_board_options
 @msg_path_option
 @json_option
-def board_run(  # noqa: PLR0913 - one for each option of the command
-    program: Path,
-    board: str,
-    link: Path | None,
-    tcp: int | None,
-    uart: int | None,
-    adc: tuple[str, ...],
-    pin: tuple[str, ...],
-    distance: str | None,
-    hcsr04: str | None,
-    attitude: str | None,
-    watch: tuple[str, ...],
-    servo: tuple[str, ...],
-    fault: str | None,
-    network: str | None,
-    autoreset: bool,
-    guard: tuple[str, ...],
-    seed: int,
-    fast: bool,
-    duration: str | None,
-    msg_paths: tuple[Path, ...],
-    as_json: bool,
-) -> None:
+def board_run(program: Path, options: BoardOptions, msg_paths: tuple[Path, ...], as_json: bool) -> None:
     """Run a sketch, or an ELF or HEX file, on a simulated Arduino board.
 
     Its serial port is a pseudo-terminal, whose path is printed: `rostether serve` accepts it. While it runs,
     lines of standard input are commands with the same words as the options (adc A0=2.5, range 0.5, pin D7=1,
     fault none) and more (reset, power off, memory SYMBOL); see the reference of words and events.
     """
-    if link is not None and tcp is not None:
+    if options.link_path is not None and options.tcp_port is not None:
         raise click.UsageError("give --link or --tcp, not both")
-    several = {"adc": adc, "pin": pin, "servo": servo, "watch": watch, "guard": guard}
-    words = [f"{word} {value}" for word, values in several.items() for value in values]
-    single = {"hcsr04": hcsr04, "range": distance, "attitude": attitude, "fault": fault, "network": network}
-    words += [f"{word} {value}" for word, value in single.items() if value is not None]
-    words += ["autoreset on"] if autoreset else []
-    start = _Start(board, link, tcp, uart, seed, fast, duration, tuple(words))
-    run(_run(program, start, msg_paths, as_json), is_service=True)
+    run(_run(program, options, msg_paths, as_json), is_service=True)
 
 
-async def _run(program: Path, start: _Start, msg_paths: Sequence[Path], as_json: bool) -> None:
+async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as_json: bool) -> None:
     from rostether.cli.board.program import find_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of

@@ -46,6 +46,9 @@ Buffer: TypeAlias = bytes | memoryview
 # Schemas and channels together, each a few KB: a compressed chunk can hold gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
 
+# Every chunk may be damaged in its own way.
+MAX_DAMAGE_CHARS = 500
+
 # Messages outside of chunks are read together up to this size.
 MAX_LOOSE_BYTES = 4 << 20
 
@@ -76,6 +79,11 @@ class McapContent:
     span_ns: tuple[int, int] | None = None
     damage: str = ""
     definition_bytes: int = 0
+
+    def note(self, damage: str) -> None:
+        """Add a reason why the file is damaged; the first ones are enough."""
+        if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
+            self.damage = f"{self.damage}; {damage}"
 
     def define(self, op: int, data: Buffer, start: int, end: int) -> None:
         """Handle a schema or a channel, the same ones again too. Raises RecordingError."""
@@ -185,14 +193,14 @@ def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
     )
 
 
-def search(data: Buffer, damage: str) -> McapContent:  # noqa: C901, PLR0912 - one branch for each kind of record
+def search(data: Buffer, damage: str) -> McapContent:
     """Walk over the file, up to the last record that is whole.
 
     Raises RecordingError where its chunks would unpack to more than any recorder writes.
     """
     check_unpacked_size(_packed_bytes(data), len(data))
     content = McapContent(damage=damage)
-    loose: list[int] = []
+    loose = _LooseMessages(content, data)
     position = len(MAGIC)
     try:
         while position < len(data):
@@ -203,34 +211,55 @@ def search(data: Buffer, damage: str) -> McapContent:  # noqa: C901, PLR0912 - o
                 _add_cut_chunk(content, data, position)
                 raise
             if op == OP_MESSAGE:
-                loose = loose or [before]
-                if position - loose[0] < MAX_LOOSE_BYTES:
-                    continue
-                before = position
-            if loose:
-                _add_found(content, data, StoredChunk(loose[0], before, "", before - loose[0], 0, 0, None))
-                loose = []
-            if op == OP_CHUNK:
-                try:
-                    _add_found(content, data, _stored(decode_chunk(data, start, position), None))
-                except RecordingError as error:  # the next one may be whole
-                    content.damage = f"{damage}; {error}" if str(error) not in damage else damage
-            elif op in (OP_SCHEMA, OP_CHANNEL):
-                content.define(op, data, start, position)
-            elif op == OP_HEADER:
-                content.profile, content.library = decode_header(data, start, position)
-            elif op == OP_DATA_END:
+                loose.add(before, position)
+                continue
+            loose.flush()
+            if op == OP_DATA_END:
                 break
+            _add_record(content, data, op, start, position)
     except RecordingError as error:
-        if str(error) not in content.damage:
-            content.damage = f"{content.damage}; {error}"
-    if loose:
-        try:
-            _add_found(content, data, StoredChunk(loose[0], position, "", position - loose[0], 0, 0, None))
-        except RecordingError as error:
-            content.damage = f"{content.damage}; {error}"
+        content.note(str(error))
+    try:
+        loose.flush()
+    except RecordingError as error:
+        content.note(str(error))
     content.chunks.sort(key=lambda chunk: chunk.start_ns)
     return content
+
+
+class _LooseMessages:
+    """The messages outside of chunks since the last other record."""
+
+    def __init__(self, content: McapContent, data: Buffer) -> None:
+        self._content = content
+        self._data = data
+        self._start = self._end = 0
+
+    def add(self, start: int, end: int) -> None:
+        if self._start == self._end:
+            self._start = start
+        elif end - self._start >= MAX_LOOSE_BYTES:
+            self.flush()
+            self._start = start
+        self._end = end
+
+    def flush(self) -> None:
+        start, end = self._start, self._end
+        self._start = self._end
+        if start < end:
+            _add_found(self._content, self._data, StoredChunk(start, end, "", end - start, 0, 0, None))
+
+
+def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: int) -> None:
+    if op == OP_CHUNK:
+        try:
+            _add_found(content, data, _stored(decode_chunk(data, start, end), None))
+        except RecordingError as error:  # the next one may be whole
+            content.note(str(error))
+    elif op in (OP_SCHEMA, OP_CHANNEL):
+        content.define(op, data, start, end)
+    elif op == OP_HEADER:
+        content.profile, content.library = decode_header(data, start, end)
 
 
 def _packed_bytes(data: Buffer) -> int:
