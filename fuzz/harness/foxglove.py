@@ -209,7 +209,7 @@ async def _converse(lines: list[str]) -> None:
     talker = TypedGraph(await network.join("/talker"), _STORE)
     publisher = await talker.publisher("/chatter", "std_msgs/String", latch=True)
     publisher.publish(data="hello")
-    await talker.serve("/enable", "std_srvs/SetBool", _enable)
+    await talker.service_server("/enable", "std_srvs/SetBool", _enable)
     await talker.set_param("/speed", 1.5)
     graph = await network.join("/gateway")
 

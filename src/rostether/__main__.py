@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 
-# While our modules are imported a Ctrl-C would print where that stood; until then it simply ends us. From the
-# import on: only the command imports this module, and its starter does more before it calls `main`.
-_at_interrupt = signal.getsignal(signal.SIGINT)
-if _at_interrupt is signal.default_int_handler:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+try:
+    import signal
+except KeyboardInterrupt:
+    sys.exit(130)
+
+
+def _end_at_interrupt() -> None:
+    """Have Ctrl-C end the process at once: an exception during imports would be printed, or be lost."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+# At import: only the command imports this module, and its starter does more before it calls `main`. Commands
+# handle Ctrl-C from their own beginning on (`cli.shell.interrupts`).
+_end_at_interrupt()
 
 
 def main() -> int:
     """Run the command line and return its exit code."""
     from rostether.cli.main import main as run
 
-    signal.signal(signal.SIGINT, _at_interrupt)
-    return run()
+    code = run()
+    _end_at_interrupt()
+    return code
 
 
 if __name__ == "__main__":

@@ -135,8 +135,8 @@ async def robot_stage(graph: GraphOfTest) -> AsyncIterator[RobotStage]:
         image = {"header": {"frame_id": "camera"}, "data": b64encode(content).decode()}
         await stage.publish_regularly("/image", "sensor_msgs/Image", image, 0.2)
         await stage.publish_regularly("/fast", "std_msgs/UInt32", {"data": 7}, 0.005)
-        await talker.serve("/enable", "std_srvs/SetBool", _enable)
-        await talker.serve("/fail", "std_srvs/Trigger", _fail)
+        await talker.service_server("/enable", "std_srvs/SetBool", _enable)
+        await talker.service_server("/fail", "std_srvs/Trigger", _fail)
         await _serve_action(stage)
         await stage.start_server()
         assert stage.api is not None

@@ -36,7 +36,7 @@ async def robot(join: JoinGraph, said: list[str]) -> AsyncIterator[None]:
     latched.publish(data="kept")
     await graph.publisher("/pose", "geometry_msgs/PoseStamped")
     count = await graph.publisher("/count", "std_msgs/UInt32")
-    await graph.serve(
+    await graph.service_server(
         "/enable", "std_srvs/SetBool", lambda request: {"success": request.data, "message": "on"}
     )
     await graph.set_param("~speed", 1.5)

@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 from rostether.device.device import Device
 from rostether.errors import GraphError, TransportError
+from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.packets import LogLevel
 from rostether.serde.values import Message
 
 PREFIX = "conformance/"
@@ -99,7 +99,7 @@ class ConformanceProgram:
     def _obey(self, message: Message) -> None:
         match message.data:
             case Command.LOG:
-                for level in LogLevel:
+                for level in Level:
                     self._device.log(level, level.name.lower())
             case Command.CALL:
                 self._start(self._call())

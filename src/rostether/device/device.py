@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
-from rostether.device.endpoint_handles import OnMessage, Publisher, Subscriber
+from rostether.device.endpoints import Endpoints
 from rostether.device.line import DeviceLine
 from rostether.device.parameters import DeviceParam, ParameterRequests
-from rostether.device.services import Handler, ServiceClient, ServiceServer
-from rostether.errors import ConfigError, TransportError, TransportTimeoutError
+from rostether.errors import ConfigError, TransportError, TransportTimeoutError, UnknownNameError
+from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.search_waiting import definitions_searched
@@ -33,9 +33,7 @@ from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 from rostether.rosserial.packets import LogLevel, encode_time
 from rostether.rosserial.topic_id import TIME
 from rostether.rostime import Time
-from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
-from rostether.serde.values import Message
 from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.transport import Transport
@@ -54,7 +52,7 @@ _GREETING_PERIOD_S = 1.0
 _LOG = logging.getLogger(__name__)
 
 
-class Device:
+class Device(Endpoints):
     """A rosserial device in Python; `async with` opens its line and keeps it open.
 
     `link` is an address as typed (tcp and udp are connected to), or an open transport, which is not opened
@@ -83,14 +81,14 @@ class Device:
             self._address = link
         else:
             self._given = link
-        self._store = store if store is not None else TypeStore(Registry.from_environment(msg_paths))
         self._backoff = backoff if backoff is not None else Backoff()
         self._clock = clock if clock is not None else asyncio.get_running_loop().time
-        self._link = DeviceLink(config)
-        self._line = DeviceLine(self._link, self._handle_event, self._handle_loss, self._clock)
-        self._receivers: dict[int, Callable[[list[bytes]], None]] = {}
-        self._servers: list[ServiceServer] = []
-        self._clients: list[ServiceClient] = []
+        device_link = DeviceLink(config)
+        super().__init__(
+            store if store is not None else TypeStore(Registry.from_environment(msg_paths)),
+            device_link,
+            DeviceLine(device_link, self._handle_event, self._handle_loss, self._clock),
+        )
         self._parameters = ParameterRequests()
         self._configured = asyncio.Event()
         self._keeper: asyncio.Task[None] | None = None
@@ -141,54 +139,13 @@ class Device:
                 f"no host requested the topics within {timeout_s:g} s; start one: rostether serve"
             ) from None
 
-    async def drained(self) -> None:
-        """Wait until the line takes more: what a program that publishes as fast as it can awaits."""
-        await self._line.wait_writable()
-        await asyncio.sleep(0)
+    async def get_param(
+        self, name: str, default: DeviceParam | None = None, *, timeout_s: float = 2.0
+    ) -> DeviceParam:
+        """Return a parameter's value from the host, or `default` where there is none and a default is given.
 
-    def message(self, message_type: str, /, **fields: Any) -> Message:
-        """Make a message of any known type. Raises UnknownTypeError, SerializationError."""
-        return self._store.codec(message_type).message_class(**fields)
-
-    def publisher(self, topic: str, message_type: str) -> Publisher:
-        """Declare a topic we send on. Raises UnknownTypeError, LocalProtocolError."""
-        codec = self._store.codec(message_type)
-        topic_id = self._link.add_publisher(topic, message_type, self._md5sum(message_type))
-        self._line.flush_soon()
-        return Publisher(topic, topic_id, codec, self._line, self.now)
-
-    def subscriber(self, topic: str, message_type: str, callback: OnMessage) -> Subscriber:
-        """Declare a topic we receive. Raises UnknownTypeError, LocalProtocolError."""
-        subscriber = Subscriber(topic, self._store.codec(message_type), callback)
-        topic_id = self._link.add_subscriber(topic, message_type, self._md5sum(message_type))
-        self._receivers[topic_id] = subscriber.receive
-        self._line.flush_soon()
-        return subscriber
-
-    def service_server(self, service: str, service_type: str, handler: Handler) -> ServiceServer:
-        """Offer a service; the handler may be async. Raises UnknownTypeError, LocalProtocolError."""
-        kind = self._store.registry.service_type(service_type)
-        ids = self._link.add_service_server(service, service_type, kind.request.md5sum, kind.response.md5sum)
-        server = ServiceServer(service, ids, self._codecs(service_type), handler, self._line, self.logerror)
-        self._receivers[ids.request_id] = server.receive
-        self._servers.append(server)
-        self._line.flush_soon()
-        return server
-
-    def service_client(self, service: str, service_type: str) -> ServiceClient:
-        """Declare a service we call. Raises UnknownTypeError, LocalProtocolError."""
-        kind = self._store.registry.service_type(service_type)
-        ids = self._link.add_service_client(service, service_type, kind.request.md5sum, kind.response.md5sum)
-        client = ServiceClient(service, ids, self._codecs(service_type), self._line, self.wait_connected)
-        self._receivers[ids.response_id] = client.receive
-        self._clients.append(client)
-        self._line.flush_soon()
-        return client
-
-    async def get_param(self, name: str, timeout_s: float = 2.0) -> DeviceParam:
-        """Return a parameter's value from the host: a number, text, or a list of one kind.
-
-        Raises UnknownNameError when there is none, TransportTimeoutError when no host answers.
+        A value is a number, text, or a list of one kind. Raises UnknownNameError, and TransportTimeoutError
+        when no host answers.
         """
         try:
             async with asyncio.timeout(timeout_s):
@@ -196,6 +153,10 @@ class Device:
                 self._link.request_parameter(name, self._clock(), timeout_s=timeout_s)
                 self._line.flush_soon()
                 return await self._parameters.wait(name)
+        except UnknownNameError:
+            if default is None:
+                raise
+            return default
         except TransportTimeoutError:
             raise
         except TimeoutError:
@@ -203,41 +164,15 @@ class Device:
                 f"no host answered for parameter {name} within {timeout_s:g} s; check the line"
             ) from None
 
-    def log(self, level: LogLevel, text: str) -> None:
+    def log(self, level: Level, text: str) -> None:
         """Log on the host, where it becomes a line of /rosout; lost while the line is down."""
         if self._line.transport is not None:
-            self._link.log(level, text)
+            self._link.log(LogLevel[level.name], text)
             self._line.flush_soon()
-
-    def logdebug(self, text: str) -> None:
-        """Log at level DEBUG."""
-        self.log(LogLevel.DEBUG, text)
-
-    def loginfo(self, text: str) -> None:
-        """Log at level INFO."""
-        self.log(LogLevel.INFO, text)
-
-    def logwarn(self, text: str) -> None:
-        """Log at level WARN."""
-        self.log(LogLevel.WARN, text)
-
-    def logerror(self, text: str) -> None:
-        """Log at level ERROR."""
-        self.log(LogLevel.ERROR, text)
-
-    def logfatal(self, text: str) -> None:
-        """Log at level FATAL."""
-        self.log(LogLevel.FATAL, text)
 
     def now(self) -> Time:
         """Return the host's time as we know it; time since we opened the line before it answered."""
         return self._link.time(self._clock())
-
-    def _md5sum(self, message_type: str) -> str:
-        return self._store.registry.message_type(message_type).md5sum
-
-    def _codecs(self, service_type: str) -> tuple[Codec, Codec]:
-        return self._store.codec(f"{service_type}Request"), self._store.codec(f"{service_type}Response")
 
     async def _open(self) -> Transport | None:
         if self._address is None:

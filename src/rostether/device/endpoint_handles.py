@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import logging
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any, TypeAlias
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Mapping
+from typing import Any, Generic, ParamSpec, Self, TypeAlias, TypeVar, cast, overload
 
 from rostether.device.line import DeviceLine
 from rostether.errors import SerializationError
@@ -13,13 +16,25 @@ from rostether.serde.codec import Codec
 from rostether.serde.values import Message
 
 Fields: TypeAlias = Message | Mapping[str, Any]
-OnMessage: TypeAlias = Callable[[Message], None]
+OnMessage: TypeAlias = Callable[[Any], object]
+
+P = ParamSpec("P")
+M = TypeVar("M", bound=Message)
 
 _LOG = logging.getLogger(__name__)
 
 
-class Publisher:
-    """Sends messages of one topic to the host; made by `Device.publisher`."""
+class Declared:
+    """A device's handle. It may be awaited, as a graph's must be, so that programs work with both."""
+
+    def __await__(self) -> Generator[None, None, Self]:
+        """Return the handle at once."""
+        yield from ()
+        return self
+
+
+class Publisher(Declared, Generic[P]):
+    """Sends messages of one topic to the host; made by `Device.publisher`. `P` are the type's fields."""
 
     def __init__(
         self, topic: str, topic_id: int, codec: Codec, line: DeviceLine, now: Callable[[], Time]
@@ -35,20 +50,32 @@ class Publisher:
         """The class of the topic's messages; filling one and sending it again costs least."""
         return self._codec.message_class
 
-    def publish(self, message: Fields | object = None, /, **fields: Any) -> bool:
+    @overload
+    def publish(self, message: object, /) -> bool: ...
+    @overload
+    def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
+    # `P.args` is empty: messages take their fields by name.
+    def publish(self, message: object = None, /, **fields: Any) -> bool:  # type: ignore[misc]
         """Send one message, given whole, by its fields, or as the value of its only field; False when no
         host listens or the line is full. A time may be "now" or seconds.
 
         Raises SerializationError naming a field that does not fit, LocalProtocolError beyond the buffer.
         """
-        return self._line.publish(self._topic_id, [encode(self._codec, message, fields, self._now)])
+        return self._line.publish(self._topic_id, [self._codec.encode_given(message, fields, now=self._now)])
 
     def publish_many(self, messages: Iterable[Fields]) -> bool:
         """Send several messages, all or none; cheaper than one by one. Raises as `publish`."""
         return self._line.publish(self._topic_id, [self._codec.encode(message) for message in messages])
 
+    async def drained(self, timeout_s: float) -> None:
+        """Wait until the line takes more: what a program that publishes as fast as it can awaits."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(timeout_s):
+                await self._line.wait_writable()
+                await asyncio.sleep(0)
 
-class Subscriber:
+
+class Subscriber(Declared):
     """Receives messages of one topic from the host; made by `Device.subscriber`."""
 
     def __init__(self, topic: str, codec: Codec, callback: OnMessage) -> None:
@@ -72,14 +99,32 @@ class Subscriber:
                 _LOG.exception("the callback of %s failed", self.topic)
 
 
-def encode(
-    codec: Codec, message: object, fields: Mapping[str, Any], now: Callable[[], Time] | None = None
-) -> bytes:
-    """Encode a message given whole, by its fields, or as its only field. Raises SerializationError."""
-    if message is None:
-        return codec.encode(fields, now=now)
-    if fields:
-        raise SerializationError(
-            f"{codec.type_name} is given both as a message and as fields; give one of them"
-        )
-    return codec.encode(codec.fields_of(message), now=now)
+class Messages(Generic[M]):
+    """The messages of one topic, to loop over; made by `Device.messages`.
+
+    What waits is bounded, oldest dropped first.
+    """
+
+    def __init__(self, topic: str, queue_size: int) -> None:
+        self.topic = topic
+
+        # Messages that came faster than the loop took them.
+        self.dropped_count = 0
+        self._waiting: deque[Message] = deque(maxlen=max(queue_size, 1))
+        self._news = asyncio.Event()
+
+    def put(self, message: Message) -> None:
+        """Add a message that arrived."""
+        self.dropped_count += len(self._waiting) == self._waiting.maxlen
+        self._waiting.append(message)
+        self._news.set()
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> M:
+        """Return the next message; waits for it."""
+        while not self._waiting:
+            self._news.clear()
+            await self._news.wait()
+        return cast("M", self._waiting.popleft())

@@ -10,16 +10,18 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Mapping
-from typing import Any, TypeAlias, cast
+from typing import Any, Generic, TypeAlias, cast
 
-from rostether.device.endpoint_handles import Fields, encode
+from rostether.device.endpoint_handles import Declared, Fields
 from rostether.device.line import DeviceLine
 from rostether.errors import RostetherError, ServiceTimeoutError, ServiceUnavailableError
 from rostether.rosserial.device_endpoints import ServiceIds
 from rostether.serde.codec import Codec
+from rostether.serde.type_classes import Request, Response
 from rostether.serde.values import Message
 
-Handler: TypeAlias = Callable[[Message], Fields | Awaitable[Fields | None] | None]
+Answer: TypeAlias = Response | Mapping[str, Any] | None
+Handler: TypeAlias = Callable[[Request], Answer[Response] | Awaitable[Answer[Response]]]
 
 # A host waits for each answer before it calls again, so more than a few waiting requests are a fault.
 MAX_WAITING_REQUESTS = 16
@@ -27,7 +29,7 @@ MAX_WAITING_REQUESTS = 16
 _LOG = logging.getLogger(__name__)
 
 
-class ServiceServer:
+class ServiceServer(Declared):
     """Answers calls from the host, one after the other; made by `Device.service_server`."""
 
     def __init__(
@@ -35,7 +37,7 @@ class ServiceServer:
         service: str,
         ids: ServiceIds,
         codecs: tuple[Codec, Codec],
-        handler: Handler,
+        handler: Handler[Any, Any],
         line: DeviceLine,
         on_failure: Callable[[str], None],
     ) -> None:
@@ -82,7 +84,7 @@ class ServiceServer:
             self._on_failure(f"service {self.service} failed: {type(error).__name__}: {error}")
 
 
-class ServiceClient:
+class ServiceClient(Declared, Generic[Response]):
     """Calls a service of ROS through the host; made by `Device.service_client`."""
 
     def __init__(
@@ -103,12 +105,12 @@ class ServiceClient:
 
     async def call(
         self, request: Fields | None = None, /, *, timeout_s: float = 5.0, **fields: Any
-    ) -> Message:
+    ) -> Response:
         """Call and return the response; waits for the host to connect and for calls before this one.
 
         Raises ServiceTimeoutError, ServiceUnavailableError, SerializationError.
         """
-        payload = encode(self._request_codec, request, fields)
+        payload = self._request_codec.encode_given(request, fields)
         try:
             async with asyncio.timeout(timeout_s), self._turn:
                 await self._wait_connected()
@@ -117,7 +119,7 @@ class ServiceClient:
             raise ServiceTimeoutError(
                 f"service {self.service} did not answer within {timeout_s:g} s; check that its node runs"
             ) from None
-        return self._response_codec.decode(response)
+        return cast("Response", self._response_codec.decode(response))
 
     def receive(self, payloads: Iterable[bytes]) -> None:
         """Handle an answer; one that comes after its call was given up is dropped."""

@@ -1,10 +1,7 @@
 """A graph with decoded messages: the graph port for programs, any implementation below.
 
-publisher = await graph.publisher("/chatter", "std_msgs/String")
-publisher.publish({"data": "hello"})
 async for message in graph.messages("/chatter"):     # the type is learned from its publisher
     print(message.data)
-answer = await graph.call("/enable", "std_srvs/SetBool", {"data": True})
 """
 
 from __future__ import annotations
@@ -12,23 +9,32 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import aclosing
-from typing import Any, ParamSpec, TypeAlias, TypeVar, cast, overload
+from typing import Any, ParamSpec, TypeAlias, TypeVar, overload
 
 from rostether.errors import GraphError, RostetherError, ServiceCallError
+from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
 from rostether.graph.ports import Graph, Level, ParamValue, ServiceServer, Snapshot, Watch
-from rostether.graph.typed_handles import CallbackSubscriber, MessageLike, TypedPublisher, name_of_type
+from rostether.graph.typed_handles import (
+    CallbackSubscriber,
+    MessageLike,
+    TypedPublisher,
+    TypedServiceClient,
+)
+from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.search_waiting import definitions_at_hand
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
+from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
 
-Handler: TypeAlias = Callable[[Message], MessageLike | Awaitable[MessageLike]]
+ResponseLike: TypeAlias = Response | Mapping[str, Any] | Awaitable[Response | Mapping[str, Any]]
+Handler: TypeAlias = Callable[[Message], ResponseLike[Message]]
 
 # After this time without a publisher, a waiting program gets a log line; publishers are found within a
 # second.
@@ -37,7 +43,7 @@ SILENCE_WARNING_S = 5.0
 _LOG = logging.getLogger(__name__)
 
 
-class TypedGraph:
+class TypedGraph(LogMethods):
     """One node's membership of a graph, with messages as values; `raw` is the port below."""
 
     def __init__(self, graph: Graph, store: TypeStore) -> None:
@@ -131,8 +137,7 @@ class TypedGraph:
         self, topic: str, type_name: str | type[Message] | None = None, *, timeout_s: float | None = None
     ) -> Any:
         """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
-        name = None if type_name is None else name_of_type(type_name)
-        stream = self.messages(topic, name, queue_size=1)
+        stream = self.messages(topic, None if type_name is None else name_of_type(type_name), queue_size=1)
         warning = asyncio.create_task(self._warn_of_silence(topic))
         try:
             async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
@@ -150,6 +155,7 @@ class TypedGraph:
             if known is None or not known.publishers:
                 _LOG.warning("waiting for a message of %s, which has no publisher", name)
 
+    @overload
     async def call(
         self,
         service: str,
@@ -157,34 +163,71 @@ class TypedGraph:
         request: MessageLike | None = None,
         *,
         timeout_s: float | None = None,
+    ) -> Message: ...
+    @overload
+    async def call(
+        self,
+        service: str,
+        type_name: type[Service[Request, Response]],
+        request: Request | Mapping[str, Any] | None = None,
+        *,
+        timeout_s: float | None = None,
+    ) -> Response: ...
+    async def call(
+        self,
+        service: str,
+        type_name: str | type[Service[Any, Any]],
+        request: MessageLike | None = None,
+        *,
+        timeout_s: float | None = None,
     ) -> Message:
-        """Call a service and return its response.
+        """Call a service of a type, given by name or as a class of `rostether.srv`; return its response.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """
-        await definitions_at_hand(self.store.registry, lambda: self.store.registry.service_type(type_name))
-        service_type = self.store.registry.service_type(type_name)
-        payload = self.store.codec(service_type.request.name).encode({} if request is None else request)
-        answer = await self.raw.call_service(service, service_type, payload, timeout_s=timeout_s)
-        return self.store.codec(service_type.response.name).decode(answer)
+        client = await self.service_client(service, name_of_type(type_name))
+        return await client.call(request, timeout_s=timeout_s)
 
-    async def serve(self, service: str, type_name: str, handler: Handler) -> ServiceServer:
+    @overload
+    async def service_client(self, service: str, type_name: str) -> TypedServiceClient[Message]: ...
+    @overload
+    async def service_client(
+        self, service: str, type_name: type[Service[Request, Response]]
+    ) -> TypedServiceClient[Response]: ...
+    async def service_client(
+        self, service: str, type_name: str | type[Service[Any, Any]]
+    ) -> TypedServiceClient[Any]:
+        """Return a client for many calls of a service, which need not run yet. Raises UnknownTypeError."""
+        service_type = await self._service_type(type_name)
+        return TypedServiceClient(
+            self.raw, service, service_type, self.store.service_codecs(service_type.name)
+        )
+
+    @overload
+    async def service_server(self, service: str, type_name: str, handler: Handler) -> ServiceServer: ...
+    @overload
+    async def service_server(
+        self,
+        service: str,
+        type_name: type[Service[Request, Response]],
+        handler: Callable[[Request], ResponseLike[Response]],
+    ) -> ServiceServer: ...
+    async def service_server(
+        self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], Any]
+    ) -> ServiceServer:
         """Offer a service; `handler` takes the request and returns the response, or awaits it.
 
-        If it raises, the call fails and the caller receives the error.
+        If it raises, the call fails and the caller receives the error. Raises UnknownTypeError, GraphError.
         """
-        await definitions_at_hand(self.store.registry, lambda: self.store.registry.service_type(type_name))
-        service_type = self.store.registry.service_type(type_name)
-        request_codec = self.store.codec(service_type.request.name)
-        response_codec = self.store.codec(service_type.response.name)
+        service_type = await self._service_type(type_name)
+        request_codec, response_codec = self.store.service_codecs(service_type.name)
 
         async def handle(payload: bytes) -> bytes:
             request = request_codec.decode(payload)
             try:
                 answer = handler(request)
                 if isinstance(answer, Awaitable):
-                    # A message takes any attribute, so the type checker thinks that it could be awaited.
-                    answer = await cast("Awaitable[MessageLike]", answer)
+                    answer = await answer
                 return response_codec.encode(answer)
             except RostetherError:
                 raise
@@ -192,6 +235,15 @@ class TypedGraph:
                 raise ServiceCallError(f"{type(error).__name__}: {error}") from error
 
         return await self.raw.advertise_service(service, service_type, handle)
+
+    async def _service_type(self, given: str | type[Service[Any, Any]]) -> ServiceType:
+        name, registry = name_of_type(given), self.store.registry
+        await definitions_at_hand(registry, lambda: registry.service_type(name))
+        return registry.service_type(name)
+
+    def message(self, type_name: str, /, **fields: Any) -> Message:
+        """Make a message of any known type. Raises UnknownTypeError, SerializationError."""
+        return self.store.codec(type_name).message_class(**fields)
 
     async def get_param(self, name: str, default: ParamValue = None) -> ParamValue:
         """Return a parameter's value, or `default` where there is none and a default is given.
@@ -229,26 +281,6 @@ class TypedGraph:
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""
         self.raw.log(level, text)
-
-    def logdebug(self, text: str) -> None:
-        """Log at level DEBUG."""
-        self.log(Level.DEBUG, text)
-
-    def loginfo(self, text: str) -> None:
-        """Log at level INFO."""
-        self.log(Level.INFO, text)
-
-    def logwarn(self, text: str) -> None:
-        """Log at level WARN."""
-        self.log(Level.WARN, text)
-
-    def logerror(self, text: str) -> None:
-        """Log at level ERROR."""
-        self.log(Level.ERROR, text)
-
-    def logfatal(self, text: str) -> None:
-        """Log at level FATAL."""
-        self.log(Level.FATAL, text)
 
     def now(self) -> Time:
         """Return ROS time."""

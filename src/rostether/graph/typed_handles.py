@@ -6,32 +6,24 @@ import asyncio
 import logging
 from collections.abc import Callable, Mapping
 from contextlib import aclosing
-from typing import Any, Generic, ParamSpec, TypeAlias, overload
+from typing import Any, Generic, ParamSpec, TypeAlias, TypeVar, cast, overload
 
-from rostether.errors import RostetherError, UnknownTypeError
+from rostether.errors import RostetherError
 from rostether.graph.message_stream import MessageStream
-from rostether.graph.ports import Publisher
+from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.interface import ServiceType
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.values import Message
 
 P = ParamSpec("P")
+Response = TypeVar("Response", bound=Message)
 
 MessageLike: TypeAlias = Message | Mapping[str, Any]
 
 _SUBSCRIBER_POLL_S = 0.01
 
 _LOG = logging.getLogger(__name__)
-
-
-def name_of_type(given: str | Callable[..., Message]) -> str:
-    """Return the name of a type that is given by name or as a message class."""
-    if isinstance(given, str):
-        return given
-    name: str = getattr(given, "_type", "")
-    if not name:
-        raise UnknownTypeError(f"{given!r} is not a message type; write its name, such as std_msgs/String")
-    return name
 
 
 class TypedPublisher(Generic[P]):
@@ -63,8 +55,7 @@ class TypedPublisher(Generic[P]):
         A time may be "now" or seconds. False asks a flooding caller to await `drained`.
         Raises SerializationError naming the field that does not fit.
         """
-        value = fields if message is None else self.codec.fields_of(message)
-        return self.raw.publish_raw([self.codec.encode(value, now=self._now)])
+        return self.raw.publish_raw([self.codec.encode_given(message, fields, now=self._now)])
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until no subscriber is above its high-water mark."""
@@ -111,3 +102,28 @@ class CallbackSubscriber:
         """Unsubscribe. Idempotent."""
         self._task.cancel()
         await asyncio.wait([self._task])
+
+
+class TypedServiceClient(Generic[Response]):
+    """Calls a service; made by `TypedGraph.service_client`."""
+
+    def __init__(
+        self, graph: Graph, service: str, service_type: ServiceType, codecs: tuple[Codec, Codec]
+    ) -> None:
+        self.service = service
+        self._graph = graph
+        self._service_type = service_type
+        self._request_codec, self._response_codec = codecs
+
+    async def call(
+        self, request: MessageLike | None = None, /, *, timeout_s: float | None = None, **fields: Any
+    ) -> Response:
+        """Call and return the response; the request is given whole, or by its fields.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
+        """
+        payload = self._request_codec.encode_given(request, fields)
+        answer = await self._graph.call_service(
+            self.service, self._service_type, payload, timeout_s=timeout_s
+        )
+        return cast("Response", self._response_codec.decode(answer))

@@ -60,7 +60,7 @@ class Mux:
             "mux/list": ("MuxList", self._list),
         }
         for name, (kind, handler) in services.items():
-            await self._graph.serve(name, f"topic_tools/{kind}", handler)
+            await self._graph.service_server(name, f"topic_tools/{kind}", handler)
         try:
             while True:
                 await self._follow()

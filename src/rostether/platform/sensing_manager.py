@@ -64,11 +64,13 @@ class SensingManager:
         # Before the first registration, so that no sensor gets a topic in use.
         self._note_publishers(await self._graph.snapshot())
         services = [
-            await self._graph.serve("sensors_register", "sensors/RegistrationService", self._register),
-            await self._graph.serve(
+            await self._graph.service_server(
+                "sensors_register", "sensors/RegistrationService", self._register
+            ),
+            await self._graph.service_server(
                 "sensors_register_by_id", "sensing_platform/RegisterSensor", self._register_by_id
             ),
-            await self._graph.serve("sensors_rename", "sensing_platform/RenameSensor", self._rename),
+            await self._graph.service_server("sensors_rename", "sensing_platform/RenameSensor", self._rename),
         ]
         following = asyncio.ensure_future(self._follow_connections())
         try:

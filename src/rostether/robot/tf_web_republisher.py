@@ -120,7 +120,7 @@ class _Republisher:
         self._feedback = await graph.publisher(f"{NODE_NAME}/feedback", f"{ACTION}Feedback")
         self._result = await graph.publisher(f"{NODE_NAME}/result", f"{ACTION}Result")
         self._status = await graph.publisher(f"{NODE_NAME}/status", "actionlib_msgs/GoalStatusArray")
-        await graph.serve(SERVICE, f"{PACKAGE}/RepublishTFs", self._serve)
+        await graph.service_server(SERVICE, f"{PACKAGE}/RepublishTFs", self._serve)
         await asyncio.gather(self._follow_goals(), self._follow_cancels(), self._publish_status())
 
     async def close(self) -> None:

@@ -52,6 +52,18 @@ class Codec:
         except ENCODE_ERRORS as error:  # pragma: no cover - `conform` refuses what it can know
             raise SerializationError(f"{self.tree.name} cannot be encoded: {error}") from error
 
+    def encode_given(
+        self, message: object, fields: Mapping[str, Any], *, now: Callable[[], Time] | None = None
+    ) -> bytes:
+        """Encode a message given whole, by its fields, or as its only field's value; raises as `encode`."""
+        if message is None:
+            return self.encode(fields, now=now)
+        if fields:
+            raise SerializationError(
+                f"{self.type_name} is given both as a message and as fields; give one of them"
+            )
+        return self.encode(self.fields_of(message), now=now)
+
     def decode(self, payload: bytes) -> Message:
         """Return the message that a whole payload holds. Raises SerializationError saying how it differs."""
         try:

@@ -39,3 +39,7 @@ class TypeStore:
         if codec is None:
             codec = self._codecs[name] = Codec(self._trees.struct(name), self._classes, self.layout(name))
         return codec
+
+    def service_codecs(self, name: str) -> tuple[Codec, Codec]:
+        """Return the codecs of a service's request and response; raises as `codec`."""
+        return self.codec(f"{name}Request"), self.codec(f"{name}Response")

@@ -8,13 +8,14 @@ surrogates (`surrogateescape`), so that what was decoded encodes to the same byt
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Any, ClassVar, Final
+from weakref import WeakValueDictionary
 
 from rostether.errors import DefinitionError, SerializationError
 from rostether.msgdef.spec import FieldType
 from rostether.rostime import Duration, Time
-from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct
+from rostether.serde.type_tree import Array, Member, Node, Number, Stamp, Struct
 
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _MAX_SHOWN: Final = 40
@@ -94,6 +95,9 @@ class MessageClasses:
     # Makes an array of numbers, or bytes, from a payload, a type code, a count and an offset.
     view: Callable[[bytes, str, int, int], Any] | None = None
 
+    # Whether a class depends on nothing but the definition, so that other stores may use it too.
+    are_shared: bool = True
+
     # The error handler for bytes of a string that are not UTF-8.
     text_errors: str = "surrogateescape"
 
@@ -108,8 +112,21 @@ class MessageClasses:
         """Return the class of a message type. Raises DefinitionError for names no definition may have."""
         message_class = self._classes.get(tree.name)
         if message_class is None:
-            message_class = self._classes[tree.name] = self._make(tree)
+            message_class = self._shared(tree) if self.are_shared else self._make(tree)
+            self._classes[tree.name] = message_class
         return message_class
+
+    def _shared(self, tree: Struct) -> type[Message]:
+        """Return the class that other stores use for an equal definition, so that `isinstance` holds."""
+        key = (type(self), tree.name, tree.constants, tuple(self._kind(member) for member in tree.members))
+        message_class = _SHARED.get(key)
+        if message_class is None:
+            message_class = _SHARED[key] = self._make(tree)
+        return message_class
+
+    def _kind(self, member: Member) -> Hashable:
+        element = member.node.element if isinstance(member.node, Array) else member.node
+        return member.name, member.type, self.of(element) if isinstance(element, Struct) else None
 
     def _make(self, tree: Struct) -> type[Message]:
         names = tuple(member.name for member in tree.members)
@@ -150,6 +167,10 @@ class MessageClasses:
         if callable(element):
             return lambda: [element() for _ in range(length)]
         return lambda: [element] * length
+
+
+# The classes in use, by how values are made and by definition.
+_SHARED: WeakValueDictionary[Hashable, type[Message]] = WeakValueDictionary()
 
 
 def unknown_field(type_name: str, field: object, known: list[str]) -> SerializationError:

@@ -2,35 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import Any, Generic, ParamSpec, TypeVar, overload
 
 from rostether import device
-from rostether.device.endpoint_handles import Fields
+from rostether.device.endpoint_handles import Messages as DeviceMessages
 from rostether.device.endpoint_handles import Publisher as DevicePublisher
+from rostether.device.services import Answer
 from rostether.device.services import ServiceClient as DeviceServiceClient
+from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.mechanisms.loop_thread import run_in_thread
+from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
-from rostether.sync.waiting import Member, Waiting, guarded, in_loop, waiting
+from rostether.sync.waiting import LOOP, Member, Waiting, guarded, in_loop, waiting
+
+P = ParamSpec("P")
+M = TypeVar("M", bound=Message)
 
 
-class Publisher(Waiting[DevicePublisher]):
-    """Sends messages of one topic to the host; made by `Device.publisher`."""
+class Publisher(Waiting[DevicePublisher[...]], Generic[P]):
+    """Sends messages of one topic to the host; made by `Device.publisher`. `P` are the type's fields."""
 
-    publish = in_loop(DevicePublisher.publish)
+    _publish = in_loop(DevicePublisher.publish)
+
+    @overload
+    def publish(self, message: object, /) -> bool: ...
+    @overload
+    def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
+    def publish(self, *args: Any, **fields: Any) -> bool:
+        """Send one message, given whole, by its fields, or as the value of its only field.
+
+        False when no host listens or the line is full. Raises SerializationError naming a field that does
+        not fit, LocalProtocolError beyond the buffer.
+        """
+        return self._publish(*args, **fields)
+
     publish_many = in_loop(DevicePublisher.publish_many)
+    drained = waiting(DevicePublisher.drained)
 
 
-class ServiceClient(Waiting[DeviceServiceClient]):
+class ServiceClient(Waiting[DeviceServiceClient[Response]]):
     """Calls a service of ROS through the host; made by `Device.service_client`."""
 
-    call = waiting(DeviceServiceClient.call)
+    call = waiting(DeviceServiceClient[Response].call)
 
 
-class Device(Member[device.Device]):
+class Messages(Waiting[DeviceMessages[M]]):
+    """The messages of a topic, to loop over; made by `Device.messages`."""
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages came faster than the loop took them."""
+        return self.wrapped.dropped_count
+
+    def __iter__(self) -> Iterator[M]:
+        return self
+
+    def __next__(self) -> M:
+        """Return the next message; waits for it."""
+        return LOOP.call(self.wrapped.__anext__())
+
+
+class Device(Member[device.Device], LogMethods):
     """A rosserial device in Python; its line opens at once, and again whenever it is lost.
 
     The arguments and methods are those of `rostether.Device`. Callbacks and handlers run in threads.
@@ -39,19 +75,14 @@ class Device(Member[device.Device]):
     def __init__(self, link: str, **settings: Any) -> None:
         super().__init__(partial(device.Device, link, **settings))
 
-    drained = waiting(device.Device.drained)
     get_param = waiting(device.Device.get_param)
     wait_connected = waiting(device.Device.wait_connected)
     message = in_loop(device.Device.message)
     log = in_loop(device.Device.log)
-    logdebug = in_loop(device.Device.logdebug)
-    loginfo = in_loop(device.Device.loginfo)
-    logwarn = in_loop(device.Device.logwarn)
-    logerror = in_loop(device.Device.logerror)
-    logfatal = in_loop(device.Device.logfatal)
     now = in_loop(device.Device.now)
     _publisher = in_loop(device.Device.publisher)
     _subscriber = in_loop(device.Device.subscriber)
+    _messages = in_loop(device.Device.messages)
     _service_server = in_loop(device.Device.service_server)
     _service_client = in_loop(device.Device.service_client)
 
@@ -60,28 +91,69 @@ class Device(Member[device.Device]):
         """Whether a host has asked for the topics and still answers."""
         return self.wrapped.connected
 
-    def publisher(self, topic: str, message_type: str) -> Publisher:
+    @overload
+    def publisher(self, topic: str, type_name: str) -> Publisher[...]: ...
+    @overload
+    def publisher(self, topic: str, type_name: Callable[P, Message]) -> Publisher[P]: ...
+    def publisher(self, topic: str, type_name: str | Callable[..., Message]) -> Publisher[...]:
         """Declare a topic to send on. Raises UnknownTypeError, LocalProtocolError."""
-        return Publisher(self._publisher(topic, message_type))
+        return Publisher(self._publisher(topic, name_of_type(type_name)))
 
-    def subscriber(self, topic: str, message_type: str, callback: Callable[[Message], object]) -> None:
+    @overload
+    def subscriber(self, topic: str, type_name: str, callback: Callable[[Message], object]) -> None: ...
+    @overload
+    def subscriber(self, topic: str, type_name: type[M], callback: Callable[[M], object]) -> None: ...
+    def subscriber(
+        self, topic: str, type_name: str | type[Message], callback: Callable[[Any], object]
+    ) -> None:
         """Declare a topic to receive; the callback runs in a thread of its own.
 
         Raises UnknownTypeError, LocalProtocolError.
         """
         thread = CallbackThread(f"rostether {topic}", guarded(callback), limit=DEFAULT_QUEUE_MESSAGES)
-        self._subscriber(topic, message_type, lambda message: thread.put([message]))
+        self._subscriber(topic, name_of_type(type_name), lambda message: thread.put([message]))
 
+    @overload
+    def messages(
+        self, topic: str, type_name: str, *, queue_size: int = DEFAULT_QUEUE_MESSAGES
+    ) -> Messages[Message]: ...
+    @overload
+    def messages(
+        self, topic: str, type_name: type[M], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
+    ) -> Messages[M]: ...
+    def messages(
+        self, topic: str, type_name: str | type[Message], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
+    ) -> Messages[Any]:
+        """Declare a topic to receive, and return its messages to loop over; raises as `subscriber`."""
+        return Messages(self._messages(topic, name_of_type(type_name), queue_size=queue_size))
+
+    @overload
     def service_server(
-        self, service: str, service_type: str, handler: Callable[[Message], Fields | None]
+        self, service: str, type_name: str, handler: Callable[[Message], Answer[Message]]
+    ) -> None: ...
+    @overload
+    def service_server(
+        self,
+        service: str,
+        type_name: type[Service[Request, Response]],
+        handler: Callable[[Request], Answer[Response]],
+    ) -> None: ...
+    def service_server(
+        self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], Answer[Any]]
     ) -> None:
         """Offer a service; the handler runs in a thread. Raises UnknownTypeError, LocalProtocolError."""
 
-        async def handle(request: Message) -> Fields | None:
+        async def handle(request: Message) -> Answer[Message]:
             return await run_in_thread(partial(handler, request))
 
-        self._service_server(service, service_type, handle)
+        self._service_server(service, name_of_type(type_name), handle)
 
-    def service_client(self, service: str, service_type: str) -> ServiceClient:
+    @overload
+    def service_client(self, service: str, type_name: str) -> ServiceClient[Message]: ...
+    @overload
+    def service_client(
+        self, service: str, type_name: type[Service[Request, Response]]
+    ) -> ServiceClient[Response]: ...
+    def service_client(self, service: str, type_name: str | type[Service[Any, Any]]) -> ServiceClient[Any]:
         """Declare a service to call. Raises UnknownTypeError, LocalProtocolError."""
-        return ServiceClient(self._service_client(service, service_type))
+        return ServiceClient(self._service_client(service, name_of_type(type_name)))

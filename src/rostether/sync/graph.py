@@ -2,139 +2,39 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Callable, Iterator
-from contextlib import AbstractAsyncContextManager, suppress
+from collections.abc import Callable, Mapping
+from contextlib import AbstractAsyncContextManager
 from functools import partial, wraps
-from typing import Any, Generic, ParamSpec, TypeVar, overload
+from typing import Any, ParamSpec, TypeVar, overload
 
 from rostether import joining
-from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, MessageStream
-from rostether.graph.ports import ParamValue, ServiceServer, Watch
+from rostether.graph.log_methods import LogMethods
+from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
+from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
-from rostether.graph.typed_handles import CallbackSubscriber, MessageLike, TypedPublisher, name_of_type
+from rostether.graph.typed_handles import MessageLike
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.mechanisms.loop_thread import run_in_thread
+from rostether.serde.type_classes import Request, Response, Service, name_of_type
 from rostether.serde.values import Message
-from rostether.sync.waiting import LOOP, Member, Waiting, guarded, in_loop, waiting
+from rostether.sync.graph_handles import (
+    Messages,
+    ParamWatch,
+    Publisher,
+    ServiceClient,
+    ServiceServer,
+    Subscriber,
+)
+from rostether.sync.waiting import LOOP, Member, guarded, in_loop, waiting
 
 P = ParamSpec("P")
 M = TypeVar("M", bound=Message)
 
 
-class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
-    """Publishes messages of one type; made by `Graph.publisher`. `P` are the type's fields."""
-
-    _publish = in_loop(TypedPublisher.publish)
-
-    @overload
-    def publish(self, message: object, /) -> bool: ...
-    @overload
-    def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
-    def publish(self, *args: Any, **fields: Any) -> bool:
-        """Publish one message, given whole, by its fields, or as the value of its only field.
-
-        Raises SerializationError naming the field that does not fit.
-        """
-        return self._publish(*args, **fields)
-
-    drained = waiting(TypedPublisher.drained)
-    wait_for_subscriber = waiting(TypedPublisher.wait_for_subscriber)
-    close = waiting(TypedPublisher.close)
-
-    @property
-    def topic(self) -> str:
-        """The resolved topic name."""
-        return self.wrapped.topic
-
-    @property
-    def subscriber_count(self) -> int:
-        """How many subscribers are connected now."""
-        return self.wrapped.subscriber_count
-
-
-class Subscriber(Waiting[CallbackSubscriber]):
-    """Calls back in a thread of its own until it is closed; made by `Graph.subscriber`."""
-
-    def __init__(self, wrapped: CallbackSubscriber, thread: CallbackThread[Message]) -> None:
-        super().__init__(wrapped)
-        self._thread = thread
-
-    @property
-    def topic(self) -> str:
-        """The resolved topic name."""
-        return self.wrapped.topic
-
-    def close(self) -> None:
-        """Unsubscribe. Idempotent."""
-        self._thread.close()
-        LOOP.call(self.wrapped.close())
-
-
-class Server(Waiting[ServiceServer]):
-    """A service that is offered until it is closed; made by `Graph.serve`."""
-
-    close = waiting(ServiceServer.close)
-
-
-class ParamWatch(Waiting[Watch]):
-    """Calls back in a thread of its own until it is closed; made by `Graph.watch_param`."""
-
-    close = waiting(Watch.close)
-
-
-class Messages(Generic[M]):
-    """The messages of a topic, to loop over; made by `Graph.messages`.
-
-    The subscription begins with the loop, or the first `next`, and ends with the loop or `close`.
-    """
-
-    def __init__(self, graph: Graph, stream: MessageStream[M]) -> None:
-        self._graph = graph
-        self._stream = stream
-        self._waiting: asyncio.Task[M] | None = None
-
-    @property
-    def dropped_count(self) -> int:
-        """How many messages came faster than the loop took them."""
-        return self._stream.dropped_count
-
-    def __iter__(self) -> Iterator[M]:
-        try:
-            with suppress(StopIteration):
-                while True:
-                    yield next(self)
-        finally:
-            self.close()
-
-    def __next__(self) -> M:
-        """Return the next message; waits for it."""
-        try:
-            return LOOP.call(self._next())
-        except StopAsyncIteration:
-            raise StopIteration from None
-
-    def close(self) -> None:
-        """Unsubscribe. Idempotent."""
-        if not self._graph.is_closed:
-            LOOP.call(self._end())
-
-    async def _next(self) -> M:
-        self._waiting = asyncio.ensure_future(anext(self._stream))
-        return await self._waiting
-
-    async def _end(self) -> None:
-        # A generator cannot be closed while it runs, as after Ctrl-C.
-        if self._waiting is not None:
-            self._waiting.cancel()
-            await asyncio.wait([self._waiting])
-        await self._stream.aclose()
-
-
-class Graph(Member[TypedGraph]):
+class Graph(Member[TypedGraph], LogMethods):
     """One node's membership of a graph; made by `join`. Its methods are those of `rostether.join`'s graph."""
 
-    call = waiting(TypedGraph.call)
+    _call = waiting(TypedGraph.call)
     _wait_for_message = waiting(TypedGraph.wait_for_message)
     get_param = waiting(TypedGraph.get_param)
     set_param = waiting(TypedGraph.set_param)
@@ -144,11 +44,7 @@ class Graph(Member[TypedGraph]):
     list_params = waiting(TypedGraph.list_params)
     snapshot = waiting(TypedGraph.snapshot)
     log = in_loop(TypedGraph.log)
-    logdebug = in_loop(TypedGraph.logdebug)
-    loginfo = in_loop(TypedGraph.loginfo)
-    logwarn = in_loop(TypedGraph.logwarn)
-    logerror = in_loop(TypedGraph.logerror)
-    logfatal = in_loop(TypedGraph.logfatal)
+    message = in_loop(TypedGraph.message)
     now = in_loop(TypedGraph.now)
     resolve = in_loop(TypedGraph.resolve)
 
@@ -189,7 +85,7 @@ class Graph(Member[TypedGraph]):
     ) -> Messages[Any]:
         """Return a topic's messages to loop over; without `type_name`, of the type that its publisher has."""
         name = None if type_name is None else name_of_type(type_name)
-        return Messages(self, self.wrapped.messages(topic, name, queue_size=queue_size))
+        return Messages(lambda: self.is_closed, self.wrapped.messages(topic, name, queue_size=queue_size))
 
     @overload
     def wait_for_message(
@@ -222,16 +118,71 @@ class Graph(Member[TypedGraph]):
         subscriber = self.wrapped.subscriber(topic, name, lambda message: thread.put([message]))
         return Subscriber(LOOP.call(subscriber), thread)
 
-    def serve(self, service: str, type_name: str, handler: Callable[[Message], MessageLike]) -> Server:
+    @overload
+    def call(
+        self,
+        service: str,
+        type_name: str,
+        request: MessageLike | None = None,
+        *,
+        timeout_s: float | None = None,
+    ) -> Message: ...
+    @overload
+    def call(
+        self,
+        service: str,
+        type_name: type[Service[Request, Response]],
+        request: Request | Mapping[str, Any] | None = None,
+        *,
+        timeout_s: float | None = None,
+    ) -> Response: ...
+    def call(
+        self,
+        service: str,
+        type_name: str | type[Service[Any, Any]],
+        request: MessageLike | None = None,
+        *,
+        timeout_s: float | None = None,
+    ) -> Message:
+        """Call a service and return its response.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
+        """
+        return self._call(service, name_of_type(type_name), request, timeout_s=timeout_s)
+
+    @overload
+    def service_client(self, service: str, type_name: str) -> ServiceClient[Message]: ...
+    @overload
+    def service_client(
+        self, service: str, type_name: type[Service[Request, Response]]
+    ) -> ServiceClient[Response]: ...
+    def service_client(self, service: str, type_name: str | type[Service[Any, Any]]) -> ServiceClient[Any]:
+        """Return a client for many calls of a service, which need not run yet. Raises UnknownTypeError."""
+        return ServiceClient(LOOP.call(self.wrapped.service_client(service, name_of_type(type_name))))
+
+    @overload
+    def service_server(
+        self, service: str, type_name: str, handler: Callable[[Message], MessageLike]
+    ) -> ServiceServer: ...
+    @overload
+    def service_server(
+        self,
+        service: str,
+        type_name: type[Service[Request, Response]],
+        handler: Callable[[Request], Response | Mapping[str, Any]],
+    ) -> ServiceServer: ...
+    def service_server(
+        self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], MessageLike]
+    ) -> ServiceServer:
         """Offer a service; `handler` takes the request and returns the response, in a thread of its own.
 
-        If it raises, the call fails and the caller receives the error.
+        If it raises, the call fails and the caller receives the error. Raises UnknownTypeError, GraphError.
         """
 
         async def handle(request: Message) -> MessageLike:
             return await run_in_thread(partial(handler, request))
 
-        return Server(LOOP.call(self.wrapped.serve(service, type_name, handle)))
+        return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))
 
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:
         """Call back with the value now and after every change, in a thread; None means it is unset."""

@@ -15,7 +15,7 @@ from rostether.mechanisms.loop_thread import LoopThread
 
 P = ParamSpec("P")
 T = TypeVar("T")
-Wrapped = TypeVar("Wrapped")
+Wrapped = TypeVar("Wrapped", covariant=True)
 
 _LOG = logging.getLogger(__name__)
 

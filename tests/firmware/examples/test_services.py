@@ -26,7 +26,7 @@ async def test_service_server(kind: str) -> None:
 
 async def test_service_client(kind: str) -> None:
     async def serve(graph: TypedGraph, _master: str) -> None:
-        await graph.serve(
+        await graph.service_server(
             "/test_srv", "rosserial_arduino/Test", lambda asked: {"output": asked.input.upper()}
         )
 

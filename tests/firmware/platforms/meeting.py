@@ -95,7 +95,7 @@ async def meeting() -> AsyncIterator[Meeting]:
         async for message in graph.messages("/answer", "std_msgs/String"):
             made.answers.append(message.data)
 
-    await graph.serve("/trigger", "std_srvs/Trigger", pull)
+    await graph.service_server("/trigger", "std_srvs/Trigger", pull)
     ears = [asyncio.ensure_future(hear_counts()), asyncio.ensure_future(hear_answers())]
     try:
         yield made

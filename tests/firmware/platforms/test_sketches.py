@@ -106,7 +106,7 @@ async def test_service_client(stage: Stage) -> None:
         return {"output": request.input.upper()}
 
     async with stage.sketch("ServiceClient") as met:
-        await met.graph.serve("/test_srv", "rosserial_arduino/Test", shout)
+        await met.graph.service_server("/test_srv", "rosserial_arduino/Test", shout)
         async for message in met.graph.messages("/chatter", "std_msgs/String"):
             # Empty until the service is there.
             assert message.data in ("", "HELLO WORLD!")

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, assert_type
 
 import pytest
 
@@ -22,10 +22,12 @@ from rostether.errors import (
     UnknownTypeError,
 )
 from rostether.mechanisms.backoff import Backoff
+from rostether.msg.std_msgs import Bool, UInt32
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.rosserial.events import TopicRole
 from rostether.rosserial.packets import LogLevel
 from rostether.serde.values import Message
+from rostether.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse, Trigger, TriggerResponse
 from rostether.transports.memory import memory_pair
 from rostether.transports.opening import listen, open_transport
 from unit.device.host import HOST_TIME, STORE, Host, Hosts, hosting
@@ -147,6 +149,35 @@ async def test_serve_calls_in_order_with_plain_and_async_handlers(pair: tuple[De
         assert (await host.call("ignore", {})).success is False
 
 
+async def test_types_as_classes(pair: tuple[Device, Any]) -> None:
+    device, line = pair
+
+    def enable(request: SetBoolRequest) -> SetBoolResponse:
+        return SetBoolResponse(success=not request.data)
+
+    # Awaited as on a graph, or not.
+    count = await device.publisher("count", UInt32)
+    device.service_server("enable", SetBool, enable)
+    lookup = device.service_client("lookup", Trigger)
+    switches = device.messages("switch", Bool, queue_size=2)
+    async with tethered(device, line) as host:
+        host.answers["lookup"] = lambda _request: {"message": "found"}
+        await host.until(lambda: {"enable", "lookup"} <= set(host.services))
+        await host.until(lambda: ("switch", TopicRole.SUBSCRIBER) in host.announced)
+        assert count.publish(data=3)
+        if TYPE_CHECKING:
+            count.publish(dta=3)  # type: ignore[call-overload]
+        assert (await host.call("enable", {"data": True})).success is False
+        assert_type(await lookup.call(), TriggerResponse)
+        for value in (True, True, False):
+            host.publish("switch", {"data": value})
+        received = await anext(switches)
+        assert_type(received, Bool)
+        assert isinstance(received, Bool)
+        assert [received.data, (await anext(switches)).data] == [True, False]
+        assert switches.dropped_count == 1
+
+
 async def test_a_handler_that_fails_is_logged_on_the_host_and_the_next_call_works(
     pair: tuple[Device, Any], caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -239,6 +270,7 @@ async def test_get_parameters_of_every_kind(pair: tuple[Device, Any]) -> None:
         assert values == [7, 0.5, "hello", [1, 2], ["a", "b"]]
         with pytest.raises(UnknownNameError, match="no parameter ~nothing"):
             await device.get_param("~nothing")
+        assert await device.get_param("~nothing", 2.5) == 2.5
         host.answers_params = False
         with pytest.raises(TransportTimeoutError, match="~int"):
             await device.get_param("~int", timeout_s=0.05)
@@ -300,7 +332,7 @@ async def test_a_flood_is_slowed_down_by_a_host_that_does_not_read_and_loses_not
         assert sent > 100
         far.resume_reading()
         await host.until(lambda: len(host.messages["flood"]) == sent)
-        await asyncio.wait_for(device.drained(), 60)
+        await publisher.drained(60)
         assert [message.data for message in host.messages["flood"]] == list(range(sent))
         assert publisher.publish(data=sent)
 

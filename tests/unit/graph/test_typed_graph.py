@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import aclosing
 from pathlib import Path
+from typing import TYPE_CHECKING, assert_type
 
 import pytest
 import pytest_asyncio
@@ -23,6 +24,7 @@ from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
+from rostether.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse, TriggerRequest
 
 LOCAL_TEXT = "float32 temperature\nstring[] tags\n"
 
@@ -164,17 +166,33 @@ async def test_service_both_ways(talker: TypedGraph, listener: TypedGraph, is_as
     async def answer_later(request: Message) -> dict[str, object]:
         return answer(request)
 
-    server = await talker.serve("/enable", "std_srvs/SetBool", answer_later if is_async else answer)
+    server = await talker.service_server("/enable", "std_srvs/SetBool", answer_later if is_async else answer)
     response = await listener.call("/enable", "std_srvs/SetBool", {"data": True}, timeout_s=60)
     assert (response.success, response.message) == (True, "done")
     await server.close()
+
+
+async def test_services_as_classes(talker: TypedGraph, listener: TypedGraph) -> None:
+    async def answer(request: SetBoolRequest) -> SetBoolResponse:
+        return SetBoolResponse(success=request.data)
+
+    await talker.service_server("/enable", SetBool, answer)
+    client = await listener.service_client("/enable", SetBool)
+    response = await client.call(data=True, timeout_s=60)
+    assert_type(response, SetBoolResponse)
+    assert isinstance(response, SetBoolResponse)
+    assert response.success
+    assert not (await listener.call("/enable", SetBool, SetBoolRequest(data=False), timeout_s=60)).success
+    if TYPE_CHECKING:
+        await listener.call("/enable", SetBool, TriggerRequest())  # type: ignore[misc]
+        SetBoolResponse(sucess=True)  # type: ignore[call-arg]
 
 
 async def test_a_handler_that_breaks_tells_the_caller(talker: TypedGraph, listener: TypedGraph) -> None:
     def answer(request: Message) -> dict[str, object]:
         raise RuntimeError("out of paint")
 
-    await talker.serve("/paint", "std_srvs/Trigger", answer)
+    await talker.service_server("/paint", "std_srvs/Trigger", answer)
     with pytest.raises(ServiceCallError, match="out of paint"):
         await listener.call("/paint", "std_srvs/Trigger", timeout_s=60)
 
@@ -213,7 +231,7 @@ async def test_types_are_searched_while_the_loop_goes_on(
         with pytest.raises(TimeoutError):
             await graph.wait_for_message("/level", "tank/Level", timeout_s=0.5)
     elif what == "serve":
-        await graph.serve("/fill", "tank/Fill", lambda _: {})
+        await graph.service_server("/fill", "tank/Fill", lambda _: {})
     else:
         with pytest.raises(GraphError):
             await graph.call("/fill", "tank/Fill", timeout_s=5.0)

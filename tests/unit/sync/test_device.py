@@ -8,8 +8,10 @@ import pytest
 
 import rostether.sync
 from rostether.errors import UnknownNameError
+from rostether.msg.std_msgs import Bool
 from rostether.rosserial.events import TopicRole
 from rostether.serde.values import Message
+from rostether.srv.std_srvs import SetBool
 from rostether.sync.waiting import LOOP, Member
 from rostether.transports.opening import listen
 from unit.device.host import Host, Hosts
@@ -46,12 +48,16 @@ def test_topics_parameters_and_logs(line: tuple[rostether.sync.Device, Host]) ->
     LOOP.call(host.until(lambda: ("led", TopicRole.SUBSCRIBER) in host.announced))
     assert count.publish(7)
     assert count.publish_many([device.message("std_msgs/UInt32", data=8)])
-    device.drained()
+    count.drained(LIMIT_S)
     device.loginfo("ready")
     LOOP.call(host.until(lambda: bool(host.logs) and len(host.messages["count"]) == 2))
     assert [message.data for message in host.messages["count"]] == [7, 8]
     LOOP.loop.call_soon_threadsafe(host.publish, "led", {"data": True})
     assert got.get(timeout=LIMIT_S).data is True
+    switches = device.messages("switch", Bool)
+    LOOP.call(host.until(lambda: ("switch", TopicRole.SUBSCRIBER) in host.announced))
+    LOOP.loop.call_soon_threadsafe(host.publish, "switch", {"data": True})
+    assert next(switches).data is True
     host.params["gain"] = ((3,), (), ())
     assert device.get_param("gain") == 3
     with pytest.raises(UnknownNameError):
@@ -62,10 +68,10 @@ def test_topics_parameters_and_logs(line: tuple[rostether.sync.Device, Host]) ->
 def test_services_both_ways(line: tuple[rostether.sync.Device, Host]) -> None:
     device, host = line
     host.answers["add"] = lambda request: {"success": request.data}
-    client = device.service_client("add", "std_srvs/SetBool")
+    client = device.service_client("add", SetBool)
     # A handler may call in turn: it does not run in the loop.
     device.service_server(
-        "enable", "std_srvs/SetBool", lambda request: {"success": client.call(data=request.data).success}
+        "enable", SetBool, lambda request: {"success": client.call(data=request.data).success}
     )
     device.wait_connected(timeout_s=LIMIT_S)
     LOOP.call(host.until(lambda: {"add", "enable"} <= host.services.keys()))

@@ -16,6 +16,7 @@ from rostether.errors import MasterUnreachableError, SerializationError, Service
 from rostether.msg.std_msgs import Int32
 from rostether.ros1.master.server import MasterServer
 from rostether.serde.values import Message
+from rostether.srv.std_srvs import SetBool, SetBoolRequest
 from rostether.sync.waiting import LOOP
 
 LIMIT_S = 60.0
@@ -83,13 +84,14 @@ def test_a_callback_that_fails_ends_nothing(
 def test_services_whose_handlers_use_the_graph(
     talker: rostether.sync.Graph, listener: rostether.sync.Graph
 ) -> None:
-    def enable(request: Message) -> dict[str, Any]:
+    def enable(request: SetBoolRequest) -> dict[str, Any]:
         if not request.data:
             raise ValueError("cannot be off")
         return {"success": True, "message": str(talker.get_param("/name", "none"))}
 
-    server = talker.serve("enable", "std_srvs/SetBool", enable)
-    assert listener.call("enable", "std_srvs/SetBool", {"data": True}).message == "none"
+    server = talker.service_server("enable", SetBool, enable)
+    assert listener.call("enable", SetBool, SetBoolRequest(data=True)).message == "none"
+    assert listener.service_client("enable", SetBool).call(data=True).success
     with pytest.raises(ServiceCallError, match="cannot be off"):
         listener.call("enable", "std_srvs/SetBool", {"data": False})
     server.close()

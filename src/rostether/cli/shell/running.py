@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import click
 
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_INTERRUPTED
+from rostether.cli.shell.interrupts import was_interrupted
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.cli.shell.service_manager import reporting
 from rostether.errors import ConfigError
@@ -74,10 +75,13 @@ class _Ending:
 
     def watch_start(self) -> None:
         """Note a Ctrl-C before the command runs; asyncio's own handler could lose it to a clean-up."""
-        # Windows has no such alarm; a thread must not set handlers.
-        if hasattr(signal, "SIGALRM"):
-            with contextlib.suppress(ValueError):
-                signal.signal(signal.SIGINT, self._arrived)
+        # Windows has no such alarm, and leaves Ctrl-C to asyncio.
+        handler = self._arrived if hasattr(signal, "SIGALRM") else signal.default_int_handler
+        # A thread must not set handlers.
+        with contextlib.suppress(ValueError):
+            signal.signal(signal.SIGINT, handler)
+        if was_interrupted():
+            self.exit_code = EXIT_INTERRUPTED
 
     async def run(self, main: Coroutine[Any, Any, T]) -> T:
         """Return the command's result. Raises CancelledError after a signal."""

@@ -12,6 +12,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from rostether.cli.shell.interrupts import raise_at_interrupt
 from rostether.cli.shell.optional_value import OptionalValueOption
 
 # Maximum width of help text: longer lines are hard to read on wide terminals.
@@ -54,6 +55,11 @@ class Verb(click.Command):
             if isinstance(parameter, OptionalValueOption):
                 plain = parameter.insert_value(plain)
         return super().parse_args(ctx, plain)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; from here on it may have something to clean up at Ctrl-C."""
+        raise_at_interrupt()
+        return super().invoke(ctx)
 
     def _renamed(self, arguments: list[str]) -> list[str]:
         end = arguments.index("--") if "--" in arguments else len(arguments)

@@ -13,6 +13,8 @@ from rostether.serde.values import Message, MessageClasses
 class NativeClasses(MessageClasses):
     """Message classes for a `NativeRegistry`'s store: a Quaternion's w is 1, as with rclpy."""
 
+    are_shared = False
+
     def __init__(self, registry: NativeRegistry) -> None:
         super().__init__()
         self._registry = registry

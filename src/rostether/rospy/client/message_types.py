@@ -39,6 +39,7 @@ class FacadeClasses(MessageClasses):
     new_stamp = staticmethod(new_stamp)
     numbers = tuple
     text_errors = "replace"
+    are_shared = False
 
     def __init__(self, types: MessageTypes) -> None:
         super().__init__()

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import signal
 import subprocess
@@ -12,7 +13,9 @@ import pytest
 
 from programs import running
 from rostether.cli.main import main
+from rostether.cli.shell import interrupts
 from rostether.cli.shell.failures import EXIT_INTERRUPTED
+from rostether.cli.shell.interrupts import raise_at_interrupt
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError
 from unit.cli.command_shell import LiveGraph
@@ -182,3 +185,32 @@ def test_ctrl_c_before_the_command_runs_ends_it(monkeypatch: pytest.MonkeyPatch)
         signal.signal(signal.SIGINT, before)
     assert caught.value.exit_code == EXIT_INTERRUPTED
     assert not ran
+
+
+def test_ctrl_c_that_a_clean_up_lost_ends_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def command() -> None:
+        pytest.fail("it runs")
+
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    monkeypatch.setattr(interrupts, "_interrupted", False)
+    try:
+        raise_at_interrupt()
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+        with pytest.raises(click.exceptions.Exit) as caught:
+            run(command())
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert caught.value.exit_code == EXIT_INTERRUPTED
+
+
+@pytest.mark.parametrize("runs", ["", "sys.argv[1:] = ['msg', 'md5', 'std_msgs/Empty']; program.main()"])
+def test_ctrl_c_before_and_after_the_command_is_silent(runs: str) -> None:
+    program = f"""
+import os, signal, sys
+import rostether.__main__ as program
+{runs}
+os.kill(os.getpid(), signal.SIGINT)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")

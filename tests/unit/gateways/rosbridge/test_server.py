@@ -166,7 +166,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
     async def enable(request: Message) -> dict[str, Any]:
         return {"success": request.data, "message": "done"}
 
-    await there.graph.serve("/enable", "std_srvs/SetBool", enable)
+    await there.graph.service_server("/enable", "std_srvs/SetBool", enable)
     async with there.client() as client:
         for args in ({"data": True}, [True], True):
             await client.say("call_service", service="/enable", args=args, id="c")
@@ -204,7 +204,7 @@ async def test_a_call_that_takes_long_holds_up_nothing_and_ends_in_time(there: W
         await asyncio.sleep(3600)
         return {}
 
-    await there.graph.serve("/hang", "std_srvs/Trigger", hang)
+    await there.graph.service_server("/hang", "std_srvs/Trigger", hang)
     async with there.client() as client:
         await client.say("call_service", service="/hang", id="long")
         await client.say("call_service", service="/hang", id="short", timeout=0.05)
@@ -225,7 +225,7 @@ async def test_calls_that_never_end_hold_up_nothing_else(
         await asyncio.sleep(3600)
         return {}
 
-    await there.graph.serve("/hang", "std_srvs/Trigger", hang)
+    await there.graph.service_server("/hang", "std_srvs/Trigger", hang)
     async with there.client() as client:
         for number in range(3):
             await client.say("call_service", service="/hang", id=number)
@@ -271,7 +271,7 @@ async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.Monk
         await go_on.wait()
         return {}
 
-    await there.graph.serve("/hang", "std_srvs/Trigger", hang)
+    await there.graph.service_server("/hang", "std_srvs/Trigger", hang)
     async with there.client() as client:
         for number in range(2):
             await client.say("call_service", service="/hang", id=number, filler="x" * 900)

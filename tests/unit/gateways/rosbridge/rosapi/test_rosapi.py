@@ -82,7 +82,7 @@ async def talker(network: MemoryNetwork) -> TypedGraph:
     graph = TypedGraph(await network.join("/talker"), STORE)
     await graph.publisher("/chatter", "std_msgs/String")
     await graph.publisher("/pose", "geometry_msgs/PoseStamped")
-    await graph.serve("/enable", "std_srvs/SetBool", lambda _: {})
+    await graph.service_server("/enable", "std_srvs/SetBool", lambda _: {})
     return graph
 
 
@@ -167,7 +167,7 @@ async def test_services_and_their_types(gateway: MemoryGraph, talker: TypedGraph
 async def test_servers_are_asked_where_the_graph_knows_no_types(
     network: MemoryNetwork, talker: TypedGraph
 ) -> None:
-    await talker.serve("/dumb", "std_srvs/Empty", lambda _: {})
+    await talker.service_server("/dumb", "std_srvs/Empty", lambda _: {})
     graph = ForgetfulGraph(network, "/forgetful", "/", {})
     api = api_of(graph)
     assert await ask(api, "service_type", service="/enable") == {"type": "std_srvs/SetBool"}

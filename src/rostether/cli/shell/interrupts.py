@@ -1,0 +1,24 @@
+"""Ctrl-C between the start of a command and its event loop."""
+
+from __future__ import annotations
+
+import signal
+
+_interrupted = False
+
+
+def raise_at_interrupt() -> None:
+    """Raise KeyboardInterrupt at Ctrl-C from now on, where it would have ended the process (`__main__`)."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+        signal.signal(signal.SIGINT, _interrupt)
+
+
+def was_interrupted() -> bool:
+    """Return whether Ctrl-C came since then: Python may lose the exception in a clean-up."""
+    return _interrupted
+
+
+def _interrupt(_number: int, _frame: object) -> None:
+    global _interrupted
+    _interrupted = True
+    raise KeyboardInterrupt

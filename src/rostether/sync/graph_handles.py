@@ -1,0 +1,134 @@
+"""The handles of a node for programs without asyncio."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any, Generic, ParamSpec, TypeVar, overload
+
+from rostether.graph import ports
+from rostether.graph.message_stream import MessageStream
+from rostether.graph.typed_handles import CallbackSubscriber, TypedPublisher, TypedServiceClient
+from rostether.mechanisms.callback_thread import CallbackThread
+from rostether.serde.type_classes import Response
+from rostether.serde.values import Message
+from rostether.sync.waiting import LOOP, Waiting, in_loop, waiting
+
+P = ParamSpec("P")
+M = TypeVar("M", bound=Message)
+
+
+class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
+    """Publishes messages of one type; made by `Graph.publisher`. `P` are the type's fields."""
+
+    _publish = in_loop(TypedPublisher.publish)
+
+    @overload
+    def publish(self, message: object, /) -> bool: ...
+    @overload
+    def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
+    def publish(self, *args: Any, **fields: Any) -> bool:
+        """Publish one message, given whole, by its fields, or as the value of its only field.
+
+        Raises SerializationError naming the field that does not fit.
+        """
+        return self._publish(*args, **fields)
+
+    drained = waiting(TypedPublisher.drained)
+    wait_for_subscriber = waiting(TypedPublisher.wait_for_subscriber)
+    close = waiting(TypedPublisher.close)
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+        return self.wrapped.topic
+
+    @property
+    def subscriber_count(self) -> int:
+        """How many subscribers are connected now."""
+        return self.wrapped.subscriber_count
+
+
+class Subscriber(Waiting[CallbackSubscriber]):
+    """Calls back in a thread of its own until it is closed; made by `Graph.subscriber`."""
+
+    def __init__(self, wrapped: CallbackSubscriber, thread: CallbackThread[Message]) -> None:
+        super().__init__(wrapped)
+        self._thread = thread
+
+    @property
+    def topic(self) -> str:
+        """The resolved topic name."""
+        return self.wrapped.topic
+
+    def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+        self._thread.close()
+        LOOP.call(self.wrapped.close())
+
+
+class ServiceServer(Waiting[ports.ServiceServer]):
+    """A service that is offered until it is closed; made by `Graph.service_server`."""
+
+    close = waiting(ports.ServiceServer.close)
+
+
+class ServiceClient(Waiting[TypedServiceClient[Response]]):
+    """Calls a service; made by `Graph.service_client`."""
+
+    call = waiting(TypedServiceClient[Response].call)
+
+
+class ParamWatch(Waiting[ports.Watch]):
+    """Calls back in a thread of its own until it is closed; made by `Graph.watch_param`."""
+
+    close = waiting(ports.Watch.close)
+
+
+class Messages(Generic[M]):
+    """The messages of a topic, to loop over; made by `Graph.messages`.
+
+    The subscription begins with the loop, or the first `next`, and ends with the loop or `close`.
+    """
+
+    def __init__(self, is_closed: Callable[[], bool], stream: MessageStream[M]) -> None:
+        self._is_closed = is_closed
+        self._stream = stream
+        self._waiting: asyncio.Task[M] | None = None
+
+    @property
+    def dropped_count(self) -> int:
+        """How many messages came faster than the loop took them."""
+        return self._stream.dropped_count
+
+    def __iter__(self) -> Iterator[M]:
+        try:
+            with suppress(StopIteration):
+                while True:
+                    yield next(self)
+        finally:
+            self.close()
+
+    def __next__(self) -> M:
+        """Return the next message; waits for it."""
+        try:
+            return LOOP.call(self._next())
+        except StopAsyncIteration:
+            raise StopIteration from None
+
+    def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+        if not self._is_closed():
+            LOOP.call(self._end())
+
+    async def _next(self) -> M:
+        self._waiting = asyncio.ensure_future(anext(self._stream))
+        return await self._waiting
+
+    async def _end(self) -> None:
+        # A generator cannot be closed while it runs, as after Ctrl-C.
+        if self._waiting is not None:
+            self._waiting.cancel()
+            await asyncio.wait([self._waiting])
+        await self._stream.aclose()
