@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import sys
+import xmlrpc.client
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
+from PIL import Image
 
 from interop.node_stage import Stage, stage_on
 from interop.ros1_peers import DEBIAN_PYTHON
@@ -39,6 +42,22 @@ async def test_a_sensor_node_of_rospy_registers_and_comes_back(stage: Stage, tmp
         assert (await graph.wait_for_message("/sensor_node0", timeout_s=60)).data == 42.0
         await client.stop()
         await shown(graph, "disconnected")
+
+
+async def test_rostopic_shows_our_camera(stage: Stage) -> None:
+    # Where the platform's first camera node reads it; no client of ours could set it.
+    with xmlrpc.client.ServerProxy(stage.peers.master_uri) as server:
+        await asyncio.to_thread(server.setParam, "/t", "/Robot3-pi_camera/vflip", True)
+    camera = await stage.peers.start(*OURS, "camera", "_source:=test", "_platform_name:=Robot3", "_id:=front")
+    await camera.wait_for("not registered as Robot3/front yet: no node offers")
+    topic = "/sensors/Robot3/front"
+    echo = await stage.peers.start("rostopic", "echo", "-n", "1", "--noarr", topic)
+    await echo.wait_for('format: "jpeg"')
+    graph = TypedGraph(await stage.join("/viewer"), TypeStore(Registry()))
+    message = await graph.wait_for_message(topic, timeout_s=60)
+    with Image.open(io.BytesIO(message.data)) as image:
+        # The bars, of which the first is white, are at the top of a picture that is not flipped.
+        assert image.convert("L").getpixel((8, 470)) == 255
 
 
 async def shown(graph: TypedGraph, state: str) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from rostether.errors import ServiceCallError
-from rostether.platform.sensor_state import REPORTED, Condition
+from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED, Condition
 
 # By the sensor types of the registration service.
 MESSAGE_TYPES = {
@@ -41,7 +41,7 @@ class Origin(Enum):
 
     # The reference's service: the topic is `sensor_node` and a number.
     COUNTED = "counted"
-    # The service with an id: the topic is `sensors/` and the id.
+    # The service with an id: the topic is `/sensors/` and the id.
     ID = "id"
     # A line in the sensors' file: the topic is the board's.
     FILE = "file"
@@ -117,9 +117,11 @@ class Registration:
         if self.state not in REPORTED:
             raise ServiceCallError(f"state is {', '.join(REPORTED)}, not {self.state!r:.100}")
         _check_text("platform_name", self.platform)
-        for what in ("instance", "name", "unit", "frame_id", "state_text"):
+        for what in ("instance", "name", "unit", "frame_id"):
             if text := getattr(self, what):
                 _check_text(what, text)
+        if self.state_text:
+            _check_text("state_text", self.state_text, MAX_STATE_TEXT_CHARACTERS)
 
 
 class SensorRegistry:
@@ -185,7 +187,7 @@ class SensorRegistry:
             raise ServiceCallError(f"the sensor {wanted.id} exists and has no lease; choose another id")
         if before is None:
             name = wanted.name or wanted.id
-            before = Sensor(wanted.id, -1, "", "", f"sensors/{wanted.id}", name, lease_s=wanted.lease_s)
+            before = Sensor(wanted.id, -1, "", "", f"/sensors/{wanted.id}", name, lease_s=wanted.lease_s)
             self.add(before, now_s)
         condition = self._conditions[wanted.id]
         if condition.instance not in ("", wanted.instance) and condition.holds_lease(now_s):
@@ -282,8 +284,6 @@ class SensorRegistry:
         del self._sensors[oldest], self._conditions[oldest]
 
 
-def _check_text(what: str, text: str) -> None:
-    if not text.strip() or len(text) > MAX_TEXT_CHARACTERS or not text.isprintable():
-        raise ServiceCallError(
-            f"{what} is 1 to {MAX_TEXT_CHARACTERS} printable characters, not {text!r:.100}"
-        )
+def _check_text(what: str, text: str, most: int = MAX_TEXT_CHARACTERS) -> None:
+    if not text.strip() or len(text) > most or not text.isprintable():
+        raise ServiceCallError(f"{what} is 1 to {most} printable characters, not {text!r:.100}")

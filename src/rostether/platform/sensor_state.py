@@ -15,6 +15,9 @@ from dataclasses import dataclass
 # States that a sensor with a lease may report itself.
 REPORTED = ("init", "ready", "sleeping", "alert")
 
+# A sentence with the path of a file.
+MAX_STATE_TEXT_CHARACTERS = 300
+
 SILENT_S = 3.0
 LOST_S = 60.0
 

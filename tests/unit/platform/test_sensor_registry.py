@@ -125,7 +125,7 @@ def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch:
 
 def test_a_sensor_with_an_id_reports_its_state(registry: SensorRegistry) -> None:
     sensor, refusal = registry.register_by_id(CAMERA, 0.0)
-    assert (sensor.topic, sensor.name, refusal) == ("sensors/robot3/front", "Front camera", "")
+    assert (sensor.topic, sensor.name, refusal) == ("/sensors/robot3/front", "Front camera", "")
     assert state(registry, sensor.id, 0.0) == "init"
     registry.connect(sensor.id, True, 1.0)
     assert state(registry, sensor.id, 1.0) == "ready"

@@ -13,6 +13,7 @@ _LIBRARIES = "rostether.cli.launch.make_libraries"
 _SERVERS = "rostether.cli.bridge.rosserial_server"
 _TOPICS = "rostether.cli.role.topic_tools"
 _JOINTS = "rostether.cli.role.joint_state"
+_SENSORS = "rostether.cli.platform.sensor_roles"
 _STATIC = "rostether.cli.robot.tf_static"
 
 ROLES = {
@@ -65,6 +66,12 @@ ROLES = {
     "digital-tester": VerbEntry(
         "rostether.cli.platform.sensing:digital_tester", "Publish test values as a sensor."
     ),
+    "camera": VerbEntry("rostether.cli.platform.camera:camera", "Publish a camera as a sensor."),
+    "analog": VerbEntry(f"{_SENSORS}:analog", "Publish a number of a file or a topic as a sensor."),
+    "digital": VerbEntry(f"{_SENSORS}:digital", "Publish a GPIO line or a topic as a sensor."),
+    "gps": VerbEntry(f"{_SENSORS}:gps", "Publish the positions of a receiver (NMEA) as a sensor."),
+    "battery": VerbEntry(f"{_SENSORS}:battery", "Publish this computer's battery as a sensor."),
+    "system-load": VerbEntry(f"{_SENSORS}:system_load", "Publish this computer's load as sensors."),
     "foxglove-bridge": VerbEntry(
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),

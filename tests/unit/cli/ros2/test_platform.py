@@ -49,4 +49,12 @@ async def test_a_joystick_drives_a_robot_and_a_sensor_registers(world: ZenohWorl
         await tester.wait_for("registered for topic sensor_node0")
         value = await graph.wait_for_message("/sensor_node0", "std_msgs/msg/Float64", timeout_s=60)
         assert value.data in range(101)
+        async with started(
+            "role", "camera", "--ros2", "zenoh", "_source:=test", "_platform_name:=R3"
+        ) as camera:
+            await camera.wait_for("registered as R3/camera, on topic /sensors/R3/camera")
+            picture = await graph.wait_for_message(
+                "/sensors/R3/camera", "sensor_msgs/msg/CompressedImage", timeout_s=60
+            )
+        assert bytes(picture.data).startswith(b"\xff\xd8")
         assert not manager.process.returncode

@@ -1,0 +1,101 @@
+"""The camera's node as a role."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.graph_options import ROS2_CHOICE
+from rostether.cli.platform.parameters import Parameters, reporter
+from rostether.cli.platform.sensor_settings import (
+    SensorKind,
+    default_platform,
+    read_description,
+    run_sensor,
+)
+from rostether.cli.role.node import NODE_SETTINGS
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.ports import ParamValue
+from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
+
+if TYPE_CHECKING:
+    from rostether.platform.sensors.picture_sources import PictureSource
+
+# Larger than the pictures of cameras that robots have.
+_MAX_SIDE = 8192
+
+
+@click.command(
+    "camera",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role camera
+    rostether role camera _source:=/dev/video2 _id:=front _vflip:=true _width:=640 _height:=480
+    rostether role camera _source:=pictures _rate:=2
+    rostether role camera _source:=test
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@ROS2_CHOICE
+def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish a camera as a sensor (sensor_msgs/CompressedImage), only while a program shows it.
+
+    Parameters: ~source (/dev/video0, or picamera2 where it is installed; a folder of .jpg files; test),
+    ~vflip, ~hflip, ~width, ~height, ~quality (1 to 95), ~rate (10), ~id (camera), ~name, ~platform_name,
+    ~frame_id.
+    """
+    run_sensor("camera", arguments, partial(_camera, ros2 is None), ros2)
+
+
+async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
+
+    parameters = Parameters(graph, "camera")
+    first = await _first_parameters(graph, parameters) if is_ros1 else {}
+    source = await _source(parameters, bool(first.get("vflip")), bool(first.get("hflip")))
+    description = await read_description(parameters, SensorKind("camera", "CAMERA", MESSAGE_TYPE, 10.0))
+    await publish_pictures(graph, description, source, reporter(graph))
+
+
+async def _first_parameters(graph: TypedGraph, parameters: Parameters) -> Mapping[str, ParamValue]:
+    """Return the parameters of the platform's first camera node, such as Robot3-pi_camera/vflip."""
+    key = f"{await parameters.text(default_platform(), 'platform_name')}-pi_camera"
+    # The hyphen is not allowed in names, so that only the whole tree can be asked for.
+    if not any(name.startswith(f"/{key}/") for name in await graph.raw.list_params()):
+        return {}
+    tree = await graph.raw.get_param("/")
+    found = tree.get(key) if isinstance(tree, dict) else None
+    return found if isinstance(found, dict) else {}
+
+
+async def _source(parameters: Parameters, vflip: bool, hflip: bool) -> PictureSource:
+    from rostether.platform.sensors.jpeg import PictureChange
+    from rostether.platform.sensors.picture_sources import DrawnPictures, PictureFolder
+    from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
+    from rostether.platform.sensors.v4l2_camera import V4l2Camera
+
+    change = PictureChange(
+        vflip=await parameters.flag(vflip, "vflip"),
+        hflip=await parameters.flag(hflip, "hflip"),
+        width=await parameters.whole(0, 0, _MAX_SIDE, "width"),
+        height=await parameters.whole(0, 0, _MAX_SIDE, "height"),
+        quality=await parameters.whole(0, 0, 95, "quality"),
+    )
+    if bool(change.width) != bool(change.height):
+        raise ConfigError("give both ~width and ~height")
+    name = await parameters.text("picamera2" if has_picamera2() else "/dev/video0", "source")
+    if name == "test":
+        return DrawnPictures(change)
+    if name == "picamera2":
+        return RaspberryCamera(change)
+    path = await asyncio.to_thread(Path(name).expanduser)
+    is_folder = await asyncio.to_thread(path.is_dir)
+    return PictureFolder(path, change) if is_folder else V4l2Camera(path, change)

@@ -1,0 +1,207 @@
+"""The nodes of sensors as roles: analog, digital, gps, battery and system_load; the camera is in camera."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncGenerator, Callable
+from functools import partial
+from pathlib import Path
+
+import click
+
+from rostether.cli.access.graph_options import ROS2_CHOICE
+from rostether.cli.platform.parameters import Parameters, reporter
+from rostether.cli.platform.sensor_settings import (
+    SensorKind,
+    default_platform,
+    read_description,
+    read_rate,
+    run_sensor,
+)
+from rostether.cli.role.node import NODE_SETTINGS
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
+
+_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+
+
+@click.command(
+    "analog",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role analog _id:=voltage _path:=/sys/bus/iio/devices/iio:device0/in_voltage0_raw _scale:=11
+    rostether role analog _id:=distance _topic:=/arm/ultrasound _field:=range _unit:=m _alert_below:=0.1
+    """,
+)
+@_arguments
+@ROS2_CHOICE
+def analog(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish a number as a sensor: of a file of the system, or of a field of a topic.
+
+    Parameters: ~path (a file with a number; those in /sys/bus/iio get their unit), or ~topic and ~field
+    (data); ~scale (1), ~offset (0), ~alert_below, ~alert_above, ~rate (10, for a file), ~unit, ~id (analog),
+    ~name, ~platform_name, ~frame_id.
+    """
+    run_sensor("analog", arguments, partial(_value, "analog"), ros2)
+
+
+@click.command(
+    "digital",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role digital _id:=bumper _gpio:=GPIO17 _bias:=pull_up _active_low:=true
+    rostether role digital _id:=button _topic:=/arm/button
+    """,
+)
+@_arguments
+@ROS2_CHOICE
+def digital(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish 1 or 0 as a sensor: of a GPIO line, of a file, or of a field of a topic.
+
+    Parameters: ~gpio (number or name of a line), ~chip (/dev/gpiochip0), ~bias (as_is, disabled, pull_up,
+    pull_down), ~active_low; or ~path; or ~topic and ~field (data); ~id (digital), ~name, ~platform_name.
+    """
+    run_sensor("digital", arguments, partial(_value, "digital"), ros2)
+
+
+@click.command(
+    "gps",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role gps _port:=/dev/ttyACM0
+    rostether role gps "_port:=/dev/ttyUSB0?baud=9600" _frame_id:=gps
+    rostether role gps "_port:=tcp://192.168.1.7:11123?connect=yes"
+    """,
+)
+@_arguments
+@ROS2_CHOICE
+def gps(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish the positions of a receiver that sends NMEA, as a sensor (sensor_msgs/NavSatFix).
+
+    Parameters: ~port (/dev/ttyACM0; a link address), ~baud (9600), ~frame_id (gps), ~id (gps), ~name,
+    ~platform_name.
+    """
+    run_sensor("gps", arguments, _gps, ros2)
+
+
+@click.command(
+    "battery",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="rostether role battery _alert_below:=0.2",
+)
+@_arguments
+@ROS2_CHOICE
+def battery(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish this computer's battery as a sensor (sensor_msgs/BatteryState).
+
+    Parameters: ~path (the first battery in /sys/class/power_supply), ~alert_below (0.15), ~rate (0.5),
+    ~id (battery), ~name, ~platform_name.
+    """
+    run_sensor("battery", arguments, _battery, ros2)
+
+
+@click.command(
+    "system-load",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="rostether role system-load _rate:=0.2",
+)
+@_arguments
+@ROS2_CHOICE
+def system_load(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish this computer's load as sensors: cpu, memory and disk in percent, and its temperature.
+
+    Parameters: ~rate (0.5), ~disk (a folder on the disk; /), ~platform_name.
+    """
+    run_sensor("system_load", arguments, _system_load, ros2)
+
+
+async def _value(word: str, graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
+
+    parameters = Parameters(graph, word)
+    open_source, unit = await _value_source(graph, parameters, word)
+    kind = SensorKind(word, word.upper(), MESSAGE_TYPE, 10.0, unit)
+    scaling = Scaling(
+        await parameters.number(1.0, "scale"),
+        await parameters.number(0.0, "offset"),
+        await parameters.number(float("-inf"), "alert_below"),
+        await parameters.number(float("inf"), "alert_above"),
+    )
+    description = await read_description(parameters, kind)
+    await publish_values(graph, description, open_source, scaling, reporter(graph))
+
+
+async def _value_source(
+    graph: TypedGraph, parameters: Parameters, word: str
+) -> tuple[Callable[[], AsyncGenerator[float, None]], str]:
+    """Return what opens the source that the parameters name, and its unit. Raises ConfigError."""
+    from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
+    from rostether.platform.sensors.number_file import NumberFile
+    from rostether.platform.sensors.topic_values import topic_values
+
+    path = await parameters.text("", "path")
+    topic = await parameters.text("", "topic")
+    line = await parameters.text("", "gpio")
+    if sum(map(bool, (path, topic, line))) != 1 or (line and word == "analog"):
+        choices = "~path or ~topic" if word == "analog" else "~gpio, ~path or ~topic"
+        raise ConfigError(f"give one of {choices}, for instance _topic:=/arm/ultrasound _field:=range")
+    if path:
+        file = NumberFile(Path(path))
+        rate_hz = await read_rate(parameters, 10.0)
+        return lambda: file.readings(rate_hz), file.unit
+    if topic:
+        field = await parameters.text("data", "field")
+        return lambda: topic_values(graph, topic, field), ""
+    gpio_package()
+    bias = await parameters.text("as_is", "bias")
+    if bias not in BIASES:
+        raise ConfigError(f"~bias is {', '.join(BIASES)}, not {bias!r:.100}")
+    gpio = GpioLine(
+        line,
+        await parameters.text("/dev/gpiochip0", "chip"),
+        bias,
+        await parameters.flag(False, "active_low"),
+    )
+    return gpio.levels, ""
+
+
+async def _gps(graph: TypedGraph, _: Arguments) -> None:
+    from dataclasses import replace
+
+    from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
+    from rostether.transports.address import SerialAddress, parse_address
+
+    parameters = Parameters(graph, "gps")
+    address = parse_address(await parameters.text("/dev/ttyACM0", "port"))
+    if isinstance(address, SerialAddress) and "baud" not in address.given:
+        address = replace(address, baud=await parameters.whole(9600, 300, 4_000_000, "baud"))
+    description = await read_description(parameters, SensorKind("gps", "GPS", MESSAGE_TYPE, 1.0))
+    description = replace(description, frame_id=description.frame_id or "gps")
+    await publish_positions(graph, description, address, reporter(graph))
+
+
+async def _battery(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.sensors.battery import MESSAGE_TYPE, publish_battery
+
+    parameters = Parameters(graph, "battery")
+    path = await parameters.text("", "path")
+    description = await read_description(parameters, SensorKind("battery", "BATTERY", MESSAGE_TYPE, 0.5))
+    alert_below = await parameters.number(0.15, "alert_below")
+    await publish_battery(graph, description, Path(path) if path else None, alert_below, reporter(graph))
+
+
+async def _system_load(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.sensors.registered_sensor import platform_word
+    from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
+
+    parameters = Parameters(graph, "system_load")
+    platform = await parameters.text(default_platform(), "platform_name")
+    files = SystemFiles(disk=Path(await parameters.text("/", "disk")))
+    rate_hz = await read_rate(parameters, 0.5)
+    await publish_system_load(graph, platform, platform_word(platform), rate_hz, files, reporter(graph))

@@ -1,0 +1,134 @@
+"""The node battery: a power supply of Linux as sensor_msgs/BatteryState.
+
+Source: Linux, Documentation/ABI/testing/sysfs-class-power. Values there are in millionths of the unit.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import AsyncGenerator, Callable
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import BoardError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.sensors.readings import Pace, publish_readings
+from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+
+MESSAGE_TYPE = "sensor_msgs/BatteryState"
+FOLDER = Path("/sys/class/power_supply")
+
+_MAX_FILE_BYTES = 4096
+_DISCHARGING = 2
+_STATUS = {"Charging": 1, "Discharging": _DISCHARGING, "Not charging": 3, "Full": 4}
+_HEALTH = {
+    "Good": 1,
+    "Overheat": 2,
+    "Dead": 3,
+    "Over voltage": 4,
+    "Unspecified failure": 5,
+    "Cold": 6,
+    "Watchdog timer expire": 7,
+    "Safety timer expire": 8,
+}
+_TECHNOLOGY = {"NiMH": 1, "Li-ion": 2, "Li-poly": 3, "LiFe": 4, "NiCd": 5, "LiMn": 6}
+
+
+def find_battery(folder: Path = FOLDER) -> Path:
+    """Return the folder of the first battery. Raises BoardError if there is none."""
+    for supply in sorted(folder.glob("*")):
+        if _text(supply, "type") == "Battery" and _text(supply, "scope") != "Device":
+            return supply
+    raise BoardError(f"{folder}: has no battery")
+
+
+def read_battery(supply: Path) -> dict[str, Any]:
+    """Return the fields of sensor_msgs/BatteryState, NaN for what the driver does not measure.
+
+    Raises OSError if the battery is gone.
+    """
+    supply.stat()
+    voltage = _micro(supply, "voltage_now")
+    current = _micro(supply, "current_now")
+    if math.isnan(current):
+        current = _micro(supply, "power_now") / voltage if voltage else math.nan
+    status = _STATUS.get(_text(supply, "status"), 0)
+    if status == _DISCHARGING:
+        # Drivers differ in the sign; in ROS, a discharging battery has a negative current.
+        current = -abs(current)
+    return {
+        "voltage": voltage,
+        "temperature": _number(supply, "temp") / 10,
+        "current": current,
+        "charge": _charge(supply, "now"),
+        "capacity": _charge(supply, "full"),
+        "design_capacity": _charge(supply, "full_design"),
+        "percentage": _number(supply, "capacity") / 100,
+        "power_supply_status": status,
+        "power_supply_health": _HEALTH.get(_text(supply, "health"), 0),
+        "power_supply_technology": _TECHNOLOGY.get(_text(supply, "technology"), 0),
+        "present": _text(supply, "present") != "0",
+        "location": supply.name,
+        "serial_number": _text(supply, "serial_number"),
+    }
+
+
+async def publish_battery(
+    graph: TypedGraph,
+    description: SensorDescription,
+    supply: Path | None,
+    alert_below: float,
+    report: Callable[[Level, str], None],
+) -> None:
+    """Publish a battery as a sensor until cancelled; `supply` None is the first one. Raises GraphError.
+
+    It is in alert while it discharges below `alert_below`, a part of 1.
+    """
+    async with registered_sensor(graph, description, report) as sensor:
+
+        def publish(fields: dict[str, Any]) -> None:
+            sensor.publish(header={"stamp": graph.now(), "frame_id": description.frame_id}, **fields)
+            is_low = fields["percentage"] < alert_below and fields["power_supply_status"] in (0, _DISCHARGING)
+            text = f"below {alert_below:.0%}" if is_low else ""
+            sensor.set_state("alert" if is_low else "ready", text)
+
+        await publish_readings(sensor, lambda: _readings(supply, description.rate_hz), publish, report)
+
+
+async def _readings(supply: Path | None, rate_hz: float) -> AsyncGenerator[dict[str, Any], None]:
+    found = supply if supply is not None else await asyncio.to_thread(find_battery)
+    pace = Pace(rate_hz)
+    while True:
+        yield await asyncio.to_thread(read_battery, found)
+        await pace.wait()
+
+
+def _charge(supply: Path, which: str) -> float:
+    charge = _micro(supply, f"charge_{which}")
+    if math.isnan(charge):
+        # Some drivers count energy instead; the design voltage makes it a charge.
+        energy, voltage = _micro(supply, f"energy_{which}"), _micro(supply, "voltage_min_design")
+        return energy / voltage if voltage else math.nan
+    return charge
+
+
+def _micro(supply: Path, name: str) -> float:
+    return _number(supply, name) / 1e6
+
+
+def _number(supply: Path, name: str) -> float:
+    try:
+        return float(_text(supply, name))
+    except ValueError:
+        return math.nan
+
+
+def _text(supply: Path, name: str) -> str:
+    # A driver answers a property that it cannot measure now with an error.
+    try:
+        with (supply / name).open("rb") as file:
+            return file.read(_MAX_FILE_BYTES).decode(errors="replace").strip()
+    except OSError:
+        return ""

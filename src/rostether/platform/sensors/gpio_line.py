@@ -1,0 +1,74 @@
+"""A GPIO line as a source of numbers, by the package `gpiod` (extra `gpio`)."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator
+from dataclasses import dataclass
+from typing import Any
+
+from rostether.errors import BoardError, ConfigError
+from rostether.extras import install_command
+
+# A button that does not change is published so often.
+REPEAT_S = 1.0
+
+BIASES = ("as_is", "disabled", "pull_up", "pull_down")
+
+
+@dataclass(frozen=True, slots=True)
+class GpioLine:
+    """A line of a chip: its number, or its name, such as GPIO17."""
+
+    line: str
+    chip: str = "/dev/gpiochip0"
+    bias: str = "as_is"
+    is_active_low: bool = False
+
+    async def levels(self) -> AsyncGenerator[float, None]:
+        """Yield 1.0 (active) or 0.0 now, at each change, and every second. Raises OSError, BoardError."""
+        gpiod = gpio_package()
+        changed = asyncio.Event()
+        loop = asyncio.get_running_loop()
+        request = self._request(gpiod)
+        try:
+            loop.add_reader(request.fd, changed.set)
+            try:
+                while True:
+                    changed.clear()
+                    while request.wait_edge_events(0):
+                        request.read_edge_events()
+                    values = request.get_values()
+                    yield float(values[0] == gpiod.line.Value.ACTIVE)
+                    try:
+                        async with asyncio.timeout(REPEAT_S):
+                            await changed.wait()
+                    except TimeoutError:
+                        pass
+            finally:
+                loop.remove_reader(request.fd)
+        finally:
+            request.release()
+
+    def _request(self, gpiod: Any) -> Any:
+        settings = gpiod.LineSettings(
+            direction=gpiod.line.Direction.INPUT,
+            edge_detection=gpiod.line.Edge.BOTH,
+            bias=getattr(gpiod.line.Bias, self.bias.upper()),
+            active_low=self.is_active_low,
+        )
+        key: int | str = int(self.line) if self.line.isdigit() else self.line
+        try:
+            return gpiod.request_lines(self.chip, config={key: settings}, consumer="rostether")
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise BoardError(f"{self.chip}: line {self.line} cannot be read: {reason}") from None
+
+
+def gpio_package() -> Any:
+    """Return the package `gpiod`. Raises ConfigError if it is not installed."""
+    try:
+        import gpiod
+    except ImportError:
+        raise ConfigError(f"GPIO lines need another package; run: {install_command('gpio')}") from None
+    return gpiod

@@ -1,0 +1,86 @@
+"""The node gps: the positions of a receiver that sends NMEA over a serial port or TCP."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator, Callable
+
+from rostether.errors import BoardError, TransportError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.sensors.nmea import NmeaReader, Position
+from rostether.platform.sensors.readings import publish_readings
+from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+from rostether.transports.address import Address
+from rostether.transports.opening import open_transport
+
+MESSAGE_TYPE = "sensor_msgs/NavSatFix"
+
+# Receivers send ten positions a second at most; a program that reads fewer gets the newest.
+_MAX_WAITING = 100
+
+
+async def publish_positions(
+    graph: TypedGraph,
+    description: SensorDescription,
+    address: Address,
+    report: Callable[[Level, str], None],
+) -> None:
+    """Publish the positions of a receiver as a sensor until cancelled. Raises GraphError, ConfigError."""
+    # A missing package is reported at once.
+    NmeaReader()
+    async with registered_sensor(graph, description, report) as sensor:
+
+        def publish(position: Position) -> None:
+            header = {"stamp": graph.now(), "frame_id": description.frame_id}
+            sensor.publish(header=header, **position.fields)
+            if position.has_fix:
+                sensor.set_state("ready")
+            else:
+                sensor.set_state("sleeping", f"no position yet; satellites: {position.satellites}")
+
+        await publish_readings(sensor, lambda: positions(address), publish, report)
+
+
+async def positions(address: Address) -> AsyncGenerator[Position, None]:
+    """Yield the positions that arrive. Raises TransportError, BoardError, ConfigError."""
+    transport = await open_transport(address)
+    receiver = _Receiver(f"{address}")
+    transport.start(receiver)
+    try:
+        while True:
+            yield await receiver.next_position()
+    finally:
+        transport.close()
+        await transport.wait_closed()
+
+
+class _Receiver:
+    def __init__(self, where: str) -> None:
+        self._where = where
+        self._reader = NmeaReader()
+        self._waiting: asyncio.Queue[Position | None] = asyncio.Queue(_MAX_WAITING)
+
+    async def next_position(self) -> Position:
+        position = await self._waiting.get()
+        if position is None:
+            raise BoardError(f"{self._where}: the connection has ended")
+        return position
+
+    def data_received(self, data: bytes) -> None:
+        for position in self._reader.feed(data):
+            self._put(position)
+
+    def connection_lost(self, error: TransportError | None) -> None:
+        self._put(None)
+
+    def pause_writing(self) -> None:
+        """Do nothing: it never writes."""
+
+    def resume_writing(self) -> None:
+        """Do nothing: it never writes."""
+
+    def _put(self, position: Position | None) -> None:
+        if self._waiting.full():
+            self._waiting.get_nowait()
+        self._waiting.put_nowait(position)

@@ -1,0 +1,111 @@
+"""NMEA sentences of a GPS receiver as positions, by the package `pynmea2` (extra `gps`); without I/O."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from rostether.errors import ConfigError
+from rostether.extras import install_command
+
+# NMEA 0183 allows 82; receivers send longer ones.
+MAX_LINE_BYTES = 1024
+
+# The error of one range measurement of a simple receiver, in metres; HDOP multiplies it.
+RANGE_ERROR_M = 5.0
+
+# sensor_msgs/NavSatStatus by the quality in GGA: 2 is corrected by satellites, 4 and 5 by ground stations.
+_STATUS = {0: -1, 2: 1, 4: 2, 5: 2}
+_SERVICE_GPS = 1
+_COVARIANCE_APPROXIMATED = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """A position on the WGS 84 ellipsoid in degrees and metres; NaN without a fix."""
+
+    status: int
+    satellites: int
+    latitude: float = math.nan
+    longitude: float = math.nan
+    altitude_m: float = math.nan
+    hdop: float = math.nan
+
+    @property
+    def has_fix(self) -> bool:
+        """Whether the receiver knows where it is."""
+        return self.status >= 0
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The fields of sensor_msgs/NavSatFix, without its header."""
+        variance = (self.hdop * RANGE_ERROR_M) ** 2
+        is_known = not math.isnan(variance)
+        return {
+            "status": {"status": self.status, "service": _SERVICE_GPS},
+            "latitude": self.latitude,
+            "longitude": self.longitude,
+            "altitude": self.altitude_m,
+            # The height is about twice as uncertain.
+            "position_covariance": [variance, 0, 0, 0, variance, 0, 0, 0, 4 * variance]
+            if is_known
+            else [0.0] * 9,
+            "position_covariance_type": _COVARIANCE_APPROXIMATED if is_known else 0,
+        }
+
+
+class NmeaReader:
+    """Cuts bytes into sentences and returns the positions in them."""
+
+    def __init__(self) -> None:
+        self._pynmea2 = nmea_package()
+        self._buffer = bytearray()
+        self.damaged_count = 0
+
+    def feed(self, data: bytes) -> list[Position]:
+        """Return the positions of the sentences that `data` completes; damaged ones are counted."""
+        self._buffer += data
+        *lines, rest = bytes(self._buffer).split(b"\n")
+        self._buffer = bytearray(rest[-MAX_LINE_BYTES:])
+        return [found for line in lines if (found := self._position(line)) is not None]
+
+    def _position(self, line: bytes) -> Position | None:
+        # Receivers also send binary data; a sentence begins with a dollar sign.
+        start = line.rfind(b"$")
+        if start < 0:
+            return None
+        try:
+            sentence = self._pynmea2.parse(line[start:].decode("ascii").strip(), check=True)
+            if getattr(sentence, "sentence_type", "") != "GGA":
+                return None
+            return _position_of_gga(sentence)
+        except (self._pynmea2.ParseError, ValueError, TypeError, AttributeError):
+            self.damaged_count += 1
+            return None
+
+
+def _position_of_gga(sentence: Any) -> Position:
+    quality = int(sentence.gps_qual or 0)
+    satellites = int(sentence.num_sats or 0)
+    status = _STATUS.get(quality, 0)
+    if status < 0 or not sentence.lat or not sentence.lon:
+        return Position(-1, satellites)
+    # GGA has the height above the geoid, and the geoid's above the ellipsoid.
+    altitude_m = _number(sentence.altitude) + float(sentence.geo_sep or 0.0)
+    hdop = _number(sentence.horizontal_dil)
+    return Position(status, satellites, sentence.latitude, sentence.longitude, altitude_m, hdop)
+
+
+def _number(field: object) -> float:
+    # pynmea2 leaves an empty field empty.
+    return math.nan if field in (None, "") else float(str(field))
+
+
+def nmea_package() -> Any:
+    """Return the package `pynmea2`. Raises ConfigError if it is not installed."""
+    try:
+        import pynmea2
+    except ImportError:
+        raise ConfigError(f"GPS needs another package; run: {install_command('gps')}") from None
+    return pynmea2

@@ -1,0 +1,71 @@
+"""Numbers in files of the system: one of /sys/bus/iio (in its unit), or any file that has a number."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncGenerator
+from pathlib import Path
+
+from rostether.errors import BoardError
+from rostether.platform.sensors.readings import Pace
+
+# Longer than every number; a larger file is another one.
+_MAX_FILE_BYTES = 4096
+
+# in_voltage0_raw, in_temp_raw, in_accel_x_raw, in_distance_input: the kind, and the channel.
+_IIO_FILE = re.compile(r"in_([a-z]+(?:relative)?)(\d*)(.*)_(raw|input)")
+
+# Source: Linux, Documentation/ABI/testing/sysfs-bus-iio. Kinds in thousandths of the unit.
+_IIO_THOUSANDTHS = {"voltage": "V", "current": "A", "temp": "\N{DEGREE SIGN}C", "humidityrelative": "%"}
+_IIO_UNITS = {
+    "accel": "m/s\N{SUPERSCRIPT TWO}",
+    "anglvel": "rad/s",
+    "distance": "m",
+    "illuminance": "lx",
+    "pressure": "kPa",
+    "resistance": "\N{OHM SIGN}",
+}
+
+
+def read_number(path: Path) -> float:
+    """Return the number that a file begins with. Raises OSError, BoardError."""
+    with path.open("rb") as file:
+        text = file.read(_MAX_FILE_BYTES)
+    try:
+        return float(text.split()[0])
+    except (ValueError, IndexError):
+        raise BoardError(f"{path}: has no number, but {text[:20].decode(errors='replace')!r}") from None
+
+
+class NumberFile:
+    """A file with a number; `unit` is that of its kind in iio, else empty."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        found = _IIO_FILE.fullmatch(path.name)
+        self._kind, self._channel, self._axis, self._form = found.groups() if found else ("", "", "", "")
+        self.unit = _IIO_THOUSANDTHS.get(self._kind) or _IIO_UNITS.get(self._kind, "")
+
+    def read(self) -> float:
+        """Return the value in its unit. Raises OSError, BoardError."""
+        value = read_number(self.path)
+        if self._form == "raw":
+            value = (value + self._property("offset", 0.0)) * self._property("scale", 1.0)
+        return value / 1000 if self._kind in _IIO_THOUSANDTHS else value
+
+    async def readings(self, rate_hz: float) -> AsyncGenerator[float, None]:
+        """Yield the value `rate_hz` times a second. Raises OSError, BoardError."""
+        pace = Pace(rate_hz)
+        while True:
+            # A converter on I2C may take a tenth of a second.
+            yield await asyncio.to_thread(self.read)
+            await pace.wait()
+
+    def _property(self, name: str, default: float) -> float:
+        # A channel has its own, or shares one with its kind.
+        for stem in (f"in_{self._kind}{self._channel}{self._axis}", f"in_{self._kind}"):
+            path = self.path.with_name(f"{stem}_{name}")
+            if path.exists():
+                return read_number(path)
+        return default

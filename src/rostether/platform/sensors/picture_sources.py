@@ -1,0 +1,85 @@
+"""Where a camera's pictures come from: a camera of the system, a folder of JPEG files, or test pictures."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import AsyncGenerator
+from pathlib import Path
+from typing import Protocol
+
+from rostether.errors import BoardError
+from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, drawn_picture, pillow
+from rostether.platform.sensors.readings import Pace
+
+# Larger than the picture of any camera.
+MAX_PICTURE_BYTES = 32 << 20
+# Files of a folder, which is read again for each round.
+MAX_FILES = 100_000
+
+
+class PictureSource(Protocol):
+    """A source of JPEG pictures."""
+
+    def check(self) -> None:
+        """Raise OSError or BoardError if the source is missing; opens nothing."""
+
+    def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
+        """Open the source and yield JPEG pictures, at most `rate_hz` a second.
+
+        Raises OSError, BoardError.
+        """
+
+
+class DrawnPictures:
+    """Pictures that are drawn."""
+
+    def __init__(self, change: PictureChange) -> None:
+        pillow()
+        self._change = change
+
+    def check(self) -> None:
+        """Do nothing: they are always there."""
+
+    async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
+        """Yield pictures that differ."""
+        pace = Pace(rate_hz)
+        for count in itertools.count():
+            yield await asyncio.to_thread(drawn_picture, count, self._change)
+            await pace.wait()
+
+
+class PictureFolder:
+    """The JPEG files of a folder in the order of their names, again and again."""
+
+    def __init__(self, folder: Path, change: PictureChange) -> None:
+        if not change.is_none:
+            pillow()
+        self._folder = folder
+        self._change = change
+
+    def check(self) -> None:
+        """Raise OSError or BoardError if the folder has no pictures."""
+        self._files()
+
+    async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
+        """Yield the files' content."""
+        pace = Pace(rate_hz)
+        while True:
+            for path in await asyncio.to_thread(self._files):
+                yield await asyncio.to_thread(self._read, path)
+                await pace.wait()
+
+    def _files(self) -> list[Path]:
+        names = itertools.islice(self._folder.iterdir(), MAX_FILES)
+        found = sorted(each for each in names if each.suffix.lower() in (".jpg", ".jpeg"))
+        if not found:
+            raise BoardError(f"{self._folder}: has no .jpg files")
+        return found
+
+    def _read(self, path: Path) -> bytes:
+        with path.open("rb") as file:
+            data = file.read(MAX_PICTURE_BYTES)
+        if not data.startswith(b"\xff\xd8"):
+            raise BoardError(f"{path}: is no JPEG picture")
+        return data if self._change.is_none else changed_jpeg(data, self._change)

@@ -1,0 +1,82 @@
+"""Publishes what a source reads: opens it again when it fails, and reports the sensor's state."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator, Callable
+from contextlib import aclosing
+from typing import TypeVar
+
+from rostether.errors import RostetherError
+from rostether.graph.ports import Level
+from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.platform.sensors.registered_sensor import RegisteredSensor
+
+T = TypeVar("T")
+
+# A device is plugged in by hand.
+RETRY_S = 1.0
+SILENT_S = 3.0
+
+
+class Pace:
+    """Waits so that a loop runs `rate_hz` times a second; a loop that is late does not catch up."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self._period_s = 1 / rate_hz
+        self._next_s = 0.0
+
+    async def wait(self) -> None:
+        """Wait for the next turn."""
+        now_s = asyncio.get_running_loop().time()
+        self._next_s = max(self._next_s + self._period_s, now_s)
+        await asyncio.sleep(self._next_s - now_s)
+
+
+def reason_of(error: Exception) -> str:
+    """Return the words of an error, with the file's name."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return str(error)
+
+
+async def publish_readings(
+    sensor: RegisteredSensor,
+    open_source: Callable[[], AsyncGenerator[T, None]],
+    publish: Callable[[T], None],
+    report: Callable[[Level, str], None],
+) -> None:
+    """Publish each reading until cancelled. `publish` also sets the state.
+
+    `open_source` raises OSError or RostetherError for a device that fails; it is opened again each second.
+    """
+    loop = asyncio.get_running_loop()
+    period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0
+    failure = ""
+    limiter = RepeatLimiter()
+    while True:
+        silent: asyncio.TimerHandle | None = None
+        try:
+            # A generator that is not closed would keep its device.
+            async with aclosing(open_source()) as readings:
+                async for reading in readings:
+                    if failure:
+                        report(Level.INFO, f"{sensor.description.id} works again")
+                        failure = ""
+                    publish(reading)
+                    if silent is not None:
+                        silent.cancel()
+                    silent = loop.call_later(max(SILENT_S, 3 * period_s), sensor.set_state, "sleeping")
+        except (OSError, RostetherError) as error:
+            reason = reason_of(error)
+        else:
+            reason = "its source has ended"
+        finally:
+            if silent is not None:
+                silent.cancel()
+        sensor.set_state("alert", reason)
+        # One of several pictures may be damaged: its line would repeat all the time.
+        if reason != failure and limiter.admit(reason, loop.time()) is not None:
+            failure = reason
+            report(Level.ERROR, f"{sensor.description.id}: {reason}; trying again every second")
+        await asyncio.sleep(RETRY_S)

@@ -1,0 +1,158 @@
+"""A sensor that a node publishes: registered by its id, with a lease that the node renews.
+
+It publishes at once, with or without a sensing manager, and registers again with a manager that restarts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import socket
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from typing import Any
+
+from rostether.errors import GraphError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
+from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
+
+# A manager that restarts without its file has all sensors again within the renewal's period.
+LEASE_S = 12.0
+RENEWAL_S = LEASE_S / 3
+RETRY_S = 1.0
+# A state that changes all the time must not load the manager.
+_SHORTEST_PERIOD_S = 0.2
+_CALL_LIMIT_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class SensorDescription:
+    """What a sensor is; `id` is its robot's name and its own, such as `robot3/front`."""
+
+    id: str
+    platform: str
+    sensor_type: str
+    message_type: str
+    name: str = ""
+    unit: str = ""
+    frame_id: str = ""
+    rate_hz: float = 0.0
+
+    @property
+    def topic(self) -> str:
+        """The full name of its topic, as the manager gives it."""
+        return f"/sensors/{self.id}"
+
+
+def platform_word(platform: str) -> str:
+    """Return a platform's name as a part of a sensor's id: letters, digits and underscores."""
+    word = re.sub(r"[^A-Za-z0-9_]", "_", platform)
+    return word if word[:1].isalpha() else f"p{word}"
+
+
+class RegisteredSensor:
+    """Publishes a sensor's messages and reports its state; made by `registered_sensor`."""
+
+    def __init__(
+        self,
+        graph: TypedGraph,
+        description: SensorDescription,
+        publisher: TypedPublisher[...],
+        report: Callable[[Level, str], None],
+    ) -> None:
+        self.description = description
+        self.publisher = publisher
+        self._graph = graph
+        self._report = report
+        self._state = "init"
+        self._state_text = ""
+        self._has_changed = asyncio.Event()
+        self._is_refused = False
+        self._reported = ""
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether a program receives the messages."""
+        return self.publisher.subscriber_count > 0 and not self._is_refused
+
+    def publish(self, **fields: Any) -> bool:
+        """Publish a message, unless another node is this sensor. False asks to await `publisher.drained`."""
+        return self._is_refused or self.publisher.publish(**fields)
+
+    def set_state(self, state: str, text: str = "") -> None:
+        """Report a state of `sensor_state.REPORTED` to the manager, with its reason."""
+        printable = "".join(each if each.isprintable() else " " for each in text)[:MAX_STATE_TEXT_CHARACTERS]
+        if (state, printable) != (self._state, self._state_text):
+            self._state, self._state_text = state, printable
+            self._has_changed.set()
+
+    async def keep_registered(self) -> None:
+        """Register, and renew the lease, until cancelled."""
+        while True:
+            self._has_changed.clear()
+            if not await self._register():
+                await asyncio.sleep(RETRY_S)
+                continue
+            await asyncio.sleep(_SHORTEST_PERIOD_S)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(RENEWAL_S):
+                    await self._has_changed.wait()
+
+    async def _register(self) -> bool:
+        what = self.description
+        request = {
+            "id": what.id,
+            "instance": f"{self._graph.node_name} on {socket.gethostname()}",
+            "name": what.name,
+            "platform_name": what.platform,
+            "sensor_type": what.sensor_type,
+            "message_type": what.message_type,
+            "unit": what.unit,
+            "frame_id": what.frame_id,
+            "rate_hz": what.rate_hz,
+            "lease_s": LEASE_S,
+            "state": self._state,
+            "state_text": self._state_text,
+        }
+        try:
+            answer = await self._graph.call(
+                "/sensors_register_by_id",
+                "sensing_platform/RegisterSensor",
+                request,
+                timeout_s=_CALL_LIMIT_S,
+            )
+        except GraphError as error:
+            self._report_once(Level.WARN, f"not registered as {what.id} yet: {error}")
+            return False
+        self._is_refused = bool(answer.refusal)
+        if self._is_refused:
+            self._report_once(
+                Level.ERROR, f"not publishing: {answer.refusal.partition(' for ')[0]}; choose another ~id"
+            )
+            return False
+        self._report_once(Level.INFO, f"registered as {what.id}, on topic {self.publisher.topic}")
+        return True
+
+    def _report_once(self, level: Level, text: str) -> None:
+        if text != self._reported:
+            self._reported = text
+            self._report(level, text)
+
+
+@asynccontextmanager
+async def registered_sensor(
+    graph: TypedGraph, description: SensorDescription, report: Callable[[Level, str], None]
+) -> AsyncIterator[RegisteredSensor]:
+    """Publish and keep registered within the block. Raises GraphError."""
+    publisher = await graph.publisher(description.topic, description.message_type)
+    sensor = RegisteredSensor(graph, description, publisher, report)
+    keeping = asyncio.ensure_future(sensor.keep_registered())
+    try:
+        yield sensor
+    finally:
+        keeping.cancel()
+        await asyncio.wait([keeping])
+        await publisher.close()

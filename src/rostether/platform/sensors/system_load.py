@@ -1,0 +1,110 @@
+"""The node system_load: processor, memory, temperature and disk of a robot's computer, a sensor each."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+from collections.abc import AsyncGenerator, Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from rostether.errors import BoardError
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.sensors.number_file import read_number
+from rostether.platform.sensors.readings import Pace
+from rostether.platform.sensors.registered_sensor import SensorDescription
+from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
+
+CELSIUS = "\N{DEGREE SIGN}C"
+
+# A Raspberry Pi slows down at 80 degrees, and a full disk stops logs and recordings.
+_ALERT_ABOVE = {"memory": 95.0, "temperature": 80.0, "disk": 95.0}
+
+
+@dataclass(frozen=True, slots=True)
+class SystemFiles:
+    """Where Linux reports its load, and a folder on the disk to watch."""
+
+    proc: Path = Path("/proc")
+    thermal: Path = Path("/sys/class/thermal")
+    disk: Path = Path("/")
+
+
+class SystemLoad:
+    """Reads the load; each value is a percentage, except the temperature."""
+
+    def __init__(self, files: SystemFiles) -> None:
+        self._files = files
+        self._before: tuple[int, int] | None = None
+
+    def cpu(self) -> float:
+        """Return how busy all processors were since the last call; the first one counts from boot."""
+        first = (self._files.proc / "stat").read_text().split("\n", 1)[0].split()
+        if first[:1] != ["cpu"]:
+            raise BoardError(f"{self._files.proc / 'stat'}: does not begin with cpu")
+        # user, nice, system, idle, iowait, irq, softirq, steal; guest time is in user time.
+        times = [int(each) for each in first[1:9]]
+        busy, total = sum(times) - sum(times[3:5]), sum(times)
+        before_busy, before_total = self._before or (0, 0)
+        self._before = busy, total
+        return 100 * (busy - before_busy) / max(1, total - before_total)
+
+    def memory(self) -> float:
+        """Return how much of the memory is in use."""
+        values = {}
+        for line in (self._files.proc / "meminfo").read_text().splitlines():
+            name, _, rest = line.partition(":")
+            values[name] = rest.split()[0] if rest.split() else "0"
+        try:
+            return 100 * (1 - int(values["MemAvailable"]) / int(values["MemTotal"]))
+        except (KeyError, ValueError, ZeroDivisionError):
+            raise BoardError(f"{self._files.proc / 'meminfo'}: has no MemTotal and MemAvailable") from None
+
+    def temperature(self) -> float:
+        """Return the temperature of the hottest zone in degrees Celsius."""
+        zones = [zone / "temp" for zone in self._files.thermal.glob("thermal_zone*")]
+        if not zones:
+            raise BoardError(f"{self._files.thermal}: has no thermal zone")
+        return max(read_number(each) for each in zones) / 1000
+
+    def disk(self) -> float:
+        """Return how much of the disk is in use."""
+        usage = shutil.disk_usage(self._files.disk)
+        return 100 * usage.used / max(1, usage.used + usage.free)
+
+
+async def publish_system_load(
+    graph: TypedGraph,
+    platform: str,
+    word: str,
+    rate_hz: float,
+    files: SystemFiles,
+    report: Callable[[Level, str], None],
+) -> None:
+    """Publish four sensors until cancelled; `word` is the robot's part of their ids. Raises GraphError."""
+    load = SystemLoad(files)
+    readers = {"cpu": load.cpu, "memory": load.memory, "disk": load.disk}
+    # Virtual machines have none.
+    if any(files.thermal.glob("thermal_zone*")):
+        readers["temperature"] = load.temperature
+    try:
+        async with asyncio.TaskGroup() as group:
+            for name, read in readers.items():
+                unit = CELSIUS if name == "temperature" else "%"
+                what = SensorDescription(
+                    f"{word}/{name}", platform, "ANALOG", MESSAGE_TYPE, name, unit, rate_hz=rate_hz
+                )
+                scaling = Scaling(alert_above=_ALERT_ABOVE.get(name, float("inf")))
+                readings = partial(_readings, read, rate_hz)
+                group.create_task(publish_values(graph, what, readings, scaling, report))
+    except ExceptionGroup as failures:
+        raise failures.exceptions[0] from None
+
+
+async def _readings(read: Callable[[], float], rate_hz: float) -> AsyncGenerator[float, None]:
+    pace = Pace(rate_hz)
+    while True:
+        yield await asyncio.to_thread(read)
+        await pace.wait()

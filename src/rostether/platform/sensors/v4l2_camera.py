@@ -1,0 +1,103 @@
+"""A camera of Linux (V4L2), by the package `linuxpy` (extra `camera`)."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator
+from contextlib import aclosing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import BoardError, ConfigError
+from rostether.extras import install_command
+from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, jpeg_of_yuyv, pillow
+
+# A USB camera delivers its first picture within a second or two.
+FRAME_LIMIT_S = 5.0
+
+
+class V4l2Camera:
+    """A device such as /dev/video0. It sends JPEG itself, or raw pictures that are encoded here."""
+
+    def __init__(self, path: Path, change: PictureChange) -> None:
+        self._video = _video_package()
+        pillow()
+        self._path = path
+        self._change = change
+
+    def check(self) -> None:
+        """Raise OSError if the device is missing."""
+        self._path.stat()
+
+    async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
+        """Yield pictures. Raises OSError, BoardError."""
+        change = self._change
+        device = await asyncio.to_thread(self._open)
+        try:
+            capture = self._video.VideoCapture(device)
+            try:
+                capture.set_format(change.width or 640, change.height or 480, "MJPG")
+                # A driver that cannot deliver the wanted format chooses another one.
+                form = capture.get_format()
+                _try_rate(capture, rate_hz)
+                is_jpeg = form.pixel_format.name in ("MJPEG", "JPEG")
+                if not is_jpeg:
+                    capture.set_format(form.width, form.height, "YUYV")
+                    form = capture.get_format()
+                    if form.pixel_format.name != "YUYV":
+                        raise BoardError(f"{self._path}: sends neither JPEG nor YUYV pictures")
+                capture.open()
+            except self._video.V4L2Error as error:
+                raise BoardError(f"{self._path}: is no camera: {error}") from None
+            try:
+                # A camera that scales itself is not scaled again.
+                if (form.width, form.height) == (change.width, change.height):
+                    change = replace(change, width=0, height=0)
+                async for frame in self._frames(capture, rate_hz):
+                    if not is_jpeg:
+                        yield await asyncio.to_thread(jpeg_of_yuyv, frame, form.width, form.height, change)
+                    elif change.is_none:
+                        yield frame
+                    else:
+                        yield await asyncio.to_thread(changed_jpeg, frame, change)
+            finally:
+                capture.close()
+        finally:
+            device.close()
+
+    async def _frames(self, capture: Any, rate_hz: float) -> AsyncGenerator[bytes, None]:
+        loop = asyncio.get_running_loop()
+        next_s = loop.time()
+        async with aclosing(aiter(capture)) as frames:
+            while True:
+                try:
+                    async with asyncio.timeout(FRAME_LIMIT_S):
+                        frame = await anext(frames)
+                except TimeoutError:
+                    raise BoardError(f"{self._path}: sends no pictures") from None
+                # The camera may be faster than asked.
+                if loop.time() >= next_s:
+                    next_s = max(next_s + 1 / rate_hz, loop.time())
+                    yield bytes(frame)
+
+    def _open(self) -> Any:
+        device = self._video.Device(str(self._path))
+        device.open()
+        return device
+
+
+def _try_rate(capture: Any, rate_hz: float) -> None:
+    try:
+        capture.set_fps(rate_hz)
+    except OSError:
+        # Not every driver can set it; the pictures are thinned out.
+        return
+
+
+def _video_package() -> Any:
+    try:
+        from linuxpy.video import device
+    except ImportError:
+        raise ConfigError(f"cameras need another package; run: {install_command('camera')}") from None
+    return device
