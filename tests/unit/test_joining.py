@@ -123,5 +123,5 @@ async def test_types_as_classes(master: MasterServer) -> None:
         async for each in graph.messages("/range", Range):
             assert each.range + 1 == 2.5
             break
-        with pytest.raises(UnknownTypeError, match="not a message type"):
+        with pytest.raises(UnknownTypeError, match="not a type"):
             await graph.publisher("/x", dict)  # type: ignore[arg-type]
