@@ -1,4 +1,4 @@
-"""A board's presence in the graph: its node, its endpoints, its lines. It outlives single connections."""
+"""A board in the graph: its node, its endpoints and its log lines. It outlives connections."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class BoardNode:
         )
         self.store = store
 
-        # What stays the same when the board comes back, for diagnostics: a serial number, an address.
+        # For diagnostics: a serial number or address, the same each time the board connects.
         self.hardware_id = ""
 
     def link_config(self) -> HostLinkConfig:

@@ -27,7 +27,7 @@ class Board:
     """One node name that is taken: no node while it still joins, no session while the board is lost.
 
     A node that `is_kept` stays in the graph without its board: before that has come, and after it is lost.
-    `grace_s` is the board's own, instead of the registry's. `is_dismissed`: its name is served no more.
+    `grace_s` is the board's own, instead of the registry's. `is_dismissed`: boards of this name are refused.
     """
 
     name: str
@@ -96,7 +96,7 @@ class BoardRegistry:
     def lose(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
         """The board's connection ended: keep its node for the grace period, or permanently if it is kept.
 
-        That of a stranger, who has proven to be no board, leaves at once.
+        The node of a peer that turned out to be no board leaves at once.
         """
         if board.session is not session or board.leaving is not None:
             return

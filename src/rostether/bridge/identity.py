@@ -16,14 +16,14 @@ from rostether.transports.address import Address, PtyAddress, SerialAddress, Udp
 from rostether.transports.board_keys import NO_PROOF, Proof
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_]+")
-# What people type stays readable in every tool; a peer's text is never longer.
+# Readable in every tool; a peer's text is cut to it.
 MAX_NAME_CHARACTERS = 64
 
 
 def node_name(
     address: Address, peer: str, identity: BoardIdentity, device: DeviceSettings = NO_SETTINGS
 ) -> str:
-    """Return the full node name of who is at the other end of a link."""
+    """Return the full node name of a link's board."""
     namespace = join_names("/", address.ns or device.namespace or "/")
     return join_names(namespace, node_base_name(address, peer, identity, device))
 
@@ -31,7 +31,7 @@ def node_name(
 def node_base_name(
     address: Address, peer: str, identity: BoardIdentity, device: DeviceSettings = NO_SETTINGS
 ) -> str:
-    """Return a legal name without slashes (`name=` may have some) for who is at the other end of a link.
+    """Return a legal name without slashes (`name=` may have some) for a link's board.
 
     `peer` is the transport's.
     """

@@ -1,4 +1,4 @@
-"""What a board logs: to the graph under its node's name, and to people."""
+"""Passes a board's log lines to the graph, under its node's name, and to people."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A board's questions for parameters, answered in their order and always: the sketch waits for each."""
+"""Answers a board's parameter requests, all of them and in order: the sketch waits for each answer."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from rostether.errors import (
 from rostether.graph.ports import Graph, Level, ParamValue
 from rostether.ports.settings import ANY_ACCESS, Access
 
-# A board waits for each answer before it asks again; more than a few waiting questions are damage.
+# A board waits for each answer before its next request; more than a few waiting requests are damage.
 MAX_WAITING = 16
-# How soon a master that did not answer is asked again within the board's patience.
+# The pause before a master that did not answer is asked again, while the board still waits.
 RETRY_S = 0.1
 
 _FLOAT32_MAX = 3.4028234663852886e38
@@ -31,7 +31,7 @@ _INT32_MIN, _INT32_MAX = -(2**31), 2**31 - 1
 
 
 class ParameterAnswerer(Protocol):
-    """The link's half of answering."""
+    """The answering function of a link."""
 
     def answer_parameter(
         self, ints: Sequence[int] = (), floats: Sequence[float] = (), strings: Sequence[str] = ()

@@ -29,24 +29,24 @@ class BoardObjects:
         self._is_closed = False
 
     def connected(self) -> None:
-        """Note that a board has connected."""
+        """Count a board that has connected."""
         self._boards += 1
         self._freeze_soon()
 
     def disconnected(self) -> None:
-        """Note that the connection of a board ended."""
+        """Count a board whose connection has ended."""
         self._boards -= 1
         self._left += 1
         self._freeze_soon()
 
     def node_left(self) -> None:
-        """Note that a board's node left the graph, usually some time after the board."""
+        """Count a node that has left the graph, usually some time after its board."""
         self._left += 1
         if self._release_timer is None and not self._is_closed:
             self._release_timer = asyncio.get_running_loop().call_later(RELEASE_AFTER_S, self._release)
 
     def close(self) -> None:
-        """Leave all objects to the collector again."""
+        """Let the collector inspect all objects again."""
         self._is_closed = True
         for timer in (self._timer, self._release_timer):
             if timer is not None:
@@ -84,7 +84,7 @@ class BoardObjects:
 
 def give_back_memory() -> None:
     """Return unused pages to the system, in some 10 ms for 100 MB; without glibc, do nothing."""
-    # Not at import: few processes come to need it.
+    # Not at import: few processes need it.
     import ctypes
 
     try:

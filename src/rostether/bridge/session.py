@@ -3,7 +3,7 @@
     transport ── data_received ──> HostLink ── events ──> endpoints ──> graph
     transport <── Outbox.flush <── HostLink, endpoints <── graph
 
-The payload's way is one call a chunk and topic: nothing here is done for each message.
+A payload costs one call for each chunk and topic: nothing here runs for each message.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Session:
         self.node = node
         self.transport = transport
 
-        # The speed of its line, None if it has none: what pauses us is a network or a pseudo-terminal.
+        # The speed of its line; None for a network or a pseudo-terminal, which can pause us.
         self.baud = None if transport.can_pause else baud
         self.link = HostLink(link_config or node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
@@ -141,7 +141,7 @@ class Session:
         self._after_link()
 
     async def wait_ended(self) -> TransportError | None:
-        """Wait until the connection is over; return why, None if it was our own wish."""
+        """Wait until the connection ends; return why, None if we ended it."""
         return await asyncio.shield(self._ended)
 
     async def stop(self) -> None:
@@ -154,7 +154,7 @@ class Session:
         self._end(None)
 
     def abandon(self) -> None:
-        """Give the board up without a word: it has come back another way."""
+        """End without a report: the board has connected again in another way."""
         self.transport.close()
         self._end(None)
 
@@ -174,15 +174,15 @@ class Session:
             self._fail(error)
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Learn from the transport that it ended."""
+        """Handle the end of the transport."""
         self._end(error)
 
     def pause_writing(self) -> None:
-        """Learn from the transport that it has enough."""
+        """Stop writing: the transport is full."""
         self.outbox.pause_writing()
 
     def resume_writing(self) -> None:
-        """Learn from the transport that it takes more."""
+        """Write again: the transport takes more."""
         if not self._ended.done():
             self.outbox.resume_writing()
 
@@ -191,21 +191,21 @@ class Session:
         return not self._ended.done() and self._pause.until(wait)
 
     def rescan(self, payload: bytes) -> None:
-        """Handle what noise has swallowed: the frames in a message that does not have its type's layout."""
+        """Handle frames inside a message that does not have its type's layout: noise covered them."""
         self._second_look.rescan(payload, self._loop.time())
         self._after_link()
 
     def call_started(self) -> None:
-        """Note that the board itself waits for a response."""
+        """Record that the board waits for a response."""
         self.link.service_call_started(self._loop.time())
 
     def call_finished(self) -> None:
-        """Note that the response was sent or given up."""
+        """Record that the response was sent or cancelled."""
         self.link.service_call_finished(self._loop.time())
         self._after_link()
 
     def _after_link(self) -> None:
-        """Send what the link has ready and keep its time."""
+        """Send the link's data and set its timer."""
         self.outbox.flush()
         due_s = self.link.get_timer()
         if due_s is None:
@@ -308,7 +308,7 @@ class Session:
         self._notices.episode("reset", Level.INFO, "the board was reset; requesting its topics")
 
     def _report(self, _event: object) -> None:
-        """Say at once what is wrong, without waiting for the next look."""
+        """Report findings at once, without waiting for the next check."""
         now_s = self._loop.time()
         self.node.health.report(self.node.health.find(now_s), now_s)
 

@@ -27,7 +27,7 @@ class BridgeSettings:
     `subscriber_bytes`: what may wait for each slow ROS subscriber of a board's topic: a second of images.
     `unsent_bytes`: a link that takes nothing keeps getting answers until this much waits in it, and is then
     as good as gone.
-    `connections`, `connections_per_host`: boards on one listener, and those from one address (None: as the
+    `connections`, `connections_per_host`: boards on one listener, and from one address (None: as the
     kind of link has it).
     `stall_s`: how long a board may take no byte before its subscriptions no longer wait for it.
     """

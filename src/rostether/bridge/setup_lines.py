@@ -18,13 +18,13 @@ from rostether.rosserial.events import (
     TopicRole,
 )
 
-# Lines said at once: twice those of the largest board, which has 256 endpoints.
+# Lines reported at once: twice those of the largest board, which has 256 endpoints.
 SAVED_LINES = 600
 # After that limit, one line per this many seconds.
 LINE_PERIOD_S = 5.0
 # After lines were omitted, this many must be available again: a part of a board's topics is not useful.
 RESUME_LINES = 60
-# How often it is said how many lines were left out.
+# How often the number of omitted lines is reported.
 SUMMARY_PERIOD_S = 60.0
 
 
@@ -41,11 +41,11 @@ class SetupLines:
         self._summed_s = float("-inf")
 
     def connected(self) -> None:
-        """Note that a connection begins."""
+        """Record that a connection begins."""
         self._noted_sizes.clear()
 
     def note_size(self, event: TopicAnnounced) -> None:
-        """Say how large the board's buffer is, once for each direction."""
+        """Report the size of the board's buffer, once for each direction."""
         if event.role in self._noted_sizes:
             return
         self._noted_sizes.add(event.role)
@@ -53,16 +53,16 @@ class SetupLines:
         self._report(f"Note: {what} buffer size is {event.info.buffer_size} bytes")
 
     def topic(self, event: TopicAnnounced) -> None:
-        """Say that a topic is served."""
+        """Report that a topic is served."""
         self._report(f"Setup {event.role.value} on {event.info.topic_name} [{event.info.message_type}]")
 
     def service(self, event: ServiceAnnounced) -> None:
-        """Say that a service is served."""
+        """Report that a service is served."""
         what = "server" if event.role is ServiceRole.SERVER else "client"
         self._report(f"Setup service {what} on {event.name} [{event.type}]")
 
     def refused(self, event: AnnouncementRefused) -> None:
-        """Say why a topic is not served."""
+        """Report why a topic is not served."""
         name = event.topic_name or "a topic without a name"
         self._report(f"{name} [{event.message_type}] is not bridged: {event.reason}", Level.ERROR)
 

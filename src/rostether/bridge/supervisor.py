@@ -45,12 +45,12 @@ from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Listener, Transport
 from rostether.transports.web import WebTransport
 
-# A master that is away is asked this seldom at most; people start it and expect the boards within seconds.
+# The longest pause between attempts to reach a master: after its start, boards are expected in seconds.
 MAX_JOIN_WAIT_S = 2.0
 # A board sends data within 2 s after it connects; a silent connection takes a place that another board may
 # need.
 SPEECHLESS_S = 60.0
-# Telling the boards to stop: what a hung board has not taken by then stays unsaid.
+# The time to tell the boards to stop; a hung board does not get the message.
 STOP_LIMIT_S = 0.8
 
 
@@ -152,7 +152,7 @@ class Supervisor:
     def discover(
         self, known: KnownBoards, *, ports: MachinePorts = THIS_MACHINE, taken: Sequence[Address] = ()
     ) -> None:
-        """Serve the boards on this machine's serial ports from now on, as they come; not those `taken`."""
+        """Serve the boards on this machine's serial ports as they appear, except the ports `taken`."""
         discovery = Discovery(
             devices=self._devices,
             known=known,
@@ -251,7 +251,7 @@ class Supervisor:
             self._boards.lose(board, session, is_stranger=address.listens and _is_stranger(session))
 
     async def _watch(self, address: Address, board: Board, node: BoardNode) -> None:
-        """Obey when the graph shuts a board's node down."""
+        """End a board whose node the graph shuts down."""
         reason = await node.graph.wait_closed()
         if board.leaving is not None or self._is_closing:
             return
@@ -325,7 +325,7 @@ def _end_if_speechless(session: Session) -> None:
 
 
 def _is_stranger(session: Session | None) -> bool:
-    """Return whether no frame has come, now or earlier: scanners must not leave a node each behind them."""
+    """Return whether no frame has ever come: a port scanner must not leave nodes behind."""
     return session is not None and session.link.version is None and not any(session.node.endpoints)
 
 

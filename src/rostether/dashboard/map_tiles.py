@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 
-# Zoom levels beyond this are smaller than a hand.
+# A tile of a higher zoom level would show less than a hand's width.
 _MAX_ZOOM = 24
 # A picture of 256 x 256 pixels has some 20 kB.
 _MAX_TILE_BYTES = 2 << 20
@@ -54,10 +54,10 @@ class MapTiles:
             with closing(self._connect()) as database:
                 found = database.execute(query, place).fetchone()
         except sqlite3.Error:
-            # A card that was pulled out; the map stays empty there.
+            # A memory card that was removed; the map stays empty there.
             return None
         return bytes(found[0]) if found is not None else None
 
     def _connect(self) -> sqlite3.Connection:
-        # Of its own for each request, because a connection belongs to one thread.
+        # One for each request, because a connection belongs to one thread.
         return sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro", uri=True)

@@ -1,4 +1,4 @@
-"""Playing a recording that a page of the dashboard chose, from any time of it, one at a time."""
+"""Plays one recording at a time, which a dashboard page chooses, from any time of it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rostether.rostime import NS_PER_S
 
 MIN_RATE, MAX_RATE = 0.1, 10.0
 
-# Recorded commands must not drive the robot again by a slip of a finger.
+# Recorded commands must not drive the robot by accident.
 PREFIX = "/playback"
 
 
@@ -37,7 +37,7 @@ class Playback:
 
     @property
     def is_active(self) -> bool:
-        """Whether a recording is played, or stands still while paused."""
+        """Whether a recording is played or paused."""
         return self._task is not None and not self._task.done()
 
     async def start(self, name: str, settings: PlaySettings) -> None:
@@ -58,19 +58,19 @@ class Playback:
                 self._task.result()
 
     def pause(self, *, is_paused: bool) -> None:
-        """Stand still, or go on. Raises ConfigError when nothing is played."""
+        """Pause or continue. Raises ConfigError when nothing is played."""
         if self._player is None or not self.is_active:
             raise ConfigError("nothing is being played")
         if self._player.is_paused != is_paused:
             self._player.toggle_pause()
 
     async def stop(self) -> None:
-        """End it; nothing happens when nothing is played."""
+        """End the playback, if there is one."""
         async with self._turn:
             await self._end()
 
     def state(self) -> dict[str, Any] | None:
-        """Return what is played and where it is, as JSON has it; None when nothing is."""
+        """Return the file and position of the playback for JSON; None without one."""
         player = self._player
         if player is None or not self.is_active:
             return None

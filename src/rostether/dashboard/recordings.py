@@ -23,7 +23,7 @@ from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 FORMS = ("bag", "mcap")
 
-# A page must not fill the robot's disk: one recording, all of them, and what others need.
+# A page must not fill the robot's disk: limits for one recording, for all, and free space.
 MAX_FILE_BYTES = 1 << 30
 MAX_FOLDER_BYTES = 10 << 30
 MIN_FREE_BYTES = 1 << 30
@@ -59,7 +59,7 @@ class Recordings:
         return self._task is not None and not self._task.done()
 
     async def start(self, topics: Sequence[str], form: str) -> None:
-        """Record topics, all without any. Raises ConfigError, GraphError."""
+        """Record topics, or all topics if none are given. Raises ConfigError, GraphError."""
         async with self._turn:
             if self.is_active:
                 raise ConfigError(f"{self._name} is being recorded already; stop it first")

@@ -31,23 +31,23 @@ from rostether.relay.service_relay import ServiceRelay
 from rostether.relay.side import Side
 from rostether.relay.topic_relay import TopicRelay
 
-# How soon what a graph refused is tried again, as long as it is wanted; graphs come back within seconds.
+# The pause before something that a graph refused is tried again; graphs come back within seconds.
 RETRY_S = 2.0
 
-# How long relays and boards in both graphs get to see a new relay: ROS 1 shows changes after a second.
+# The time for relays and boards in both graphs to see a new relay: ROS 1 shows changes after a second.
 MEET_S = 2.0
 
 # How long a relay waits for each older one to begin: until the graphs show that it has.
 GIVE_WAY_S = 1.5
 
-# How often other relays are asked whether they still run: what a killed one offered is missed until then.
+# How often other relays are checked: until then, what a killed one offered is missing.
 CHECK_S = 3.0
 
 Report = Callable[[Level, str], None]
 
 
 class _Wish(NamedTuple):
-    """Something to be carried; `chosen_type` is that of a service, empty where the graph knows it."""
+    """A topic or service to relay; `chosen_type` is a service's type, empty if the graph knows it."""
 
     is_service: bool
     name: str
@@ -62,7 +62,7 @@ class _Wish(NamedTuple):
 
 
 class Relay:
-    """Carries what is chosen between two sides; `report` gets a line for each beginning, end and trouble."""
+    """Relays what is chosen between two sides; `report` gets a line for each start, end and error."""
 
     def __init__(self, first: Side, second: Side, choice: RelayFilter, report: Report) -> None:
         self._sides = (first, second)
@@ -71,7 +71,7 @@ class Relay:
         self._mark = new_relay_mark()
         self._seen: dict[str, Snapshot] = {}
         self._marked = MarkedNodes()
-        # All that needs no relay; and killed relays, whose endpoints a graph may still list.
+        # Nodes that need no relay, and killed relays, whose endpoints a graph may still list.
         self._skip_nodes: set[str] = set()
         self._gone: set[str] = set()
         self._left_out: dict[str, str] = {}
@@ -82,11 +82,11 @@ class Relay:
 
     @property
     def relays(self) -> list[TopicRelay | ServiceRelay]:
-        """What is carried now, or waits for a publisher."""
+        """The running relays, and those that wait for a publisher."""
         return list(self._relays.values())
 
     async def run(self) -> None:
-        """Carry until cancelled. Raises GraphError when a graph tells the relay's node to leave."""
+        """Relay until cancelled. Raises GraphError when a graph shuts down the relay's node."""
         marks: list[Publisher] = []
         tasks: list[asyncio.Future[None]] = []
         try:
@@ -119,11 +119,11 @@ class Relay:
                     self._news.set()
             except GraphError as error:
                 self._report(Level.WARN, f"{side.name} cannot be seen: {error}; looking again")
-            # What is carried goes on: a graph that is out of sight for a moment may still work.
+            # Running relays continue: a graph that does not answer for a moment may still work.
             await asyncio.sleep(RETRY_S)
 
     def _meet(self) -> None:
-        """Find out who else is in both graphs."""
+        """Find the other nodes that are in both graphs."""
         own = {side.graph.node_name for side in self._sides}
         marked = MarkedNodes.find(self._seen.values())
         self._gone &= {name for snapshot in self._seen.values() for name in snapshot.nodes}
@@ -136,7 +136,7 @@ class Relay:
         replace_names(self._skip_nodes, self._marked.names | self._gone)
 
     async def _forget_gone(self, side: Side) -> None:
-        """Look for relays that were killed, and have their registrations removed."""
+        """Find relays that were killed, and remove their registrations."""
         if side.forget_if_gone is None:
             return
         while True:
@@ -172,7 +172,7 @@ class Relay:
             task = self._ending[wish] = self._carrying.pop(wish)
             task.add_done_callback(partial(self._forget, wish))
             task.cancel()
-        # What is wanted again while it is ending begins again at its end.
+        # A relay that is wanted again while it ends starts again after its end.
         for wish in sorted(wishes - self._carrying.keys() - self._ending.keys(), key=lambda each: each.text):
             self._carrying[wish] = asyncio.get_running_loop().create_task(self._carry(wish))
 
@@ -181,7 +181,7 @@ class Relay:
         self._news.set()
 
     def _wishes(self, left_out: dict[str, str]) -> Iterator[_Wish]:
-        """Yield what is to be carried; `left_out` gets what another relay carries, with the reason."""
+        """Yield what to relay; `left_out` gets what another relay has, with the reason."""
         first, second = self._sides
         for wish, there in (
             *self._topics(first, second, Direction.FORTH),
@@ -216,7 +216,7 @@ class Relay:
             chosen = self._choice.service(name)
             if chosen is None or own.issuperset(service.providers):
                 continue
-            # Of a service that both graphs have, each keeps its own.
+            # If both graphs have a service, each keeps its own.
             providers = there[name].providers if name in there else ()
             if relays.issuperset(providers):
                 yield _Wish(True, name, source, target, chosen.type), providers
@@ -232,7 +232,7 @@ class Relay:
     async def _carry(self, wish: _Wish) -> None:
         reported = ""
         while True:
-            # Older relays first: what they begin meanwhile is no wish any more, and ends this.
+            # Older relays first: what they start is not wanted from us any more, which ends this wait.
             await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
             relay = self._relays[wish] = (
                 ServiceRelay(wish.name, wish.source, wish.target, wish.chosen_type)

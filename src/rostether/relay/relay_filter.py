@@ -1,4 +1,4 @@
-"""What a relay carries: topics and services by their names, `*` for anything, and in which directions."""
+"""What a relay carries: names of topics and services, with `*` as a wildcard, and directions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fnmatch import fnmatchcase
 
-# Each graph has its own of these: they are carried only where they are named without a `*`.
+# Each graph has its own topics of these names: they are carried only if named without `*`.
 PRIVATE_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events", "/clock"})
 
 # Services that every node of a graph offers about itself; they are not relayed.
@@ -24,7 +24,7 @@ PRIVATE_SERVICES = (
 
 
 class Direction(Enum):
-    """From which graph to which."""
+    """The source and destination graph."""
 
     BOTH = "both"
     FORTH = "forth"
@@ -49,7 +49,7 @@ class Topics:
 
 @dataclass(frozen=True, slots=True)
 class Services:
-    """Services that match a pattern; `type` is needed where the graph does not know it."""
+    """Services that match a pattern; `type` is needed if the graph does not know it."""
 
     pattern: str
     type: str = ""

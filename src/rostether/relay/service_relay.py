@@ -8,7 +8,7 @@ from rostether.relay.side import Side
 
 
 class ServiceRelay:
-    """Hands calls on until it is closed."""
+    """Passes calls on until it is closed."""
 
     def __init__(self, service: str, source: Side, target: Side, chosen_type: str) -> None:
         self.service = service
@@ -20,7 +20,7 @@ class ServiceRelay:
         self._is_closed = False
 
     async def open(self) -> None:
-        """Offer it. Raises RostetherError."""
+        """Offer the service. Raises RostetherError."""
         self.type = service_type = await self.source.find_service_type(self.service, self._chosen_type)
 
         async def call(request: bytes) -> bytes:
@@ -33,7 +33,7 @@ class ServiceRelay:
         self._server = server
 
     async def close(self) -> None:
-        """Take it back. Idempotent. Raises GraphError."""
+        """Withdraw the service. Idempotent. Raises GraphError."""
         self._is_closed = True
         server, self._server = self._server, None
         if server is not None:

@@ -19,7 +19,7 @@ ForgetNode = Callable[[str], Awaitable[bool]]
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A graph with the name that people know it by, and how to learn the type of a service in it.
+    """A graph with its name for people, and a function that finds the type of a service.
 
     `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.
     """
@@ -30,7 +30,7 @@ class Side:
     forget_if_gone: ForgetNode | None = None
 
     async def find_service_type(self, service: str, chosen: str) -> ServiceType:
-        """Return a service's type: the chosen one, else what the graph tells. Raises RostetherError."""
+        """Return a service's type: the chosen one, else the graph's. Raises RostetherError."""
         listed = (await self.graph.snapshot()).services.get(service)
         type_name = chosen or (listed.type if listed is not None else ANY_TYPE)
         try:

@@ -1,4 +1,4 @@
-"""One topic on its way from one graph to the other: its type learnt there, its messages handed on raw."""
+"""Relays one topic from one graph to the other, with the publisher's type and raw messages."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from rostether.graph.ports import Publisher, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.relay.side import Side
 
-# How long a slow subscriber on the other side may hold up the rest, as in the bridge to boards.
+# How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
 PAUSE_S = 0.1
 
 
 class TopicRelay:
-    """Carries a topic until it is closed; what `skip_nodes` publish is left out."""
+    """Relays a topic until it is closed; messages of `skip_nodes` are left out."""
 
     def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str] = ()) -> None:
         self.topic = topic
@@ -29,7 +29,7 @@ class TopicRelay:
         self._is_closed = False
 
     async def open(self) -> None:
-        """Wait for a publisher, take its type, and carry its messages from then on. Raises RostetherError."""
+        """Wait for a publisher, then relay its type and messages. Raises RostetherError."""
         self.type, is_latched = await self._learn()
         publisher = await self.target.graph.advertise(self.topic, self.type, latch=is_latched)
         if self._is_closed:
@@ -45,7 +45,7 @@ class TopicRelay:
         self._subscriber = subscriber
 
     async def close(self) -> None:
-        """Carry no more. Idempotent. Raises GraphError."""
+        """Stop. Idempotent. Raises GraphError."""
         self._is_closed = True
         if self._pausing is not None:
             self._pausing.cancel()
@@ -59,14 +59,14 @@ class TopicRelay:
                 await publisher.close()
 
     async def _learn(self) -> tuple[MessageType, bool]:
-        """Return the type of the first publisher that we meet, and whether it latches."""
+        """Return the type of the first publisher, and whether it latches."""
         met: asyncio.Future[Mapping[str, str]] = asyncio.get_running_loop().create_future()
 
         def meet(fields: Mapping[str, str]) -> None:
             if not met.done() and fields.get("callerid", "") not in self._skip_nodes:
                 met.set_result(fields)
 
-        # Everything but its first words comes again when we subscribe to its type.
+        # Everything except the connection header comes again with the subscription to its type.
         subscriber = await self.source.graph.subscribe(
             self.topic, ANY_MESSAGE, lambda _: None, on_connection=meet, skip_own=True
         )

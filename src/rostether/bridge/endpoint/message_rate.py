@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 
 class MessageRate:
-    """Returns how many of the next messages may pass; after a silence, a board may send `per_s` at once."""
+    """Decides how many messages may pass; after a pause, a board may send `per_s` at once."""
 
     def __init__(self, per_s: float, clock: Callable[[], float]) -> None:
         self.per_s = per_s

@@ -31,7 +31,7 @@ Role: TypeAlias = TopicRole | ServiceRole
 # A role and name that only one endpoint may have, except topics that a board announces twice.
 Slot: TypeAlias = tuple[Role, str]
 
-# A graph that refuses an endpoint is asked again: first soon, then at most this seldom.
+# The longest pause before an endpoint that the graph refused is opened again.
 MAX_RETRY_S = 5.0
 # Leaving must not hang on a master that does not answer.
 CLOSE_LIMIT_S = 1.0
@@ -54,7 +54,7 @@ class EndpointOpenings:
         self._closers = asyncio.Semaphore(CLOSED_AT_ONCE)
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
-        """Bring an endpoint into the graph as soon as the earlier ones of its slot have left it."""
+        """Open an endpoint in the graph after the earlier endpoints of its slot have left it."""
         self._log(endpoint, "opening")
         self._opening[endpoint] = self._run(self._open(endpoint, endpoint.open, self._closing.get(slot)))
 
@@ -71,7 +71,7 @@ class EndpointOpenings:
         self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
 
     async def finish(self) -> None:
-        """Finish all openings and closings, in a second at most."""
+        """Finish all openings and closings within a second."""
         for task in self._opening.values():
             task.cancel()
         if self._tasks:

@@ -1,10 +1,10 @@
 """A service that the board serves: one call at a time, the others wait.
 
 The wire has no correlation id, so a response belongs to the one call in flight. After a call that timed out
-the board may still answer, and that answer must not become the next call's: until it came and was thrown
-away, or the board shows that it is past the call, no other call is sent. The established device library
-serves a call in its loop, and requests the time again only when it is done; a board that requests the time
-all along serves calls beside it, and its asking shows nothing.
+the board may still answer, and that answer must not become the next call's. So no other call is sent until
+the late answer was dropped, or the board shows that it has finished the call. The established device library
+serves a call in its loop, and requests the time again only when it is done. For a board that requests the
+time during calls too, a request shows nothing.
 """
 
 from __future__ import annotations

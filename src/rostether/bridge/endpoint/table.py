@@ -39,7 +39,7 @@ from rostether.rosserial.packets import TopicInfo
 _Key: TypeAlias = tuple[Role, str, int]
 
 
-# As many as endpoints; a board that always announces new ones must not fill the memory.
+# The limit of endpoints: a board that always announces new ones must not fill the memory.
 MAX_REFUSED = 256
 
 
@@ -160,7 +160,7 @@ class EndpointTable:
             endpoint.fail_call(reason)
 
     async def close(self) -> None:
-        """Close all, in a second at most."""
+        """Close all within a second."""
         for key in list(self._endpoints):
             self._retire(key)
         await self._openings.finish()
@@ -177,7 +177,7 @@ class EndpointTable:
         return None
 
     def _displace_other_types(self, key: _Key, info: TopicInfo) -> None:
-        """A node has one type for each topic: end every endpoint of this name and role with another one."""
+        """Close the endpoints of this name and role with another type: a node has one type for each topic."""
         for other, endpoint in list(self._endpoints.items()):
             if other[:2] == key[:2] and isinstance(endpoint, TopicEndpoint) and not _is_type(endpoint, info):
                 if other in self._attached and other != key:

@@ -10,7 +10,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import AnnouncementRefused, DiscardReason, FrameDiscarded
 from rostether.rosserial.packets import TopicInfo
 
-# One damaged frame in 256 passes its checksum: once may be the line.
+# One damaged frame in 256 passes its checksum: a single case may be line noise.
 MIN_COUNT = 2
 
 # More than any board has room for; bounds the memory for a device that announces new names all the time.

@@ -14,7 +14,7 @@ MIN_DAMAGED = 3
 # A reset within a frame damages two frames, together with the output of the boot loader.
 RESET_DAMAGES = 2
 
-# One in 500: a lower loss is not noticeable, and radio links are never better.
+# One in 500: users do not notice less, and radio links are never better.
 MIN_SHARE = 0.002
 
 _CHECKS = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})

@@ -31,10 +31,10 @@ from rostether.rosserial.events import (
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.rosserial.link_statistics import LinkStatistics
 
-# A board that our opening of its port has reset is through its boot loader by then, and was asked often.
+# By then a board that was reset when the port was opened has left its boot loader.
 NO_ANSWER_S = 5.0
 
-# An announcement that was lost is there again within a second; a board that lacks one never sends it.
+# A lost announcement is repeated within a second; a board that lacks one never sends it.
 UNKNOWN_S = 10.0
 
 # What the established library logs when a message does not fit its output buffer, without saying which.

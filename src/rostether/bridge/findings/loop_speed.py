@@ -1,4 +1,4 @@
-"""How late a board's time requests are: as late as its loop() is slow.
+"""How late a board's time requests are, which shows how slow its loop() is.
 
 A configured board requests the time when 2.5 s have passed (with our library 2.2 s), at its next
 nh.spinOnce(). A request that answers a topic request says nothing, unless it comes when the next one has been
@@ -19,7 +19,7 @@ SLOW_LISTENER_S = 0.1
 # A board that only publishes loses nothing; the library's own first example sleeps a second in loop().
 SLOW_TALKER_S = 0.6
 
-# Later than this is late in any case.
+# A request later than this is late in any case.
 OVERDUE_S = 0.4
 
 TOLERANCE_S = 0.1
@@ -27,7 +27,7 @@ TOLERANCE_S = 0.1
 # A board that usually requests the time sooner than this does not wait 2.5 s.
 SURELY_OURS_S = 2.4
 
-# Beyond 11 s a board was away, not slow.
+# A board that is later than 11 s was disconnected, not slow.
 MAX_LATE_S = 9.0
 
 KEPT = 16

@@ -12,7 +12,7 @@ SHOWN_BYTES = 60
 # Enough to judge by, and for the lines that a crashed ESP prints before it starts again.
 KEPT_BYTES = 512
 
-# Fewer printable bytes in a row come about by chance: each one has a chance of 3 in 8.
+# Random bytes form shorter runs by chance: 3 of 8 byte values are printable.
 MIN_TEXT_BYTES = 8
 
 # A board that is reset in the middle of its announcements leaves one piece of text, and noise some more.
@@ -50,7 +50,7 @@ class Noise:
     """The discarded bytes of one connection."""
 
     def __init__(self) -> None:
-        # How many came since the last sign of a rosserial board.
+        # The number of bytes since the last frame of a rosserial board.
         self.byte_count = 0
         # How many bytes of text came between frames.
         self.text_count = 0
@@ -67,7 +67,7 @@ class Noise:
 
     @property
     def sample(self) -> bytes:
-        """The first bytes since the last sign of a rosserial board."""
+        """The first bytes since the last frame of a rosserial board."""
         return bytes(self._first)
 
     def handle_discarded(self, event: FrameDiscarded, now_s: float, *, is_alive: bool) -> bool:

@@ -1,4 +1,4 @@
-"""Topics that a board should have, by the user's file, and does not announce."""
+"""Topics that devices.toml requires of a board and that the board does not announce."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class RequiredTopics:
             self._missing = tuple(name for full, name in self._required.items() if full not in there)
 
     def find(self) -> list[Finding]:
-        """Judge."""
+        """Return the findings."""
         if not self._missing:
             return []
         shown = ", ".join(self._announced[:_SHOWN]) or "no topic"

@@ -135,7 +135,7 @@ class Doctor:
             facts = await self._read_facts(address.path)
             return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
         if found.baud == address.baud:
-            # It was in its boot loader, or away, when it was listened to.
+            # It was in its boot loader, or disconnected, during the first check.
             return self._diagnosis(right, again, right.baud)
         wrong = error(
             Code.WRONG_BAUD,
@@ -200,7 +200,7 @@ async def _read_facts(list_ports: Callable[[], Sequence[NamedPort]], path: str) 
 
 
 def _needs_search(watched: Watched) -> bool:
-    """Whether another baud rate may explain it: text that can be read has the right one."""
+    """Whether another baud rate may be the reason: readable text arrives only at the right one."""
     codes = {each.code for each in watched.findings}
     return (
         watched.view.protocol_version is None

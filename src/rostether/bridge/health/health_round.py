@@ -25,12 +25,12 @@ PERIOD_S = 1.0
 # A new subscriber gets its first message within this time.
 GREETING_PERIOD_S = 0.2
 
-# Boards checked at once, which takes a millisecond or two: a hundred at once would delay every message.
+# Boards checked in one turn, in 1 or 2 ms: a hundred in one turn would delay all messages.
 TURN_BOARDS = 4
 
 
 class HealthRound:
-    """The round through the boards of one supervisor; `publishes` turns /diagnostics on."""
+    """Checks the boards of one supervisor; `publishes` enables /diagnostics."""
 
     def __init__(
         self,
@@ -140,7 +140,7 @@ class _Publication:
             self._publisher.publish_raw([self._store.codec(TYPE).encode(fields)])
 
     async def close(self) -> None:
-        """Stop advertising, if that is still under way; the node's end does the rest."""
+        """Stop advertising if that is still running; the graph removes the rest with the node."""
         self._opening.cancel()
         await asyncio.gather(self._opening, return_exceptions=True)
 

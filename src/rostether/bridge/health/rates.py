@@ -21,7 +21,7 @@ class Rates(Generic[Key]):
     def update(self, counts: Mapping[Key, int], now_s: float) -> dict[Key, float]:
         """Read the counters and return their growth per second; empty at the first call.
 
-        A counter that went down belongs to a new connection, and has grown from zero.
+        A counter that is lower than before belongs to a new connection and started from zero.
         """
         self._looks.append((now_s, dict(counts)))
         while len(self._looks) > 2 and now_s - self._looks[0][0] > WINDOW_S:

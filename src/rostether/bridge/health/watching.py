@@ -43,9 +43,9 @@ class Watched:
 
 
 async def watch_board(transport: Transport, baud: int | None, store: TypeStore, *, watch_s: float) -> Watched:
-    """Serve a board for `watch_s` after its first answer, or until it is clear that none answers; closes."""
+    """Serve a board for `watch_s` after its first answer, or until none can be expected; then close it."""
     clock = asyncio.get_running_loop().time
-    # A step of the wall clock meanwhile would pass for drift of the board's.
+    # A step of the wall clock would look like drift of the board's clock.
     epoch_ns = time.time_ns() - round(clock() * 1e9)
     graph = await MemoryNetwork(lambda: Time.from_ns(epoch_ns + round(clock() * 1e9))).join(_NODE)
     node = BoardNode(graph, store, SilentReporter(), clock)
@@ -88,7 +88,7 @@ async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -
         await asyncio.sleep(_LOOK_S)
         now_s = clock()
         if now_s - found_s >= _FIND_PERIOD_S:
-            # Shares and trends are judged from look to look.
+            # Findings compare the counts of two checks.
             found_s = now_s
             session.node.health.find(now_s)
         if session.watch.was_alive:

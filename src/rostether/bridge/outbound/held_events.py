@@ -1,7 +1,7 @@
 """Holds what a board announces and sends while its types are searched on disk, so that the event loop is
 free.
 
-Most types are at hand. For another one the search runs in a thread; from its announcement on, announcements
+Most types are known. Another one is searched in a thread; from its announcement on, announcements
 and the messages of topics that are not served yet wait here, in their order.
 """
 
@@ -32,7 +32,7 @@ _FOLLOWING = (TopicWithdrawn, ServiceWithdrawn, NegotiationSettled)
 
 
 class HeldEvents:
-    """The events of one connection that wait for a search; then `handle` gets them, `fail` what it raises."""
+    """The events of one connection that wait for a search; `handle` gets them after it, `fail` its error."""
 
     def __init__(
         self, registry: Registry, handle: Callable[[HostEvent], None], fail: Callable[[Exception], None]
@@ -75,7 +75,7 @@ class HeldEvents:
         return True
 
     def drop(self) -> None:
-        """Forget all: the connection has ended."""
+        """Drop all events: the connection has ended."""
         wait, self._wait = self._wait, None
         self._events.clear()
         if wait is not None:

@@ -15,7 +15,7 @@ from __future__ import annotations
 BITS_PER_BYTE = 10
 # The line stays busy through a late wake-up of this length, and nothing urgent waits longer than this.
 WINDOW_S = 0.020
-# Slow lines still take a handful of small frames at once.
+# Slow lines still take a few small frames at once.
 MIN_WINDOW_BYTES = 64
 # 57600 baud taken at 370 kB/s: what USB of full speed carries.
 MAX_SPEED_FACTOR = 64.0
@@ -35,11 +35,11 @@ class LinePacer:
         return self._window_bytes() - int(waiting_s * self._speed())
 
     def written(self, count_bytes: int, now_s: float) -> None:
-        """Learn that bytes were given to the port."""
+        """Record that bytes were written to the port."""
         self._idle_at_s = max(self._idle_at_s, now_s) + count_bytes / self._speed()
 
     def observe(self, unsent_bytes: int, now_s: float) -> None:
-        """Learn how much of what was written the port still holds."""
+        """Record how much of what was written is still in the port."""
         if unsent_bytes:
             self._speed_factor = 1.0
             self._idle_at_s = now_s + unsent_bytes / self.bytes_per_s

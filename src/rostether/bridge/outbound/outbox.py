@@ -19,15 +19,15 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.transports.transport import Transport
 
-# On a line of known speed, older commands than this are better lost than obeyed.
+# On a line of known speed, a command older than this is dropped rather than sent late.
 QUEUE_LINE_S = 2.0
 # Slow lines still hold a burst of small commands.
 MIN_QUEUE_BYTES = 8 * 1024
 # A paused source may have this much of what it had read already on its way to us.
 PAUSED_QUEUE_FACTOR = 8
-# One topic's share before the next one's turn: many small messages, few enough to keep the turns short.
+# How much one topic sends before the next one: many small messages, but short turns.
 TURN_BYTES = 4 * 1024
-# One write; other boards get their turn between two.
+# The size of one write; other boards are served between two writes.
 WRITE_BYTES = 256 * 1024
 # What comes after a pause this long is written at once; what comes sooner is gathered for one write a turn.
 EAGER_AFTER_S = 0.0005
@@ -37,7 +37,7 @@ STALL_CHECK_S = 0.1
 
 
 class FrameSource(Protocol):
-    """The link's half of sending."""
+    """The sending functions of a link."""
 
     def data_to_send(self) -> bytes:
         """Return the control traffic that is due."""
@@ -50,7 +50,7 @@ class FrameSource(Protocol):
 
 
 class Scheduler(Protocol):
-    """The part of an event loop that the outbox needs."""
+    """The functions of an event loop that the outbox needs."""
 
     def time(self) -> float:
         """Return the loop's clock in seconds."""
@@ -135,7 +135,7 @@ class Outbox:
             self._schedule()
 
     def remove(self, queue: TopicQueue) -> None:
-        """Forget a topic and what waits for it."""
+        """Remove a topic and its waiting messages."""
         if queue in self._ready:
             self._ready.remove(queue)
         queue.payloads.clear()
@@ -184,7 +184,7 @@ class Outbox:
             self._schedule()
 
     def close(self) -> None:
-        """Let go of every source and timer; nothing is written any more."""
+        """Release every source and timer, and write nothing more."""
         self._blocked = True
         for timer in (self._paced, self._stall_check):
             if timer is not None:

@@ -1,4 +1,4 @@
-"""Reading nothing from a board while something behind us is full, so that the board itself waits."""
+"""Pauses reading from a board while a queue behind the bridge is full, so that the board waits."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ _COUNT_BYTES = 4
 
 
 class Stamps:
-    """Looks at the latest message of a chunk now and then, where its type begins with a Header."""
+    """Reads the latest message of some chunks, if its type begins with a Header."""
 
     def __init__(self, estimate: ClockEstimate, now: Callable[[], Time]) -> None:
         self.estimate = estimate

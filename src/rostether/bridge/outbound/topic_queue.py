@@ -13,10 +13,10 @@ class PausableSource(Protocol):
     """Where a queue's messages come from: a graph subscription."""
 
     def pause(self) -> None:
-        """Bring nothing until resume."""
+        """Deliver nothing until `resume`."""
 
     def resume(self) -> None:
-        """Bring more."""
+        """Deliver again."""
 
 
 class TopicQueue:
@@ -49,7 +49,7 @@ class TopicQueue:
         return self._source is not None
 
     def set_source(self, source: PausableSource | None) -> None:
-        """Say who fills the queue from now on; who filled it before is left running."""
+        """Set the source of the queue; the previous source is resumed."""
         self.resume_source()
         self._source = source
 
@@ -96,13 +96,13 @@ class TopicQueue:
         return 1
 
     def pause_source(self) -> None:
-        """Pause where the messages come from."""
+        """Pause the source."""
         if self._source is not None and not self._source_paused:
             self._source_paused = True
             self._source.pause()
 
     def resume_source(self) -> None:
-        """Undo pause_source."""
+        """Resume the source."""
         if self._source is not None and self._source_paused:
             self._source_paused = False
             self._source.resume()

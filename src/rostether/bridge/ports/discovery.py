@@ -72,7 +72,7 @@ class Discovery:
             is_here = self._is_here(found.port)
             if is_here and found.is_dismissed:
                 continue
-            # What is served ends by itself, with its last words; unless it is here again already.
+            # A board that is served ends by itself and reports why, unless it is already back.
             has_left = not is_here and (not found.is_serving or found.identity.key in moved)
             if has_left or task.done() or (path in present and not is_here):
                 task.cancel()

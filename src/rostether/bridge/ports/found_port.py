@@ -29,11 +29,11 @@ from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Transport
 
 FIRST_RETRY_S = 0.25
-# A port in use is looked at this seldom at most: each look walks through /proc.
+# The longest pause between checks of a port in use: each check reads /proc.
 MAX_RETRY_S = 5.0
 
 FIRST_ASK_AGAIN_S = 5.0
-# A board that answered before, or that the user named, is asked again; it may be without power.
+# A board that answered before, or that the user named, is asked again: it may have had no power.
 MAX_ASK_AGAIN_S = 60.0
 
 # How often an ignored port is checked (not opened) for signs that another program used it.
@@ -186,7 +186,7 @@ class FoundPort:
         )
 
     def _report(self, level: Level, text: str) -> None:
-        """Say a line unless it was the last one of this port."""
+        """Report a line unless it was the last line of this port."""
         if text != self._reported:
             self._reported = text
             self._reporter.line(level, shown_line(text))

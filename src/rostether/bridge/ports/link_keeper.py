@@ -69,12 +69,12 @@ class LinkKeeper:
             except NodeEndedError:
                 if self._finder is None:
                     raise
-                # To open the port again at once would be to fight who ended the node.
+                # Opening the port again at once would bring back a node that someone has ended.
                 await self._wait_gone(self._finder)
                 continue
             if error is not None:
                 self._reporter.line(Level.WARN, str(error))
-            # An own close, after a fault of the session, must not become a busy loop.
+            # A link that we closed after an error of the session must not be opened again at once.
             await asyncio.sleep(PRESENCE_POLL_S)
 
     async def _open(self) -> tuple[Address, BoardIdentity | None, Transport]:
@@ -114,7 +114,7 @@ class LinkKeeper:
             await asyncio.sleep(PRESENCE_POLL_S)
 
     def _identify(self, path: str | None) -> tuple[Address, BoardIdentity | None]:
-        """Return who is behind a serial port, and the address with what is set for that board."""
+        """Return the identity of the board at a serial port, and the address with that board's settings."""
         address = self._address
         if self._finder is None or path is None or not isinstance(address, SerialAddress):
             return address, None
@@ -130,7 +130,7 @@ def way_back(address: Address) -> str:
 
 
 def identify_address(address: Address) -> BoardIdentity:
-    """Return what is known of a link's board before it has answered: the marks of its port, if it has one."""
+    """Return what is known of a link's board before it answers: the USB identity of its port."""
     if isinstance(address, SerialAddress) and "/" in address.path:
         return PortFinder(address.path, list_serial_ports, lambda: 0.0).identify(address.path)
     return BoardIdentity()

@@ -12,7 +12,7 @@ from rostether.ports.board_identity import BoardIdentity
 from rostether.transports.address import Address
 from rostether.transports.transport import Transport
 
-# udev gives a new port its group, and ModemManager releases it, a moment after it appears: only a refusal
+# udev sets the group of a new port, and ModemManager releases it, a moment after it appears: only a refusal
 # that lasts is worth a line.
 SETTLE_S = 1.0
 

@@ -21,7 +21,7 @@ class TunableTransport(Transport, Protocol):
         """Change the speed; False if this port cannot have it."""
 
     def release(self, unread: bytes = b"") -> None:
-        """Stop delivering until the next `start`, which then receives `unread` first."""
+        """Stop delivering; the receiver of the next `start` gets `unread` first."""
 
 
 async def probe_port(
@@ -84,15 +84,15 @@ class _Probing:
         self._woken.set()
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Learn that the port has gone."""
+        """End the probe: the port is gone."""
         self._lost = error or TransportClosedError(f"{self._transport.peer} was closed during the probe")
         self._woken.set()
 
     def pause_writing(self) -> None:
-        """A request is a few bytes."""
+        """Do nothing: a request is a few bytes."""
 
     def resume_writing(self) -> None:
-        """As above."""
+        """Do nothing: a request is a few bytes."""
 
     def _apply(self) -> None:
         self._set_baud(self._probe.baud)

@@ -21,7 +21,7 @@ MAX_EARLY_MESSAGES = 10_000
 # Messages that a client sends before its topic is advertised: a second of a flood, or two large images.
 MAX_EARLY_BYTES = 32 << 20
 
-# Of one topic; each kind is reported once.
+# Kinds of mistakes of one topic; each is reported once.
 MAX_REPORTED_MISTAKES = 20
 
 

@@ -27,7 +27,7 @@ GATHER_S = 0.01
 # A loop that is busy writes earlier than `GATHER_S`: this is what a socket accepts at once.
 _GATHERED_BYTES = 256 << 10
 
-# Written at once of what waited: enough for one system call.
+# The waiting data written at once: enough for one system call.
 _DRAIN_BYTES = 64 << 10
 
 

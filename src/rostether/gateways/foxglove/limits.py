@@ -35,13 +35,13 @@ class FoxgloveLimits:
     # Requests of one client at once, read one after another: all meshes of a robot's description.
     assets: int = 1024
 
-    # Of one client: more topics than any graph has.
+    # Subscriptions of one client: more than any graph has topics.
     subscriptions: int = 4096
 
     # Topics that one client publishes.
     client_channels: int = 256
 
-    # Of one client; on ROS 2 each is asked for.
+    # Watched parameters of one client; on ROS 2 each costs a request.
     watched_parameters: int = 1024
 
     # The time until a connection must request a WebSocket or a file.

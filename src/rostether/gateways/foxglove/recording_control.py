@@ -21,7 +21,7 @@ class RecordingControl(Protocol):
         """Whether a recording runs."""
 
     async def start(self, topics: Sequence[str], form: str) -> None:
-        """Record topics, all without any, as `bag` or `mcap`. Raises RostetherError."""
+        """Record topics, or all if none are given, as `bag` or `mcap`. Raises RostetherError."""
 
     async def stop(self) -> None:
         """End the recording, and close its file. Raises RostetherError."""

@@ -36,7 +36,7 @@ _TYPED_ARRAY_TAGS: Final = {
 
 
 class CborForm:
-    """Messages of all types in CBOR; `style` is how times are worded."""
+    """Messages of all types in CBOR; `style` is the form of times."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
         self._leaves = Leaves(stamp_reader(style), clean_text, _as_it_is, _typed_array, OMITTED[style])
@@ -54,7 +54,7 @@ class CborForm:
 
 
 def publish_raw(topic: str, payload: bytes, now: Time) -> bytes:
-    """Return the `publish` frame that holds a payload itself; `now` is when it came."""
+    """Return the `publish` frame with a payload itself; `now` is the time of receipt."""
     message = {"secs": now.secs, "nsecs": now.nsecs, "bytes": payload}
     return cbor2.dumps({"op": "publish", "topic": topic, "msg": message})
 

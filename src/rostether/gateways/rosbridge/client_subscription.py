@@ -1,8 +1,8 @@
 """One client's subscription of one topic: how often, how much and in which form it wants its messages.
 
 A client may subscribe a topic several times, each under an id of its own; it gets each message once, as the
-most demanding of them asks. `throttle_rate` without a queue drops what comes too soon; with one, what waits
-is handed on at that rate.
+most demanding of them asks. `throttle_rate` without a queue drops messages that come too soon; with one, they
+are sent at that rate.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Wish:
 
 
 def merge(wishes: list[Wish]) -> Wish:
-    """Return what satisfies all wishes of one client."""
+    """Return one wish that satisfies all wishes of a client."""
     sizes = [each.fragment_bytes for each in wishes if each.fragment_bytes is not None]
     return Wish(
         min(each.throttle_s for each in wishes),
@@ -142,7 +142,7 @@ class ClientSubscription:
             self._report_mistake(f"subscribe: {self.topic}: {reason}")
 
     async def close(self) -> None:
-        """End the subscription, and discard what waits. Idempotent."""
+        """End the subscription, and discard waiting messages. Idempotent."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None

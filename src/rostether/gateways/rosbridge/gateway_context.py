@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.publication import Publication
     from rostether.gateways.rosbridge.service_types import ServiceTypes
 
-# As in rosbridge, a topic stays advertised so long after its client has left: pages are reloaded.
+# As in rosbridge, a topic stays advertised this long after its client has left: pages are reloaded.
 LINGER_S = 10.0
 
 # Publications that linger at once; the oldest end early.

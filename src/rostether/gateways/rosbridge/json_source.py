@@ -106,7 +106,7 @@ class _Body:
             self._put("%s", f"quote(text({value}))")
         elif isinstance(node, Stamp):
             variable = self._read(value)
-            # Only the names of a time's halves differ.
+            # Only the names of a time's two parts differ.
             first, second = self._source.leaves.stamp((0, 0))
             self._put(f'{{"{first}":%d', f"{variable}[0]")
             self._put(f',"{second}":%d}}', f"{variable}[1]")

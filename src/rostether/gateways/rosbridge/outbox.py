@@ -71,7 +71,7 @@ class Outbox(Generic[ReceiverT]):
         self._news.set()
 
     def discard(self, receiver: ReceiverT) -> None:
-        """Discard what waits of a topic."""
+        """Discard the waiting messages of a topic."""
         self._topics.forget(receiver)
 
     async def wait(self) -> None:

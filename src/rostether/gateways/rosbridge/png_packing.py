@@ -1,6 +1,6 @@
 """Texts in PNG pictures: rosbridge's oldest compression, with the picture in base64.
 
-The text's bytes stand as the pixels of a picture of three bytes a pixel, about as wide as high, the rest
+The text's bytes are the pixels of a picture of three bytes a pixel, about as wide as high, the rest
 filled with line ends (source: rosbridge_suite's protocol and behaviour). Pictures that come in may be grey,
 coloured or with transparency; all PNG row filters are undone.
 """
@@ -25,7 +25,7 @@ _COLOR: Final = 2
 # Rows are unfiltered byte by byte, a tenth of a second for these; packed texts need no row filters.
 MAX_FILTERED_BYTES: Final = 1 << 18
 
-# Three times as fast as the usual 6, a tenth larger: boards wait meanwhile.
+# Three times as fast as the usual 6, and a tenth larger: boards wait while a picture is packed.
 _LEVEL: Final = 1
 
 

@@ -9,7 +9,7 @@ from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import MessageType
 
-# What waits meanwhile; a client that sends more at first may lose the oldest.
+# Messages that wait for subscribers; a client that sends more at first may lose the oldest.
 MAX_FIRST_BYTES = 4 << 20
 
 
@@ -47,7 +47,7 @@ class Publication:
             await self._publisher.drained(DRAIN_S)
 
     async def close(self) -> None:
-        """Publish what waits, and unadvertise. Idempotent."""
+        """Publish the waiting messages, and unadvertise. Idempotent."""
         if self._opening is not None:
             self._opening.cancel()
         self._speak()

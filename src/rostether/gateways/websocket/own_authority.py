@@ -53,7 +53,7 @@ class OwnCertificate:
 
 
 def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
-    """Return this machine's certificate in a folder; makes it, or renews it, as needed.
+    """Return this machine's certificate from a folder; makes or renews it if needed.
 
     Args:
         folder: Holds the authority as well; only this user can read the keys.
