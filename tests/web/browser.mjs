@@ -7,10 +7,17 @@ const [, , packages, executablePath] = process.argv;
 const { chromium } = createRequire(`${packages}/x.js`)("playwright-core");
 const browser = await chromium.launch({
   executablePath,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--js-flags=--expose-gc"],
+  args: [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--js-flags=--expose-gc",
+    "--use-fake-device-for-media-stream",
+  ],
 });
 const pages = [];
 const seen = [];
+const frozen = {};
 
 async function open({ url, width = 1280, height = 800, touch = false, script, ...options }) {
   const context = await browser.newContext({
@@ -47,6 +54,26 @@ const commands = {
       Object.defineProperty(document, "hidden", { get: () => isHidden, configurable: true });
       document.dispatchEvent(new Event("visibilitychange"));
     }, hidden),
+  // Stops the page's scripts, as a phone does with a page that it puts to sleep.
+  freeze: async ({ page }) => {
+    frozen[page] = await pages[page].context().newCDPSession(pages[page]);
+    await frozen[page].send("Debugger.enable");
+    await frozen[page].send("Debugger.pause");
+    return null;
+  },
+  thaw: async ({ page }) => {
+    await frozen[page].detach();
+    return null;
+  },
+  // A phone that lies on a table and turns.
+  sense: async ({ page, readings }) => {
+    const session = await pages[page].context().newCDPSession(pages[page]);
+    for (const [type, reading] of Object.entries(readings)) {
+      await session.send("Emulation.setSensorOverrideEnabled", { enabled: true, type });
+      await session.send("Emulation.setSensorOverrideReadings", { type, reading });
+    }
+    return null;
+  },
   screenshot: ({ page, path }) => pages[page].screenshot({ path }).then(() => null),
   memory: async ({ page }) => {
     const session = await pages[page].context().newCDPSession(pages[page]);

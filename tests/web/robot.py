@@ -74,10 +74,18 @@ class Robot:
 
     async def subscribed_topics(self) -> set[str]:
         """Return the topics that the dashboard's node subscribes, as the master knows them."""
+        return await self._topics(1)
+
+    async def wait_published(self, topic: str, *, wanted: bool) -> None:
+        """Wait until the dashboard's node publishes a topic, or does not any more."""
+        async with asyncio.timeout(PATIENCE_S):
+            while (topic in await self._topics(0)) is not wanted:
+                await asyncio.sleep(POLL_S)
+
+    async def _topics(self, kind: int) -> set[str]:
         with xmlrpc.client.ServerProxy(self._master) as master:
             answer: Any = await asyncio.to_thread(master.getSystemState, "/test")
-        _, _, (_, subscriptions, _) = answer
-        return {topic for topic, nodes in subscriptions if any("dashboard" in node for node in nodes)}
+        return {topic for topic, nodes in answer[2][kind] if any("dashboard" in node for node in nodes)}
 
     async def wait_subscribed(self, topic: str, *, wanted: bool) -> None:
         """Wait until the dashboard's node subscribes a topic, or does not any more."""

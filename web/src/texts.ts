@@ -20,6 +20,7 @@ export const texts = {
     recording: "Recording",
     simulation: "Simulation",
     connect: "Connect a board",
+    phone: "This phone",
   },
   shell: {
     viewOnly: "View only",
@@ -362,6 +363,31 @@ export const texts = {
     unsupported: "This browser has no serial ports",
     unsupportedText:
       "Use Chrome or Edge on a computer or Chromebook, or Chrome 148 or newer on Android. iPhones and iPads have no browser with serial ports.",
+  },
+  phone: {
+    intro: "Publish the sensors of this phone or computer as topics. The stamps are in the robot's time.",
+    name: "Name of this phone",
+    rate: "At most",
+    size: "Size",
+    front: "Front camera",
+    sensors: { imu: "Motion", gps: "Position", camera: "Camera", battery: "Battery" },
+    offset: (offsetMs: number, errorMs: number) =>
+      `The robot's clock is ${Math.abs(offsetMs).toFixed(1)} ms ${offsetMs < 0 ? "behind" : "ahead of"} this phone's, within ${errorMs.toFixed(1)} ms.`,
+    noOffset: "Waiting for the robot's time",
+    stayVisible: "Keep this page visible. While it is hidden, nothing is published.",
+    viewOnlyText: "Open the address with the full token to publish sensors.",
+    insecureText:
+      "Browsers give sensors only to pages on https, or on localhost. Start the dashboard with --tls auto.",
+    problems: {
+      denied: (sensor: string) =>
+        `The browser does not allow it: ${sensor}. Allow it in the settings of this page, then switch it on again.`,
+      missing: (sensor: string) => `This device or browser does not have it: ${sensor}.`,
+      busy: (sensor: string) =>
+        `Another program uses it: ${sensor}. Close that program, then switch it on again.`,
+      unavailable: (sensor: string) =>
+        `It is not known now: ${sensor}. Go outside or switch on location services.`,
+      insecure: (sensor: string) => `The page is not encrypted, so the browser does not offer it: ${sensor}.`,
+    },
   },
   units: {
     ago: (text: string) => `${text} ago`,

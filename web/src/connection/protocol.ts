@@ -89,6 +89,7 @@ export type ServerText =
   | ({ op: "connectionGraphUpdate" } & GraphUpdate)
   | ({ op: "recordings" } & Recordings)
   | ({ op: "drive"; channelId: number } & Lease)
+  | { op: "timeAnswer"; id: number; sec: number; nsec: number }
   | { op: "serviceCallFailure"; serviceId: number; callId: number; message: string };
 
 export type ServerBinary =

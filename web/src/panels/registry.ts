@@ -11,6 +11,7 @@ import { imagesPanel } from "./images/images.ts";
 import { mapPanel } from "./map/map.ts";
 import type { Panel } from "./panel.ts";
 import { parametersPanel } from "./parameters/parameters.ts";
+import { phonePanel } from "./phone/phone.ts";
 import { plotsPanel } from "./plots/plots.ts";
 import { recordingPanel } from "./recording/recording.ts";
 import { scenePanel } from "./scene/scene.ts";
@@ -36,4 +37,5 @@ export const panels: readonly Panel[] = [
   recordingPanel,
   simulationPanel,
   connectPanel,
+  phonePanel,
 ];

@@ -1,5 +1,6 @@
 // The boards that this page relays; they stay connected while other panels are shown.
 import { effect, type Signal, signal } from "@preact/signals";
+import { randomHex } from "../store/random_hex.ts";
 import { loadSetting, saveSetting } from "../store/storage.ts";
 import { pageHidden } from "../store/visibility.ts";
 import { BoardRelay } from "./board_relay.ts";
@@ -25,8 +26,7 @@ export function isBoardName(name: string): boolean {
 export function boardSettings(port: SerialPort): BoardSettings {
   const known = loadSetting<BoardSettings | undefined>(settingsKey(port), undefined);
   if (known) return known;
-  const random = crypto.getRandomValues(new Uint16Array(1))[0]!.toString(16).padStart(4, "0");
-  const settings = { name: `board_${random}`, baud: DEFAULT_BAUD };
+  const settings = { name: `board_${randomHex()}`, baud: DEFAULT_BAUD };
   saveSetting(settingsKey(port), settings);
   return settings;
 }

@@ -118,10 +118,18 @@ function writerOf(node: Node): Write {
     case "array": {
       const { length } = node;
       const write = writerOf(node.element);
+      const isBytes = node.element.kind === "primitive" && node.element.type === "uint8";
       return (writer, value, where) => {
         const values = value ?? [];
         if (!Array.isArray(values) && !ArrayBuffer.isView(values)) throw wrong(where, value, "a list");
         const list = values as ArrayLike<unknown>;
+        if (isBytes && length === undefined && values instanceof Uint8Array) {
+          // A picture.
+          const start = writer.grow(4 + values.length);
+          writer.view.setUint32(start, values.length, true);
+          writer.bytes.set(values, start + 4);
+          return;
+        }
         if (length === undefined) {
           const start = writer.grow(4);
           writer.view.setUint32(start, list.length, true);

@@ -15,7 +15,7 @@ from rostether.errors import ConfigError
 PANELS = (
     *("boards", "controls", "drive", "plots", "images", "scene", "map", "graph", "topics"),
     *("services", "parameters", "console", "diagnostics", "frames", "recording", "simulation"),
-    "connect",
+    *("connect", "phone"),
 )
 
 # RViz writes about 10 kB.

@@ -91,6 +91,7 @@ class Client:
             asked.PlayRecording: self._recordings.play,
             asked.PausePlayback: self._recordings.pause,
             asked.StopPlayback: self._recordings.stop_playing,
+            asked.AskTime: self._tell_time,
         }
 
     # Events of the connection.
@@ -258,6 +259,9 @@ class Client:
 
     def _unwatch_graph(self, _: asked.UnsubscribeConnectionGraph) -> None:
         self.wants_connection_graph = False
+
+    def _tell_time(self, request: asked.AskTime) -> None:
+        self.line.send(outgoing.time_answer(request.request_id, self._gateway.clock.now_ns()))
 
     def _fetch(self, request: asked.FetchAsset) -> None:
         async def fetch() -> None:

@@ -167,6 +167,13 @@ class StopPlayback:
     """Ends the playback; an op of this gateway."""
 
 
+@dataclass(frozen=True, slots=True)
+class AskTime:
+    """Asks what time it is on the robot; an op of this gateway. The answer has the id."""
+
+    request_id: int
+
+
 ClientMessage: TypeAlias = (
     Subscribe
     | Unsubscribe
@@ -187,4 +194,5 @@ ClientMessage: TypeAlias = (
     | PlayRecording
     | PausePlayback
     | StopPlayback
+    | AskTime
 )

@@ -15,6 +15,7 @@ from typing import Any
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.foxglove.client_messages import (
     Advertise,
+    AskTime,
     ClientChannel,
     ClientMessage,
     FetchAsset,
@@ -210,5 +211,6 @@ _PARSERS: dict[str, Callable[[_Fields], ClientMessage]] = {
     ),
     "pausePlayback": lambda fields: PausePlayback(fields.flag("paused", default=True)),
     "stopPlayback": lambda _: StopPlayback(),
+    "askTime": lambda fields: AskTime(fields.id("id")),
     "fetchAsset": lambda fields: FetchAsset(fields.text("uri"), fields.id("requestId")),
 }

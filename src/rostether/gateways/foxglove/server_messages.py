@@ -14,6 +14,7 @@ from enum import IntEnum
 from typing import Any
 
 from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.rostime import NS_PER_S
 
 # The subprotocols of today's Foxglove and of older clients; the messages are the same.
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
@@ -152,6 +153,12 @@ def drive(state: Mapping[str, Any]) -> str:
 def recordings(state: Mapping[str, Any]) -> str:
     """Return the recordings, see `recording_control.py`; an op of this gateway."""
     return _json({"op": "recordings", **state})
+
+
+def time_answer(request_id: int, time_ns: int) -> str:
+    """Return the time when a client asked for it; an op of this gateway."""
+    sec, nsec = divmod(time_ns, NS_PER_S)
+    return _json({"op": "timeAnswer", "id": request_id, "sec": sec, "nsec": nsec})
 
 
 def service_failure(service_id: int, call_id: int, text: str) -> str:

@@ -6,6 +6,7 @@ import asyncio
 import json
 import socket
 import struct
+import time
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -552,3 +553,14 @@ async def test_the_view_token_is_asked_for_like_the_full_one(path: str) -> None:
         with pytest.raises(InvalidHandshake):
             async with there.client(path=path):
                 pass
+
+
+async def test_a_client_asks_for_the_robot_s_time() -> None:
+    async with stage() as there, there.client() as client:
+        before_s = time.time()
+        await client.say("askTime", id=7)
+        answer = await client.wait("timeAnswer")
+        assert answer["id"] == 7
+        assert before_s - 1e-3 <= answer["sec"] + answer["nsec"] / 1e9 <= time.time() + 1e-3
+        await client.say("askTime", id=-1)
+        assert "unsigned" in (await client.wait("status"))["message"]

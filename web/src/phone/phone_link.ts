@@ -1,0 +1,112 @@
+// A phone's own connection to the robot: its pictures never delay a stop, which uses another one.
+import { type Signal, signal } from "@preact/signals";
+import { gatewayUrl } from "../connection/address.ts";
+import { gatewaySocket } from "../connection/gateway_socket.ts";
+import { messageData } from "../connection/protocol.ts";
+import type { ReconnectingSocket } from "../connection/socket.ts";
+import type { Stamp } from "../wire/decode.ts";
+import { ClockOffset, pageTimeMs } from "./clock_offset.ts";
+
+// Quickly at first, then often enough for the drift of any clock.
+const FIRST_ASKS = 5;
+const FIRST_ASK_MS = 200;
+const ASK_MS = 10_000;
+// More waits in the browser: newer values are worth more.
+const MAX_WAITING_BYTES = 64 * 1024;
+
+export class PhoneLink {
+  readonly clock = new ClockOffset();
+  readonly isOpen = signal(false);
+  /** The offset of the robot's clock and the time of the answer, in milliseconds. */
+  readonly offset: Signal<{ offsetMs: number; roundTripMs: number } | undefined> = signal(undefined);
+  /** What the robot refused. */
+  readonly problem = signal("");
+  private readonly socket: ReconnectingSocket;
+  private readonly topics = new Map<number, { topic: string; schemaName: string }>();
+  private readonly asked = new Map<number, number>();
+  private simulated: Stamp | undefined;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private asks = 0;
+  private nextId = 1;
+
+  constructor() {
+    this.socket = gatewaySocket(gatewayUrl, {
+      onOpen: () => {
+        for (const [id, each] of this.topics) this.advertise(id, each);
+        this.simulated = undefined;
+        this.clock.clear();
+        this.asks = 0;
+        this.ask();
+        this.isOpen.value = true;
+      },
+      onText: (message) => {
+        if (message.op === "timeAnswer") this.learn(message.id, message);
+        // Those with an id are not about this connection.
+        if (message.op === "status" && message.level > 0 && message.id === undefined)
+          this.problem.value = message.message;
+      },
+      onBinary: (message) => {
+        if (message.op !== "time") return;
+        const ns = 1_000_000_000n;
+        this.simulated = { sec: Number(message.timeNs / ns), nsec: Number(message.timeNs % ns) };
+      },
+      onClose: () => {
+        clearTimeout(this.timer);
+        this.asked.clear();
+        this.isOpen.value = false;
+      },
+    });
+  }
+
+  /** Advertises a topic; returns its id. */
+  open(topic: string, schemaName: string): number {
+    const id = this.nextId++;
+    this.topics.set(id, { topic, schemaName });
+    this.advertise(id, { topic, schemaName });
+    return id;
+  }
+
+  end(id: number): void {
+    if (this.topics.delete(id)) this.socket.send({ op: "unadvertise", channelIds: [id] });
+  }
+
+  /** The robot's time at a time of the page; undefined before it is known. */
+  stamp(pageMs = pageTimeMs()): Stamp | undefined {
+    return this.simulated ?? this.clock.stamp(pageMs);
+  }
+
+  /** Whether a message would leave soon. */
+  get hasRoom(): boolean {
+    return this.isOpen.peek() && this.socket.waitingBytes < MAX_WAITING_BYTES;
+  }
+
+  /** Publishes a message; false, and nothing is sent later, when the connection is slow or gone. */
+  publish(id: number, payload: Uint8Array): boolean {
+    return this.hasRoom && this.socket.send(messageData(id, payload));
+  }
+
+  close(): void {
+    clearTimeout(this.timer);
+    this.socket.close();
+  }
+
+  private advertise(id: number, topic: { topic: string; schemaName: string }): void {
+    this.socket.send({ op: "advertise", channels: [{ id, encoding: "ros1", ...topic }] });
+  }
+
+  private ask(): void {
+    const id = this.nextId++;
+    this.asked.clear();
+    this.asked.set(id, pageTimeMs());
+    this.socket.send({ op: "askTime", id });
+    this.timer = setTimeout(() => this.ask(), ++this.asks < FIRST_ASKS ? FIRST_ASK_MS : ASK_MS);
+  }
+
+  private learn(id: number, robot: Stamp): void {
+    const askedMs = this.asked.get(id);
+    if (askedMs === undefined) return;
+    this.asked.delete(id);
+    this.clock.add(askedMs, pageTimeMs(), robot);
+    this.offset.value = this.clock.best;
+  }
+}

@@ -1,0 +1,62 @@
+// The contract between a sensor of this device and the panel that switches it on.
+import type { PhoneType } from "./definitions.ts";
+
+export type SensorId = "imu" | "gps" | "camera" | "battery";
+export type Problem =
+  | "denied"
+  | "missing"
+  | "busy"
+  | "unavailable"
+  | "insecure"
+  /** The browser's own words follow. */
+  | { text: string };
+
+/** Why a sensor cannot be used. */
+export class SensorError extends Error {
+  readonly problem: Problem;
+
+  constructor(problem: Problem) {
+    super(typeof problem === "string" ? problem : problem.text);
+    this.problem = problem;
+  }
+}
+
+export interface SensorSettings {
+  /** Messages a second, at most; 0 means as they come. */
+  hertz: number;
+  /** Pixels, of the camera. */
+  width: number;
+  height: number;
+  /** Whether the camera beside the screen is used. */
+  isFront: boolean;
+}
+
+export interface SensorOutput {
+  readonly settings: SensorSettings;
+  /** Whether a message would leave soon; a large one that would not need not be made. */
+  hasRoom(): boolean;
+  /** Publishes the fields beside the header, measured at a time of the page in milliseconds; false if it cannot. */
+  publish(fields: Record<string, unknown>, measuredMs: number): boolean;
+  /** Reports what ends the sensor later. */
+  fail(problem: Problem): void;
+}
+
+export interface Sensor {
+  id: SensorId;
+  type: PhoneType;
+  /** The topic below the phone's name. */
+  topic: string;
+  /** Begins to publish; resolves with what ends it. Rejects with SensorError. */
+  start(output: SensorOutput): Promise<() => void>;
+}
+
+/** Lets a message pass if the last one is old enough; one early message in ten makes up for uneven events. */
+export function rateLimiter(hertz: number): (nowMs: number) => boolean {
+  let nextMs = Number.NEGATIVE_INFINITY;
+  const periodMs = hertz > 0 ? 1000 / hertz : 0;
+  return (nowMs) => {
+    if (nowMs < nextMs - periodMs / 10) return false;
+    nextMs = Math.max(nextMs, nowMs - periodMs) + periodMs;
+    return true;
+  };
+}
