@@ -81,7 +81,7 @@ class Peer:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, number)
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.process.wait(), 3.0)
+                await asyncio.wait_for(self.process.wait(), PATIENCE_S if number == signal_number else 3.0)
         for group in groups:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(group, signal.SIGKILL)

@@ -215,7 +215,7 @@ async def test_rosparam_sets_what_a_board_gets(bridged: Bridged) -> None:
     ):
         await bridged.peers.run("rosparam", "set", name, value)
     device = await bridged.device()
-    await device.wait_connected(10.0)
+    await device.wait_connected(60.0)
     values = [await device.get_param(name) for name in ("gain", "count", "/side", "flags", "~own")]
     assert values == [2.5, 42, "left", [1, 0], [1.5, 2.5]]
 
@@ -224,7 +224,7 @@ async def test_a_boards_log_is_in_rosout_under_its_name(bridged: Bridged) -> Non
     listener = await bridged.peers.rospy(LOG_ECHO)
     await listener.wait_for("listening")
     device = await bridged.device()
-    await device.wait_connected(10.0)
+    await device.wait_connected(60.0)
     async with asyncio.timeout(60):
         while listener.process.returncode is None:
             device.logwarn("battery low")

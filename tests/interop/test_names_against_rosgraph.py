@@ -49,7 +49,7 @@ def reference() -> Any:
         ["/usr/bin/python3", "-c", ROSGRAPH_REFERENCE],
         input=json.dumps(request).encode(),
         capture_output=True,
-        timeout=50,
+        timeout=60,
     )
     assert done.returncode == 0, done.stderr.decode()
     return json.loads(done.stdout)

@@ -154,7 +154,7 @@ async def test_each_board_is_a_node(boards: Boards, peer: RclpyPeer) -> None:
 async def test_a_boards_log_is_in_rosout(boards: Boards, peer: RclpyPeer) -> None:
     await peer.ask("subscribe", topic="/rosout", type="rcl_interfaces/msg/Log", quality="rosout")
     device = await boards.connect()
-    await device.wait_connected(10.0)
+    await device.wait_connected(60.0)
     device.logwarn("battery low")
     while True:
         logs = await peer.ask("receive", topic="/rosout", count=1)

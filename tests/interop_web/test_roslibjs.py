@@ -25,7 +25,7 @@ async def test_a_page_does_with_a_robot_what_it_does_with_rosbridge_suite(
         await until(page, lambda: "serving" in reports(page))
         await until_served(stage, "/from_page/double")
         answer = await stage.talker.call(
-            "/from_page/double", "std_srvs/SetBool", {"data": True}, timeout_s=30
+            "/from_page/double", "std_srvs/SetBool", {"data": True}, timeout_s=60
         )
         assert (answer.success, answer.message) == (False, "page got true")
         await go_on(page)

@@ -22,7 +22,7 @@ async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
         await until(program, lambda: "serving" in reports(program))
         await until_served(stage, "/from_program/double")
         answer = await stage.talker.call(
-            "/from_program/double", "std_srvs/SetBool", {"data": True}, timeout_s=30
+            "/from_program/double", "std_srvs/SetBool", {"data": True}, timeout_s=60
         )
         assert (answer.success, answer.message) == (False, "program got True")
         await go_on(program)

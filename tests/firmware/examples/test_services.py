@@ -18,7 +18,7 @@ async def test_service_server(kind: str) -> None:
         await stage.service("/test_srv")
         for said in ("hello", "world", "hello"):
             answer = await stage.graph.call(
-                "/test_srv", "rosserial_arduino/Test", {"input": "anybody there?"}, timeout_s=10
+                "/test_srv", "rosserial_arduino/Test", {"input": "anybody there?"}, timeout_s=60
             )
             assert answer.output == said
         assert (await stage.message("/chatter", TEXT)).data == "hello world!"

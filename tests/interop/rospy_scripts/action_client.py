@@ -68,7 +68,7 @@ def use_executing(server):
     show("pushed out", client)
     heard = threading.Event()
     client.send_goal(TestGoal(102), feedback_cb=lambda feedback: feedback.feedback == 204 and heard.set())
-    print("feedback", heard.wait(30))
+    print("feedback", heard.wait(60))
     client.cancel_all_goals()
     client.wait_for_result(rospy.Duration(30))
     print("cancelled", NAMES[client.get_state()] in ("PREEMPTED", "RECALLED"))

@@ -41,7 +41,7 @@ class Collector:
             self.done.set()
 
     def wait(self):
-        assert self.done.wait(10), "no messages"
+        assert self.done.wait(60), "no messages"
         return self.messages
 
 
@@ -120,7 +120,7 @@ attempt("args and keywords", lambda: early.publish("a", data="b"))
 
 latched = rospy.Publisher("latched", Header, latch=True, queue_size=1)
 latched.publish(Header(0, rospy.Time(3), "frame"))
-print(rospy.wait_for_message("latched", Header, timeout=5))
+print(rospy.wait_for_message("latched", Header, timeout=60))
 second = Collector(1)
 rospy.Subscriber("/robot/latched", Header, second.take)
 print(second.wait()[0][0].frame_id)

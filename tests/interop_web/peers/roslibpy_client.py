@@ -13,7 +13,7 @@ import roslibpy
 import roslibpy.core
 from roslibpy.ros1 import actionlib
 
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 
 
 def tell(check: str, found: Any = None) -> None:

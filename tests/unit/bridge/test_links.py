@@ -54,7 +54,7 @@ async def carry_both_ways(site: Site, link: str, node: str) -> None:
     async with Device(link, store=STORE) as device:
         chatter = device.publisher("chatter", "std_msgs/String")
         device.subscriber("led", "std_msgs/String", heard.append)
-        await device.wait_connected(10.0)
+        await device.wait_connected(60.0)
         await until(lambda: publisher.subscriber_count, "the board's subscription")
         publisher.publish_raw([text("on")])
         await until(lambda: heard, "the message to the board")
@@ -123,7 +123,7 @@ async def test_many_devices_at_once(site: Site) -> None:
         ]
         publishers = [device.publisher("chatter", "std_msgs/String") for device in devices]
         for device in devices:
-            await device.wait_connected(10.0)
+            await device.wait_connected(60.0)
         for number, publisher in enumerate(publishers):
             await until(partial(publisher.publish, data=str(number)), "a publication")
         await until(lambda: len(said) == 32, "a malformed message of each:")

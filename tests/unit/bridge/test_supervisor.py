@@ -378,7 +378,7 @@ async def test_closing_stops_every_board_and_leaves_nothing(site: Site) -> None:
     await site.start(f"{PORT}?name=left", f"{PORT}?name=right", "tcp://:11411")
     site.connect()
     await site.serving("/left", "/right", "/tcp_127_0_0_1")
-    await asyncio.wait_for(site.supervisor.close(), 10.0)
+    await asyncio.wait_for(site.supervisor.close(), 60.0)
     await until(lambda: all(board.is_lost for board in site.boards), "the boards to learn of it")
     assert all(board.order[-1] == ids.TX_STOP for board in site.boards)
     assert site.nodes() == set()
@@ -408,7 +408,7 @@ async def test_closing_while_everything_waits(site: Site, tmp_path: Path) -> Non
     site.join_errors = [MasterUnreachableError("no ROS master answers") for _ in range(1000)]
     await site.start(str(tmp_path / "never"), f"{PORT}?name=arm")
     await until(lambda: site.reporter.having("no ROS master answers"), "the line")
-    await asyncio.wait_for(site.supervisor.close(), 10.0)
+    await asyncio.wait_for(site.supervisor.close(), 60.0)
     assert site.nodes() == set()
 
 

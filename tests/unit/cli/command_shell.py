@@ -68,7 +68,7 @@ class LiveGraph:
             self.do(node.close())
         self.do(self.master.close())
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(10)
+        self._thread.join(60)
         self._loop.close()
 
 

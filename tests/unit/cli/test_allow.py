@@ -51,5 +51,5 @@ async def test_boards_and_nodes_of_this_machine_are_served_all_the_same() -> Non
         await serve.wait_for("Waiting for boards")
         async with Device(f"tcp://127.0.0.1:{board_port}") as device:
             device.publisher("count", "std_msgs/UInt32")
-            await device.wait_connected(10.0)
+            await device.wait_connected(60.0)
         assert "refused" not in serve.text

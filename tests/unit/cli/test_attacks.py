@@ -67,7 +67,7 @@ async def test_bystanders_are_answered_in_time() -> None:
         uri = f"http://127.0.0.1:{port}/"
         async with Device(f"tcp://127.0.0.1:{board_port}") as device:
             device.publisher("count", "std_msgs/UInt32")
-            await device.wait_connected(10.0)
+            await device.wait_connected(60.0)
             client = XmlRpcClient(uri)
             _, _, node = await client.call_status("lookupNode", "/x", "/board")
             node_client = XmlRpcClient(str(node))

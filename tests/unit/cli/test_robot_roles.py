@@ -17,9 +17,9 @@ def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
         assert shell.output("param", "get", "/joints/rate") == "50\n"
         assert shell.output("node", "list").split() == ["/joints", "/robot_state_publisher", "/setter"]
         shell("node", "kill", "/joints")
-        assert joints.wait(10) == 0
+        assert joints.wait(60) == 0
         state.terminate()
-        assert state.wait(10) == 0
+        assert state.wait(60) == 0
 
 
 def test_without_a_description_a_line_says_who_sets_it(graph: LiveGraph) -> None:

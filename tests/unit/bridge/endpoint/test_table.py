@@ -305,7 +305,7 @@ async def test_a_topic_that_goes_while_the_graph_refuses_it_is_given_up(world: T
     table.announce_topic(publisher(), FakeLine())
     await until(lambda: world.reporter.texts, "the refusal")
     asked = refusing.refusals
-    await asyncio.wait_for(table.close(), 10.0)
+    await asyncio.wait_for(table.close(), 60.0)
     assert refusing.refusals >= asked - 1
 
 

@@ -73,7 +73,7 @@ def test_signals_end_it_quietly(tmp_path: Path, sign: signal.Signals, code: int)
         assert f"linked at {link}" in read_until(process, "serial port")[-1]
         assert link.is_symlink()
         process.send_signal(sign)
-        assert process.wait(20) == code
+        assert process.wait(60) == code
         assert process.stderr is not None
         assert process.stderr.read() == ""
     assert not link.is_symlink()

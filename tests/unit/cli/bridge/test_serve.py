@@ -85,7 +85,7 @@ async def test_end_tells_the_board_and_leaves_the_graph(number: signal.Signals) 
                 await serve.wait_for("Note: publish buffer size is")
                 await device.wait_connected()
                 serve.process.send_signal(number)
-                async with asyncio.timeout(10):
+                async with asyncio.timeout(60):
                     await serve.process.wait()
                     while device.connected:
                         await asyncio.sleep(0.01)

@@ -103,7 +103,7 @@ async def test_rosapi_is_a_node_of_its_own_where_a_launch_file_says_so() -> None
             started("role", "rosapi-node", "_services_glob:=[/rosapi/*]", ROS_MASTER_URI=master.uri),
             rostether.join("/asking", master=master.uri) as graph,
         ):
-            async with asyncio.timeout(30):
+            async with asyncio.timeout(60):
                 async for snapshot in graph.changes():
                     if "/rosapi/search_param" in snapshot.services:
                         break

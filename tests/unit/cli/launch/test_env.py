@@ -25,7 +25,7 @@ def tell(shell: str, code: str, path: str, script: str, **environ: str) -> list[
         env={"PATH": path, **environ},
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=60,
         check=True,
     ).stdout.splitlines()
 

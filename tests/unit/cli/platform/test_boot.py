@@ -91,7 +91,7 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
     assert verb == ["up", "/etc/rostether/robot.toml"]
     async with started("up", str(root / verb[1].removeprefix("/"))) as up:
         await up.wait_for("Press Ctrl-C to stop")
-        await up.wait_for("boards | ")
+        await up.wait_for("core   | ")
         await up.wait_for("usb-away")
         children = subprocess.run(
             ["pgrep", "-P", str(up.process.pid), "-f", "rostether core"],
@@ -99,5 +99,6 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
             text=True,
             check=True,
         ).stdout.split()
-        os.kill(int(children[0]), signal.SIGKILL)
+        (core,) = children
+        os.kill(int(core), signal.SIGKILL)
         await up.wait_for("core   | ended (signal SIGKILL); starts again in 1 s")

@@ -97,7 +97,7 @@ def test_static_publishes_until_told_to_end(
         assert "[1.000, -2.000, -0.500]" in result.out
         assert "/here" in shell.output("node", "list")
         process.terminate()
-        assert process.wait(10) == 0
+        assert process.wait(60) == 0
 
 
 def test_static_without_a_transform_says_how(graph: LiveGraph, shell: Shell) -> None:

@@ -53,7 +53,7 @@ class ZenohWorld:
         self._loop.call_soon_threadsafe(self._publishing.cancel)
         self.do(self.session.close())
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(10)
+        self._thread.join(60)
         self._loop.close()
 
     async def _populate(self) -> asyncio.Task[None]:

@@ -114,7 +114,7 @@ def test_a_topic_that_is_not_there_yet_is_waited_for(
     graph: LiveGraph, shell: Shell, warned: threading.Event
 ) -> None:
     def appear() -> None:
-        assert warned.wait(20)
+        assert warned.wait(60)
         publish(graph, "/late", "std_msgs/Bool", {"data": True})
 
     in_background(appear)
@@ -137,7 +137,7 @@ def test_a_topic_below_a_topic_may_come_later(
     publish(graph, "/r/raw", "std_msgs/Bool")
 
     def appear() -> None:
-        assert warned.wait(20)
+        assert warned.wait(60)
         publish(graph, "/r/later", "std_msgs/Bool", {"data": True})
 
     in_background(appear)
@@ -150,7 +150,7 @@ def test_a_topic_of_a_similar_name_is_suggested(
     publish(graph, "/ultrasound", "sensor_msgs/Range")
 
     def appear() -> None:
-        assert warned.wait(20)
+        assert warned.wait(60)
         publish(graph, "/ultrasond", "sensor_msgs/Range", {})
 
     in_background(appear)
@@ -170,7 +170,7 @@ def test_echo_ends_when_its_node_is_shut_down(graph: LiveGraph, shell: Shell) ->
 
     ending = in_background(end)
     assert shell("topic", "echo", "/r/range").code == 0
-    ending.join(10)
+    ending.join(60)
 
 
 def test_topic_that_nobody_publishes_is_said(
@@ -186,7 +186,7 @@ def test_topic_that_nobody_publishes_is_said(
         warned.set()
 
     def speak() -> None:
-        warned.wait(20)
+        warned.wait(60)
         talker = graph.node("talker")
         publisher = graph.do(talker.advertise("/quiet", message_type, latch=True))
         call(graph, lambda: publisher.publish_raw([b"\x01"]))
@@ -195,5 +195,5 @@ def test_topic_that_nobody_publishes_is_said(
     monkeypatch.setattr("rostether.cli.topic.ros1_echo.warn", hear)
     speaking = in_background(speak)
     assert "data: True" in shell.output("topic", "echo", "-n", "1", "/quiet")
-    speaking.join(20)
+    speaking.join(60)
     assert warnings == ["WARNING: topic [/quiet] has no publisher yet"]

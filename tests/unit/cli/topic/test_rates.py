@@ -125,4 +125,4 @@ def test_reports_end_when_the_node_is_shut_down(graph: LiveGraph, shell: Shell) 
 
     ending = in_background(end)
     assert shell("topic", "hz", "/b").code == 0
-    ending.join(10)
+    ending.join(60)

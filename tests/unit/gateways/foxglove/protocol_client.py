@@ -27,7 +27,7 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.transports.web_boards import WebBoards
 
-LIMIT_S = 30.0  # of waits for conditions, on a machine under load
+LIMIT_S = 60.0  # of waits for conditions, on a machine under load
 BINARY_OPS = {1: "messageData", 2: "time", 3: "serviceCallResponse", 4: "fetchAssetResponse"}
 
 

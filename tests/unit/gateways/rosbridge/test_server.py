@@ -43,7 +43,7 @@ async def test_what_one_client_publishes_another_hears_under_the_name_that_it_us
 
 
 async def test_first_words_wait_for_subscribers_that_are_on_their_way(there: World) -> None:
-    heard = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=10))
+    heard = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=60))
     async with there.client() as client:
         await until(lambda: "/chatter" in there.network.snapshot().topics)
         await client.say("advertise", topic="/chatter", type=STRING)
@@ -291,7 +291,7 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
 
         async def call(**answer: Any) -> Message:
             calling = asyncio.ensure_future(
-                there.graph.call("/add", "std_srvs/SetBool", {"data": True}, timeout_s=10)
+                there.graph.call("/add", "std_srvs/SetBool", {"data": True}, timeout_s=60)
             )
             request = await client.hear("call_service")
             assert request["service"] == "/add"
@@ -310,7 +310,7 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
         assert "field success" in (await client.hear("status"))["msg"]
         await client.say("service_response", service="/add", id="made up", values={}, result=True)
         assert "no call of /add waits for the id 'made up'" in (await client.hear("status"))["msg"]
-        calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=10))
+        calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
         await client.hear("call_service")
         await client.say("unadvertise_service", service="/add")
         with pytest.raises(ServiceCallError, match="was unadvertised while it was called"):
@@ -321,7 +321,7 @@ async def test_a_client_that_hangs_up_fails_the_calls_that_it_was_to_answer(ther
     async with there.client() as client:
         await client.say("advertise_service", service="/add", type="std_srvs/SetBool")
         await client.settled()
-        calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=10))
+        calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
         await client.hear("call_service")
         client.connection.transport.abort()
     with pytest.raises(ServiceCallError, match="has lost the client that offers it"):
@@ -335,7 +335,7 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
         await old.settled()
         await new.say("advertise_service", service="/add", type="std_srvs/SetBool")
         assert "was offered by another client" in (await new.settled())[0]["msg"]
-        calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=10))
+        calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
         request = await new.hear("call_service")
         await new.say("service_response", service="/add", id=request["id"], values={}, result=True)
         await calling
@@ -609,7 +609,7 @@ async def silent_connections_are_bounded(there: World) -> None:
         except (OSError, EOFError, WebSocketException):
             return False
 
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not await is_let_in():
             await asyncio.sleep(0.01)
 

@@ -19,7 +19,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 class WebClient:

@@ -200,7 +200,7 @@ async def test_leaving_is_quick_when_the_master_hangs(stage: Stage, monkeypatch:
         writer.close()
 
     silent = await asyncio.start_server(hang, "127.0.0.1", parse_rpc_uri(stage.uri).port)
-    await asyncio.wait_for(node.close(), 10.0)
+    await asyncio.wait_for(node.close(), 60.0)
     silent.close()
     await silent.wait_closed()
 

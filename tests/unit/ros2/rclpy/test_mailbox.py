@@ -70,7 +70,7 @@ def test_nothing_is_lost_between_two_threads() -> None:
     thread.start()
     received: list[bytes] = []
     while len(received) < len(sent):
-        assert is_awake.wait(10)
+        assert is_awake.wait(60)
         is_awake.clear()
         received += box.pop_all()
     thread.join()

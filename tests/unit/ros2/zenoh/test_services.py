@@ -46,7 +46,7 @@ async def agree(request: bytes) -> bytes:
 async def ask(session: ZenohSession, payload: bytes | None, attachment: bytes | None) -> list[zenoh.Reply]:
     """Call as a peer that keeps to no convention."""
     return await asyncio.to_thread(
-        lambda: list(session.zenoh.get(KEY, payload=payload, attachment=attachment, timeout=5.0))
+        lambda: list(session.zenoh.get(KEY, payload=payload, attachment=attachment, timeout=60.0))
     )
 
 

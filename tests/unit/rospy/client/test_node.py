@@ -108,7 +108,7 @@ async def test_each_publisher_has_a_thread_of_its_own(master: str) -> None:
 import rospy, threading
 from std_msgs.msg import String
 rospy.init_node("listener")
-both = threading.Barrier(2, timeout=15)
+both = threading.Barrier(2, timeout=60)
 seen = []
 def take(message):
     both.wait()          # passes only when callbacks of both publishers run at once
