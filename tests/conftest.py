@@ -15,7 +15,7 @@ from typing import TypeVar
 import pytest
 
 from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfinish  # noqa: F401 - hooks
-from interop.ros1_peers import missing_robot, missing_ros1, missing_roscpp
+from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
 from unit.codegen.compilers import COMPILERS, missing_compiler
 from unit.simulation.simavr.programs import missing_simavr
@@ -66,8 +66,9 @@ def _own_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Return how many test processes `-n auto` means: many tests wait most of their time."""
-    return len(os.sched_getaffinity(0)) + 2 if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1) + 2
+    """Return how many test processes `-n auto` means: most tests wait for more than half of their time."""
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(2 * processors + 2, MAX_WORKERS)
 
 
 def pytest_collection_finish() -> None:

@@ -33,12 +33,11 @@ class CallbackWatch:
         gc.freeze()
 
         def run_measured(handle: events.Handle) -> None:
-            label = repr(handle)
             began_s = time.thread_time()
             run(handle)
             held_s = time.thread_time() - began_s
             if held_s > self._longest_s:
-                self._longest_s, self._longest = held_s, label
+                self._longest_s, self._longest = held_s, repr(handle)
 
         monkeypatch.setattr(events.Handle, "_run", run_measured)
 

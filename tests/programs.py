@@ -178,7 +178,8 @@ def read_until(process: subprocess.Popen[str], text: str) -> list[str]:
         lines.append(line.rstrip("\n"))
         if text in line:
             return lines
-    raise AssertionError(f"it never printed {text!r}: {lines}")
+    errors = "" if process.stderr is None else process.stderr.read()
+    raise AssertionError(f"it never printed {text!r}: {lines}; {errors}")
 
 
 class Terminal:

@@ -35,8 +35,9 @@ ROBOT_PROGRAMS = {
 # Above the ports that programs are known for (11311, 11411), below those the system gives by itself.
 _FIRST_PORT = 12_000
 _PORTS_EACH = 1_000
-_MAX_WORKERS = 20
-_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % _MAX_WORKERS
+# Test processes for which the ports are enough.
+MAX_WORKERS = 20
+_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % MAX_WORKERS
 _GIVEN_PORTS: set[int] = set()
 ROSOUT = "/usr/lib/rosout/rosout"
 CORE_PARAMETERS = {
@@ -86,7 +87,7 @@ def free_port() -> int:
     other test processes take such ports, each its own.
     """
     while True:
-        port = _FIRST_PORT + secrets.randbelow(_PORTS_EACH) * _MAX_WORKERS + _WORKER
+        port = _FIRST_PORT + secrets.randbelow(_PORTS_EACH) * MAX_WORKERS + _WORKER
         with socket.socket() as probe, contextlib.suppress(OSError):
             probe.bind(("", port))
             if port not in _GIVEN_PORTS:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from interop.ros1_peers import Ros1Peers, free_port
+from interop.ros1_peers import PATIENCE_S, Ros1Peers, free_port
 
 
 @pytest.mark.roscpp
@@ -22,6 +22,10 @@ async def test_roscore_is_what_the_other_tests_start_in_its_place(roscore: Ros1P
     try:
         core = await other.start("roscore", "-p", str(port))
         await core.wait_for("started core service [/rosout]")
+        # rosout registers itself after it was started.
+        async with asyncio.timeout(PATIENCE_S):
+            while "/rosout_agg" not in await other.run("rostopic", "list", check=False):
+                await asyncio.sleep(0.01)
         for command in (("rosnode", "list"), ("rostopic", "list", "-v"), ("rosservice", "list")):
             theirs, ours = await asyncio.gather(other.run(*command), roscore.run(*command))
             assert theirs == ours
