@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from interop.ros1_peers import PATIENCE_S, Ros1Peers, free_port
+from interop.ros1_peers import Ros1Peers, free_port
+from programs import PATIENCE_S
 
 
 @pytest.mark.roscpp
