@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rostether.recording.export.exporting import Export, ExportedTable
     from rostether.recording.export.tables import Table
 
-FORMATS = ("csv", "parquet")
+FORMATS = ("csv", "parquet", "pictures")
 _STDOUT = "-"
 
 
@@ -30,6 +30,7 @@ _STDOUT = "-"
     rostether export drive.bag -o tables --format parquet
     rostether export drive.bag --topic /ultrasound -o ultrasound.csv
     rostether export drive.mcap --topic /imu_data --field linear_acceleration --field header.stamp -o -
+    rostether export drive.bag --format pictures -o pictures
     rostether export drive.bag --topic "/arm/*" --field "position[0]" --field "*.x"
     """,
 )
@@ -38,8 +39,7 @@ _STDOUT = "-"
     "-o",
     "--output",
     metavar="PATH",
-    help="A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_csv or "
-    "NAME_parquet).",
+    help="A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_FORMAT).",
 )
 @click.option(
     "--format",
@@ -68,15 +68,18 @@ def export(
     """Write the messages of RECORDING as tables: one table per topic, one row per message.
 
     The first columns are the time of recording in seconds and in nanoseconds. Arrays of variable size are
-    lists. In CSV, bytes are base64.
+    lists. In CSV, bytes are base64. The format `pictures` writes compressed pictures as .jpg and .png files,
+    a folder per topic.
     """
     from rostether.recording.export.exporting import Export
+    from rostether.recording.export.picture_folder import PICTURE_TYPE
     from rostether.recording.files import open_recording
 
     with closing(open_recording(recording)) as reader:
         if reader.damage:
             warn(f"{recording}: {reader.damage}; only its complete part is read")
-        chosen = Export(reader, topics=topics, fields=fields, report=warn)
+        type_name = PICTURE_TYPE if format_name == "pictures" else ""
+        chosen = Export(reader, topics=topics, fields=fields, type_name=type_name, report=warn)
         place = _Place(recording, output, format_name, chosen)
         try:
             chosen.write(place.create)
@@ -100,7 +103,7 @@ class _Place:
         if output is not None and not self._is_stdout:
             path = Path(output)
             is_folder = path.is_dir() or output.endswith("/")
-            is_file = path.suffix.removeprefix(".") in FORMATS and not is_folder
+            is_file = path.suffix in (".csv", ".parquet") and not is_folder
             if not is_file and not is_folder and path.suffix[1:2].isalpha():
                 raise ConfigError(
                     f"-o {output}: the name of a table must end with .csv or .parquet; a folder must exist "
@@ -121,7 +124,9 @@ class _Place:
                 f"a file can hold only one topic; choose one with --topic, or give a folder: {names}"
             )
         if self._is_stdout and self._format != "csv":
-            raise ConfigError("Parquet cannot be written to stdout; give a file with -o")
+            raise ConfigError("only CSV can be written to stdout; give a file or a folder with -o")
+        if self._file is not None and self._format == "pictures":
+            raise ConfigError(f"-o {output}: pictures need a folder")
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import parquet_package
 
@@ -134,6 +139,10 @@ class _Place:
         if self._is_stdout:
             return CsvTable(sys.stdout, table.columns)
         path = self.path_of(table)
+        if self._format == "pictures":
+            from rostether.recording.export.picture_folder import PictureFolder
+
+            return PictureFolder(path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -151,7 +160,8 @@ class _Place:
 
     def path_of(self, table: ExportedTable) -> Path:
         """Return a table's file."""
-        return self._file or self._folder / f"{table.name}.{self._format}"
+        name = table.name if self._format == "pictures" else f"{table.name}.{self._format}"
+        return self._file or self._folder / name
 
     def remove(self) -> None:
         """Remove the incomplete file: half a table looks like a complete one."""
@@ -163,6 +173,8 @@ class _Place:
         for table in tables:
             if not self._is_stdout:
                 rows = f"{table.row_count} rows, {len(table.columns) + 2} columns"
+                if self._format == "pictures":
+                    rows = f"{table.row_count} pictures"
                 write_line(f"{self.path_of(table)}: {rows} of {table.topic}")
             if table.unfit_count:
                 warn(f"{table.topic}: {table.unfit_count} messages do not fit their type: {table.why}")

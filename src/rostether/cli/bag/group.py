@@ -12,6 +12,7 @@ _VERBS = {
     "info": VerbEntry("rostether.cli.bag.info:bag_info", "Show the contents of a recording."),
     "check": VerbEntry("rostether.cli.bag.check:bag_check", "Check a recording for errors."),
     "filter": VerbEntry("rostether.cli.bag.filter:bag_filter", "Keep the messages that match an expression."),
+    "cut": VerbEntry("rostether.cli.bag.cut:bag_cut", "Keep what was recorded at a time."),
     "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Convert between formats."),
     "compress": VerbEntry("rostether.cli.bag.repack:bag_compress", "Compress recordings."),
     "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Decompress recordings."),

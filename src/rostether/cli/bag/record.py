@@ -40,7 +40,7 @@ KILOBYTE = 1024
 _UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}
 
 
-class _Duration(click.ParamType[float]):
+class _DurationType(click.ParamType[float]):
     """A duration such as 30, 30s, 5m or 2h."""
 
     name = "duration"
@@ -52,6 +52,9 @@ class _Duration(click.ParamType[float]):
         if match is None or not float(match[1]):
             self.fail(f"{value!r} is not a duration; write 30, 30s, 5m or 2h", param, ctx)
         return float(match[1]) * _UNITS_S[match[2]]
+
+
+DURATION = _DurationType()
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +127,7 @@ _record_options = option_group(
         click.option(
             "--duration",
             "duration_s",
-            type=_Duration(),
+            type=DURATION,
             metavar="TIME",
             help="Stop after this time, e.g. 30, 30s, 5m or 2h, or start a new file with --split.",
         ),

@@ -54,14 +54,19 @@ class Export:
         *,
         topics: Sequence[str] = (),
         fields: Sequence[str] = (),
+        type_name: str = "",
         report: Callable[[str], None],
     ) -> None:
-        """Choose; `report` gets a line on each topic that must be left out. Raises ConfigError."""
+        """Choose; `report` gets a line on each topic that must be left out. Raises ConfigError.
+
+        With `type_name`, only topics of that type.
+        """
         self._reader = reader
         self._decoder = Decoder()
         by_type: dict[tuple[str, str, str], list[Connection]] = {}
         for connection in reader.counts:
-            if not topics or any(fnmatchcase(connection.topic, _full(each)) for each in topics):
+            is_chosen = not topics or any(fnmatchcase(connection.topic, _full(each)) for each in topics)
+            if is_chosen and type_name in ("", connection.type.name):
                 key = (connection.topic, connection.type.md5sum, connection.type.name)
                 by_type.setdefault(key, []).append(connection)
         self.tables: list[ExportedTable] = []
@@ -82,8 +87,9 @@ class Export:
             if errors:
                 raise errors[0]
             known = ", ".join(sorted({each.topic for each in reader.counts})) or "none"
+            of_type = f" of type {type_name}" if type_name else ""
             raise ConfigError(
-                f"no topic {' or '.join(topics) or 'can be written'}; the recording has {known}"
+                f"no topic {' or '.join(topics) or 'can be written'}{of_type}; the recording has {known}"
             )
 
     def write(self, create: Callable[[ExportedTable], Table]) -> None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import sys
+from datetime import datetime
 from pathlib import Path
 
 import pytest
 
+from rostether.msgdef.registry import Registry
+from rostether.recording.bag.writer import BagWriter
+from rostether.rostime import NS_PER_S
+from rostether.serde.store import TypeStore
 from unit.cli.command_shell import Shell
-from unit.recording.bags import write_bag
+from unit.recording.bags import START_NS, connection, write_bag
 
 
 @pytest.fixture
@@ -40,7 +45,7 @@ def test_a_folder_of_tables_a_file_or_stdout(bag: Path, shell: Shell) -> None:
 def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell) -> None:
     assert "a file can hold only one topic" in shell.failure("export", str(bag), "-o", "-")
     assert "a file can hold only one topic" in shell.failure("export", str(bag), "-o", "all.csv")
-    assert "cannot be written to stdout; give a file" in shell.failure(
+    assert "only CSV can be written to stdout; give a file" in shell.failure(
         "export", str(bag), "--topic", "/a", "-o", "-", "--format", "parquet"
     )
     assert "no topic /c" in shell.failure("export", str(bag), "--topic", "/c")
@@ -66,3 +71,28 @@ def test_a_missing_extra_is_told_with_what_to_type(
     printed = shell.failure("bag", "compress", "--lz4", str(bag))
     assert printed.strip().endswith("LZ4 is not installed; run: pip install 'rostether[recording]'")
     assert "15 rows" in shell.output("export", str(bag))
+
+
+def test_pictures_as_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shell: Shell) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_bag(tmp_path / "drive.bag")
+    assert "no topic can be written of type sensor_msgs/CompressedImage" in shell.failure(
+        "export", "drive.bag", "--format", "pictures"
+    )
+    codec = TypeStore(Registry()).codec("sensor_msgs/CompressedImage")
+    writer = BagWriter(tmp_path / "seen.bag")
+    number = writer.add_connection(
+        connection("/sensors/R3/front", Registry().message_type("sensor_msgs/CompressedImage"))
+    )
+    for step, form in enumerate(("jpeg", "rgb8; png compressed bgr8")):
+        writer.write(number, START_NS + step, [codec.encode({"format": form, "data": form.encode()})])
+    writer.close()
+    shown = shell.output("export", "seen.bag", "--format", "pictures")
+    assert shown == "seen_pictures/sensors.R3.front: 2 pictures of /sensors/R3/front\n"
+    folder = Path("seen_pictures/sensors.R3.front")
+    stem = f"{datetime.fromtimestamp(START_NS // NS_PER_S):%Y-%m-%d-%H-%M-%S}.123456"
+    assert sorted(each.name for each in folder.iterdir()) == [f"{stem}.jpg", f"{stem}.png"]
+    assert (folder / f"{stem}.jpg").read_bytes() == b"jpeg"
+    assert "pictures need a folder" in shell.failure(
+        "export", "seen.bag", "--format", "pictures", "-o", "a.csv"
+    )

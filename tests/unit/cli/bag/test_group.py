@@ -9,6 +9,7 @@ import re
 import select
 import subprocess
 import termios
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -17,8 +18,9 @@ import yaml
 from programs import OURS
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.recording.bag.reader import BagReader
+from rostether.rostime import NS_PER_S
 from unit.cli.command_shell import LiveGraph, Shell
-from unit.recording.bags import STRING, text, write_bag
+from unit.recording.bags import START_NS, STRING, text, write_bag
 
 
 @pytest.fixture
@@ -320,3 +322,16 @@ def test_a_terminal_shows_rates_and_sizes_while_recording(graph: LiveGraph, tmp_
         recorder.wait()
         os.close(keyboard)
         os.close(terminal)
+
+
+def test_cut_a_time_out_of_a_folder(bag: Path, tmp_path: Path, shell: Shell) -> None:
+    start = datetime.fromtimestamp(START_NS // NS_PER_S)
+    target = tmp_path / "seen.mcap"
+    printed = shell.output(
+        *("bag", "cut", str(bag.parent), "-O", str(target), "--duration", "5m", "-t", "/a"),
+        *("--from", f"{start:%Y-%m-%d %H:%M:%S}"),
+    )
+    assert printed.startswith(f"{target}: 15 messages from 1 recordings, from ")
+    failed = shell.failure("bag", "cut", str(bag), "-O", str(target), "--from", "2020-01-01 10:00")
+    assert "nothing was recorded at Jan 01 2020 10:00:00.00" in failed
+    assert "the recordings reach from Nov 1" in failed

@@ -98,7 +98,6 @@ async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:
         (("multicast-topic-bridge", "_sending_port:=0"), "~sending_port is a whole number from 1 to 65535"),
         (("multicast-topic-bridge", "_framed:=true", "_key_file:=none"), "none: the key cannot be read"),
         (("multicast-topic-bridge", "_framed:=true", "_robot:=1", "_groups:=2"), "give ~robot or ~groups"),
-        (("camera", "_source:=test", "_width:=64"), "give both ~width and ~height"),
         (("digital",), "give one of ~gpio, ~path or ~topic, for instance _topic:="),
         (("multicast-topic-bridge", "_framed:=1"), "~framed must be true or false, not 1"),
     ],

@@ -1,0 +1,129 @@
+"""A span of time out of many recordings, such as those of one robot, which rotate."""
+
+from __future__ import annotations
+
+import heapq
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
+from datetime import datetime, timedelta
+from itertools import chain
+from pathlib import Path
+
+from rostether.errors import ConfigError, RecordingError
+from rostether.recording.files import Form, create_recording, form_for, form_of, locked, open_recording
+from rostether.recording.recorded import RecordedMessage, RecordingReader, Wanted
+from rostether.recording.reindexing import refuse_same, remove_recording
+from rostether.rostime import NS_PER_S
+
+# A week of recordings of ten minutes.
+MAX_RECORDINGS = 1008
+# Recordings that are open at a time, one for each sensor: a process may have 1024 files.
+MAX_OVERLAPPING = 200
+
+_ENDINGS = (".bag", ".mcap", ".db3", ".active")
+_CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}:\d\d(?::\d\d(?:\.\d{1,6})?)?)")
+
+
+def find_recordings(paths: Sequence[Path]) -> list[Path]:
+    """Return the recordings among files and in folders. Raises ConfigError if there are none, or too many."""
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir() and not (path / "metadata.yaml").exists():
+            inside = sorted(path.iterdir())
+            found += [each for each in inside if each.suffix in _ENDINGS or (each / "metadata.yaml").exists()]
+        else:
+            found.append(path)
+    if not found:
+        raise ConfigError(f"no recordings in {', '.join(map(str, paths))}")
+    if len(found) > MAX_RECORDINGS:
+        raise ConfigError(f"{len(found)} recordings; at most {MAX_RECORDINGS} are searched; give fewer")
+    return found
+
+
+def moment_ns(text: str, last_ns: int) -> int:
+    """Return a local time such as 14:02, 14:02:30 or 2026-11-23 14:02 in nanoseconds since the epoch.
+
+    Without a date it is the last such time before `last_ns`. Raises ConfigError.
+    """
+    found = _CLOCK.fullmatch(text.strip())
+    last = datetime.fromtimestamp(last_ns // NS_PER_S).astimezone()
+    try:
+        if found is None:
+            raise ValueError(text)
+        date, clock = found.groups()
+        clock = clock.zfill(len(clock) + (clock.index(":") == 1))
+        moment = datetime.fromisoformat(f"{date or last.date().isoformat()}T{clock}").astimezone()
+    except (ValueError, OverflowError):
+        raise ConfigError(f"{text!r:.100} is no time; write 14:02, 14:02:30 or 2026-11-23 14:02") from None
+    if not date and moment > last:
+        moment = (moment.replace(tzinfo=None) - timedelta(days=1)).astimezone()
+    return int(moment.timestamp()) * NS_PER_S + moment.microsecond * 1000
+
+
+class Cutting:
+    """The recordings to cut from: only those that overlap the span stay open."""
+
+    def __init__(self, paths: Sequence[Path]) -> None:
+        """Look at the recordings. Raises RecordingError if none of them has a message."""
+        self._spans: dict[Path, tuple[int, int]] = {}
+        # Recordings that cannot be read, and why: one damaged file must not hide the others.
+        self.unreadable: dict[Path, str] = {}
+        for path in paths:
+            try:
+                with closing(open_recording(path)) as reader:
+                    if reader.span_ns is not None:
+                        self._spans[path] = reader.span_ns
+            except RecordingError as error:
+                self.unreadable[path] = str(error)
+        if not self._spans:
+            raise RecordingError(next(iter(self.unreadable.values()), "the recordings have no messages"))
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The times of the first and the last message of all."""
+        return min(first for first, _ in self._spans.values()), max(last for _, last in self._spans.values())
+
+    def write(self, target: Path, wanted: Wanted, start_ns: int, end_ns: int) -> tuple[int, int]:
+        """Write the messages of a span to a new recording, in the order of their times.
+
+        Returns how many, and from how many recordings; writes no file if there are none. Raises
+        RecordingError, and leaves no file then.
+        """
+        chosen = [path for path, span in self._spans.items() if span[0] <= end_ns and span[1] >= start_ns]
+        if len(chosen) > MAX_OVERLAPPING:
+            raise RecordingError(f"{len(chosen)} recordings overlap; at most {MAX_OVERLAPPING} are allowed")
+        for path in chosen:
+            refuse_same(path, target)
+        if not chosen:
+            return 0, 0
+        with ExitStack() as opened:
+            with closing(open_recording(chosen[0])) as first_reader:
+                form = form_for(target, form_of(first_reader))
+            # ROS 2's messages are copied as they are, unless the new recording is of ROS 1.
+            is_native = form is Form.ROS2
+            readers = [
+                opened.enter_context(closing(open_recording(each, is_native=is_native))) for each in chosen
+            ]
+            messages = _merged(readers, wanted, start_ns, end_ns)
+            first = next(messages, None)
+            if first is None:
+                return 0, 0
+            with locked(target):
+                writer = create_recording(target, form=form)
+                try:
+                    for message in chain((first,), messages):
+                        number = writer.add_connection(message.connection)
+                        writer.write(number, message.time_ns, (message.payload,))
+                    writer.close()
+                except BaseException:
+                    remove_recording(target)
+                    raise
+        return writer.message_count, len(chosen)
+
+
+def _merged(
+    readers: Sequence[RecordingReader], wanted: Wanted, start_ns: int, end_ns: int
+) -> Iterator[RecordedMessage]:
+    streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in readers]
+    return heapq.merge(*streams, key=lambda message: message.time_ns)

@@ -1,0 +1,40 @@
+"""Pictures of a topic as files, one for each message, named by their time."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+
+from rostether.errors import RecordingError
+from rostether.rostime import NS_PER_S
+from rostether.serde.values import Message
+
+PICTURE_TYPE = "sensor_msgs/CompressedImage"
+
+
+class PictureFolder:
+    """Writes sensor_msgs/CompressedImage as .jpg and .png files, as they were recorded."""
+
+    def __init__(self, folder: Path) -> None:
+        """Create the folder. Raises RecordingError."""
+        self._folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RecordingError(f"cannot create the folder {folder}: {error.strerror or error}") from None
+
+    def add(self, time_ns: int, message: Message) -> None:
+        """Write a picture. Raises RecordingError."""
+        seconds, nanoseconds = divmod(time_ns, NS_PER_S)
+        ending = "png" if "png" in message.format.lower() else "jpg"
+        name = f"{datetime.fromtimestamp(seconds):%Y-%m-%d-%H-%M-%S}.{nanoseconds // 1000:06d}.{ending}"
+        try:
+            (self._folder / name).write_bytes(message.data)
+        except OSError as error:
+            raise RecordingError(f"cannot write {self._folder / name}: {error.strerror or error}") from None
+
+    def flush(self) -> None:
+        """Nothing waits: each picture is written at once."""
+
+    def close(self) -> None:
+        """Do nothing: each file is complete."""
