@@ -218,7 +218,8 @@ class ElfFile:
                 continue
             for each in table.iter_symbols():
                 index, kind = each["st_shndx"], each["st_info"]["type"]
-                if isinstance(index, int) and 0 < index < _RESERVED_INDEX:
+                # Newer binutils for AVR keep the compiler's own labels, such as .L12.
+                if isinstance(index, int) and 0 < index < _RESERVED_INDEX and not each.name.startswith(".L"):
                     yield Symbol(
                         name=each.name,
                         address=each["st_value"],

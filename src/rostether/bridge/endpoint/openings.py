@@ -35,8 +35,9 @@ Slot: TypeAlias = tuple[Role, str]
 MAX_RETRY_S = 5.0
 # Leaving must not hang on a master that does not answer.
 CLOSE_LIMIT_S = 1.0
-# Closings of one board at once. Each takes 10 KB: more would fill memory when many boards leave together.
-CLOSED_AT_ONCE = 2
+# Openings and closings of one board at once. Each takes 10 KB: more would fill memory when many boards come
+# or leave together.
+AT_ONCE = 4
 
 
 class EndpointOpenings:
@@ -51,7 +52,7 @@ class EndpointOpenings:
         self._refused: set[Endpoint] = set()
         self._tasks: set[asyncio.Task[None]] = set()
         self._turn = asyncio.Lock()
-        self._closers = asyncio.Semaphore(CLOSED_AT_ONCE)
+        self._places = asyncio.Semaphore(AT_ONCE)
 
     def open(self, slot: Slot, endpoint: Endpoint) -> None:
         """Open an endpoint in the graph after the earlier endpoints of its slot have left it."""
@@ -114,11 +115,12 @@ class EndpointOpenings:
         backoff = Backoff(first_s=0.2, limit_s=MAX_RETRY_S)
         name = name_of(endpoint)
         while True:
-            await self._take_turn()
-            if endpoint in self._unwanted:
-                return
             try:
-                await open_it()
+                async with self._places:
+                    await self._take_turn()
+                    if endpoint in self._unwanted:
+                        return
+                    await open_it()
             except (DefinitionError, InvalidNameError, TypeMismatchError) as error:
                 if endpoint not in self._unwanted:
                     self._refused.add(endpoint)
@@ -147,7 +149,7 @@ class EndpointOpenings:
             opening = self._opening.get(endpoint)
             if opening is not None:
                 await asyncio.wait([opening])
-            async with self._closers:
+            async with self._places:
                 await self._take_turn()
                 await endpoint.close()
             self._log(endpoint, "closed")

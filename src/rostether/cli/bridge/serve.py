@@ -34,8 +34,8 @@ from rostether.cli.bridge.device_options import (
 )
 from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, read_web_boards, shortage_lines
+from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.dashboard.options import dashboard_option
-from rostether.cli.dashboard.served import DashboardSettings, dashboard_beside
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.gateway.served import served_gateways
 from rostether.cli.shell.library_logs import show_debug_records

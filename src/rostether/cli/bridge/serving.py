@@ -12,7 +12,7 @@ from rostether.errors import ConfigError
 from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress, parse_address
 from rostether.transports.descriptors import shortage
-from rostether.transports.opening import listen
+from rostether.transports.opening import list_serial_ports, listen
 from rostether.transports.typed_port import check_typed_port
 
 if TYPE_CHECKING:
@@ -35,10 +35,8 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
     ROS_IP and ROS_HOSTNAME do not allow boards from the network: scripts set them for the graph. Raises
     ConfigError, also for a serial port that was typed wrongly.
     """
-    from rostether.transports.serial import list_ports
-
     link = parse_address(text)
-    check_typed_port(link, list_ports)
+    check_typed_port(link, list_serial_ports)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and not link.allow:
         link = replace(link, allow=allowed)
     if isinstance(link, TcpAddress | UdpAddress) and link.listens and "://:" in text:

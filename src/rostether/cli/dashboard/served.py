@@ -8,7 +8,7 @@ import socket
 import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +21,7 @@ from rostether.cli.gateway.encryption import Encryption, read_encryption
 from rostether.cli.gateway.foxglove import gateway_on, in_ros1_words
 from rostether.cli.gateway.gateways import Report, joined_as, report_reach
 from rostether.cli.gateway.node import NodeWords
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
+from rostether.cli.gateway.options import DEFAULT_PLACE, read_place
 from rostether.cli.shell.output import write_line
 from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
@@ -31,12 +31,12 @@ from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:
+    from rostether.cli.dashboard.beside import DashboardSettings
     from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.websocket.site import Site
     from rostether.graph.ports import Graph
-    from rostether.transports.web_boards import WebBoards
 
 NODE = "dashboard"
 TELEOP_NODE = "web_teleop"
@@ -45,26 +45,6 @@ TELEOP_NODE = "web_teleop"
 _NEXT_PORTS = 20
 _PORT_TRIES = 5
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
-
-
-@dataclass(frozen=True, slots=True)
-class DashboardSettings:
-    """Where the dashboard is served, and who may use it.
-
-    `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
-    gateway is served. `views` are panels whose addresses are printed too. `wider` is what people type, with
-    {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
-    """
-
-    place: str = DEFAULT_PLACE
-    access: GatewayOptions = field(default_factory=GatewayOptions)
-    node: NodeWords = field(default_factory=NodeWords)
-    has_page: bool = True
-    recordings: Path | None = None
-    tiles: Path | None = None
-    views: tuple[View, ...] = ()
-    wider: str = "--dashboard 0.0.0.0:{port}"
-    boards: WebBoards | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,18 +158,6 @@ async def _served_at(
             yield Dashboard(gateway, url, view_urls)
     finally:
         await graph.close()
-
-
-@asynccontextmanager
-async def dashboard_beside(
-    settings: DashboardSettings | None, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
-) -> AsyncIterator[Dashboard | None]:
-    """Serve the dashboard if it is requested. Raises as `served_dashboard`."""
-    if settings is None:
-        yield None
-        return
-    async with served_dashboard(settings, graphs, msg_paths, report) as dashboard:
-        yield dashboard
 
 
 def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = False) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.bridge.endpoint.openings import CLOSED_AT_ONCE, EndpointOpenings
+from rostether.bridge.endpoint.openings import AT_ONCE, EndpointOpenings
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.rosserial.events import TopicRole
 from unit.bridge.nodes import World, topic_info
@@ -151,24 +151,28 @@ async def test_an_endpoint_that_hangs_holds_up_no_other(world: World) -> None:
     await until(lambda: "hanging out" in done, "the end")
 
 
-async def test_a_board_s_endpoints_leave_a_few_at_a_time(world: World) -> None:
+@pytest.mark.parametrize("closes", [False, True])
+async def test_a_board_s_endpoints_come_and_leave_a_few_at_a_time(world: World, closes: bool) -> None:
     openings = EndpointOpenings(world.notices)
-    leaving: list[int] = []
-    may_leave = asyncio.Event()
+    begun: list[str] = []
+    may_go_on = asyncio.Event()
 
     class Slow(Endpoint):
-        async def close(self) -> None:
-            leaving.append(len(leaving))
-            await may_leave.wait()
+        async def open(self) -> None:
+            begun.append(self.name)
+            await may_go_on.wait()
             self.done.append(self.name)
+
+        async def close(self) -> None:
+            await Slow.open(self)
 
     done: list[str] = []
     for number in range(20):
         endpoint: Any = Slow(str(number), done)
-        openings.close((TopicRole.PUBLISHER, endpoint.name), endpoint)
+        act = openings.close if closes else openings.open
+        act((TopicRole.PUBLISHER, endpoint.name), endpoint)
     for _ in range(100):
         await asyncio.sleep(0)
-    assert len(leaving) == CLOSED_AT_ONCE
-    may_leave.set()
-    await openings.finish()
-    assert len(done) == 20
+    assert len(begun) == AT_ONCE
+    may_go_on.set()
+    await until(lambda: len(done) == 20, "all")

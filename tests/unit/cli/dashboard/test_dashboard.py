@@ -15,7 +15,7 @@ from interop.ros1_peers import free_port
 from programs import Peer, started
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard import browser, served
+from rostether.cli.dashboard import beside, browser, served
 from rostether.cli.dashboard.served import page_url
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
@@ -44,7 +44,7 @@ async def test_a_port_that_another_program_takes_first_is_not_used(monkeypatch: 
         environment = RosEnvironment(master_uri=master.uri)
         graphs = ServedGraphs(joining_ros1(environment), environment, ())
         try:
-            settings = served.DashboardSettings(has_page=False)
+            settings = beside.DashboardSettings(has_page=False)
             async with served.served_dashboard(settings, graphs, (), lambda level, text: None) as shown:
                 assert not ports
                 assert shown.gateway.port != other.getsockname()[1]
