@@ -89,10 +89,17 @@ def interpreter_pids() -> set[int]:
     return {each.pid for each in _interpreters.values()}
 
 
-def pytest_sessionstart() -> None:
-    """Start programs this way from now on."""
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Start programs this way from now on.
+
+    Not in the controller of pytest-xdist: its test processes start cold, or coverage would miss the lines
+    that run at import.
+    """
     global _is_enabled
-    if IS_SUPPORTED:
+    is_controller = session.config.getoption("numprocesses", None) and not hasattr(
+        session.config, "workerinput"
+    )
+    if IS_SUPPORTED and not is_controller:
         subprocess.Popen._execute_child = _start  # type: ignore[attr-defined]
         _is_enabled = True
 

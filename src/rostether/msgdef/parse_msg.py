@@ -7,10 +7,10 @@ whose name holds a blank is refused, and an indented string constant gets its ow
 from __future__ import annotations
 
 import re
-from typing import NoReturn
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIVE_TYPES
+from rostether.msgdef.source_line import SourceLine
 from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
 
 # The longest in use are some 20 KB; definitions also come from peers.
@@ -52,7 +52,7 @@ def parse_message(text: str, *, package: str, name: str, file: str = "", first_l
         declaration = line.partition("#")[0]
         if not declaration.strip():
             continue
-        source = _Line(file, number, line, declaration)
+        source = SourceLine(file, number, line, declaration)
         if "=" in declaration:
             constants.append(_parse_constant(source))
             continue
@@ -66,26 +66,7 @@ def parse_message(text: str, *, package: str, name: str, file: str = "", first_l
     return MessageSpec(package, name, tuple(fields), tuple(constants), text)
 
 
-class _Line:
-    """One line with its place, to say where a mistake is."""
-
-    __slots__ = ("declaration", "file", "number", "text")
-
-    def __init__(self, file: str, number: int, text: str, declaration: str) -> None:
-        self.file = file
-        self.number = number
-        self.text = text
-        self.declaration = declaration
-
-    def fail(self, message: str, token: str = "") -> NoReturn:
-        """Raise for the token, or for the whole line; the last occurrence of a repeated token is meant."""
-        position = self.declaration.rfind(token) if token else -1
-        if position < 0:
-            position = len(self.text) - len(self.text.lstrip())
-        raise DefinitionError(message, file=self.file, line=self.number, column=position + 1)
-
-
-def _parse_field(line: _Line, package: str) -> Field:
+def _parse_field(line: SourceLine, package: str) -> Field:
     words = line.declaration.split()
     if len(words) != 2:
         line.fail(f"{_quote(line.declaration.strip())} is not 'type name' or 'type NAME=value'")
@@ -110,7 +91,7 @@ def _parse_field(line: _Line, package: str) -> Field:
     return Field(FieldType(base, is_array=True, length=length, length_text=length_text), name)
 
 
-def _parse_constant(line: _Line) -> Constant:
+def _parse_constant(line: SourceLine) -> Constant:
     left, _, right = line.text.partition("=")
     words = left.split()
     type_name = words[0] if words else ""

@@ -93,6 +93,11 @@ class RecordedMessage(NamedTuple):
 Wanted: TypeAlias = Callable[[Connection], bool]
 
 
+def wanted_connections(connections: Mapping[int, Connection], wanted: Wanted | None) -> dict[int, Connection]:
+    """Return the connections that are wanted; None wants all."""
+    return {number: each for number, each in connections.items() if wanted is None or wanted(each)}
+
+
 class RecordingWriter(Protocol):
     """Writes a recording. Every method raises RecordingError if a write fails."""
 

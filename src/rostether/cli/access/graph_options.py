@@ -67,15 +67,22 @@ SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.1
 
 _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced; with --ros2, use both."
 ROS1_OPTION = click.option("--ros1", is_flag=True, help=_ROS1_HELP)
-ROS2_CHOICE = click.option(
-    ROS2_OPTION,
-    cls=OptionalValueOption,
-    alone=ANY_MIDDLEWARE,
-    is_value=is_middleware,
-    type=MiddlewareName(),
-    metavar="[zenoh|rclpy]",
-    help="Use the ROS 2 graph, through zenoh or an installed rclpy.",
-)
+
+
+def ros2_option(explanation: str, metavar: str = "[zenoh|rclpy]") -> Callable[[Function], Function]:
+    """Return the option `--ros2 [MIDDLEWARE]`, with its help."""
+    return click.option(
+        ROS2_OPTION,
+        cls=OptionalValueOption,
+        alone=ANY_MIDDLEWARE,
+        is_value=is_middleware,
+        type=MiddlewareName(),
+        metavar=metavar,
+        help=explanation,
+    )
+
+
+ROS2_CHOICE = ros2_option("Use the ROS 2 graph, through zenoh or an installed rclpy.")
 _ROS_OPTIONS = (ROS1_OPTION, ROS2_CHOICE)
 _REACH_OPTIONS = (
     click.option(

@@ -7,21 +7,20 @@ from dataclasses import replace
 
 import click
 
-from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, ZenohReach, graph_options
-from rostether.cli.access.middleware import (
-    ANY_MIDDLEWARE,
-    ROS2_OPTION,
-    Middleware,
-    MiddlewareName,
-    is_middleware,
+from rostether.cli.access.graph_options import (
+    SERVED_ALLOW,
+    GraphOptions,
+    ZenohReach,
+    graph_options,
+    ros2_option,
 )
+from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.used_master import master_answers
 from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.shell.option_group import ignored_options
-from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -59,16 +58,7 @@ _roscore_options = ignored_options(
 )
 @listen_option
 @limit_option(GRAPH_LIMITS)
-@click.option(
-    ROS2_OPTION,
-    "ros2",
-    cls=OptionalValueOption,
-    alone=ANY_MIDDLEWARE,
-    is_value=is_middleware,
-    type=MiddlewareName(),
-    metavar="[zenoh]",
-    help="Run a ROS 2 zenoh router instead.",
-)
+@ros2_option("Run a ROS 2 zenoh router instead.", "[zenoh]")
 @graph_options(master="", ros=False, allow=SERVED_ALLOW, zenoh=True)
 @_roscore_options
 def core(

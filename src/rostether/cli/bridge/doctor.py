@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.middleware import ANY_MIDDLEWARE, ROS2_OPTION, MiddlewareName, is_middleware
+from rostether.cli.access.graph_options import ros2_option
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.colors import paint_finding
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.optional_value import OptionalValueOption
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -46,15 +45,8 @@ if TYPE_CHECKING:
     help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
     "drift better.",
 )
-@click.option(
-    ROS2_OPTION,
-    "ros2",
-    cls=OptionalValueOption,
-    alone=ANY_MIDDLEWARE,
-    is_value=is_middleware,
-    type=MiddlewareName(),
-    metavar="[zenoh|rclpy]",
-    help="Check whether the ROS 2 graph can be reached, instead of a board: routers, certificates, nodes.",
+@ros2_option(
+    "Check whether the ROS 2 graph can be reached, instead of a board: routers, certificates, nodes."
 )
 @click.option(
     "--fleet", is_flag=True, help="Examine the robots of a fleet instead of a board; see also: fleet doctor."

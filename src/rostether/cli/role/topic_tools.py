@@ -102,42 +102,31 @@ def mux(arguments: tuple[str, ...]) -> None:
     run_role(anonymous_name(f"{_last(rest[0])}_mux"), arguments, main)
 
 
-@click.command(
-    "mux-select", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-select mux /joy_vel"
+def _mux_command(verb: str, explanation: str, example: str) -> click.Command:
+    """Return a command that calls a service of a mux: `VERB MUX TOPIC`, or `list MUX`."""
+    parts = ("MUX",) if verb == "list" else ("MUX", "TOPIC")
+
+    @click.command(
+        f"mux-{verb}",
+        cls=Verb,
+        context_settings=NODE_SETTINGS,
+        help=explanation,
+        examples=f"rostether role mux-{verb} mux {example}".rstrip(),
+    )
+    @_arguments
+    def command(arguments: tuple[str, ...]) -> None:
+        name, *topic = _plain(arguments, len(parts), len(parts), f"mux_{verb} {' '.join(parts)}")
+        _call(arguments, f"{name}/{verb}", f"Mux{verb.capitalize()}", *topic)
+
+    return command
+
+
+mux_select = _mux_command(
+    "select", "Choose the topic that a mux publishes: mux-select MUX TOPIC; `__none` for none.", "/joy_vel"
 )
-@_arguments
-def mux_select(arguments: tuple[str, ...]) -> None:
-    """Choose the topic that a mux publishes: mux-select MUX TOPIC; `__none` for none."""
-    name, topic = _plain(arguments, 2, 2, "mux_select MUX TOPIC")
-    _call(arguments, f"{name}/select", "MuxSelect", topic)
-
-
-@click.command(
-    "mux-add", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-add mux /joy_vel"
-)
-@_arguments
-def mux_add(arguments: tuple[str, ...]) -> None:
-    """Add an input to a mux: mux-add MUX TOPIC."""
-    name, topic = _plain(arguments, 2, 2, "mux_add MUX TOPIC")
-    _call(arguments, f"{name}/add", "MuxAdd", topic)
-
-
-@click.command(
-    "mux-delete", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-delete mux /joy_vel"
-)
-@_arguments
-def mux_delete(arguments: tuple[str, ...]) -> None:
-    """Remove an input from a mux: mux-delete MUX TOPIC."""
-    name, topic = _plain(arguments, 2, 2, "mux_delete MUX TOPIC")
-    _call(arguments, f"{name}/delete", "MuxDelete", topic)
-
-
-@click.command("mux-list", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux-list mux")
-@_arguments
-def mux_list(arguments: tuple[str, ...]) -> None:
-    """List the inputs of a mux: mux-list MUX."""
-    (name,) = _plain(arguments, 1, 1, "mux_list MUX")
-    _call(arguments, f"{name}/list", "MuxList")
+mux_add = _mux_command("add", "Add an input to a mux: mux-add MUX TOPIC.", "/joy_vel")
+mux_delete = _mux_command("delete", "Remove an input from a mux: mux-delete MUX TOPIC.", "/joy_vel")
+mux_list = _mux_command("list", "List the inputs of a mux: mux-list MUX.", "")
 
 
 def _call(arguments: tuple[str, ...], service: str, kind: str, topic: str | None = None) -> None:

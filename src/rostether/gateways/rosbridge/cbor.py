@@ -13,13 +13,10 @@ from typing import Any, Final
 import cbor2
 
 from rostether.gateways.rosbridge.values import OMITTED, Style, stamp_reader
-from rostether.gateways.rosbridge.values_source import Leaves, ReadValues, compile_values
+from rostether.gateways.rosbridge.values_source import CompiledForms, Leaves, compile_values
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import clean_text
-
-# Types of one gateway whose functions are kept; definitions come from peers.
-_MAX_FORMS: Final = 512
 
 # By `struct` format; uint8[] is a byte string, and flags have no tag.
 _TYPED_ARRAY_TAGS: Final = {
@@ -39,18 +36,13 @@ class CborForm:
     """Messages of all types in CBOR; `style` is the form of times."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
-        self._leaves = Leaves(stamp_reader(style), clean_text, _as_it_is, _typed_array, OMITTED[style])
-        self._readers: dict[Codec, ReadValues] = {}
+        leaves = Leaves(stamp_reader(style), clean_text, _as_it_is, _typed_array, OMITTED[style])
+        self._readers = CompiledForms(compile_values, leaves)
 
     def publish(self, topic: str, codec: Codec, payload: bytes) -> bytes:
         """Return the `publish` frame of a payload. Raises SerializationError."""
         message = codec.decode(payload)
-        read = self._readers.get(codec)
-        if read is None:
-            if len(self._readers) >= _MAX_FORMS:
-                del self._readers[next(iter(self._readers))]
-            read = self._readers[codec] = compile_values(codec.tree, self._leaves)
-        return cbor2.dumps({"op": "publish", "topic": topic, "msg": read(message)})
+        return cbor2.dumps({"op": "publish", "topic": topic, "msg": self._readers.of(codec)(message)})
 
 
 def publish_raw(topic: str, payload: bytes, now: Time) -> bytes:

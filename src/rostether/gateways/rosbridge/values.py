@@ -14,16 +14,12 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Any, Final
 
-from rostether.gateways.rosbridge.json_source import NotFiniteError, WriteText, compile_text
+from rostether.gateways.rosbridge.json_source import NotFiniteError, compile_text
 from rostether.gateways.rosbridge.values_in import message_payload
-from rostether.gateways.rosbridge.values_source import Leaves, ReadValues, compile_values
+from rostether.gateways.rosbridge.values_source import CompiledForms, Leaves, compile_values
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import clean_text
-
-# Types of one gateway whose functions are kept; definitions come from peers.
-_MAX_FORMS: Final = 512
-
 
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
@@ -51,32 +47,21 @@ class JsonForm:
 
     def __init__(self, style: Style = Style.ROS1) -> None:
         self.style = style
-        self._leaves = Leaves(stamp_reader(style), clean_text, _base64, omitted=OMITTED[style])
-        self._readers: dict[Codec, ReadValues] = {}
-        self._writers: dict[Codec, WriteText] = {}
+        leaves = Leaves(stamp_reader(style), clean_text, _base64, omitted=OMITTED[style])
+        self._readers = CompiledForms(compile_values, leaves)
+        self._writers = CompiledForms(compile_text, leaves)
 
     def text(self, codec: Codec, payload: bytes) -> str:
         """Return a payload as the JSON that `write_json` makes of it, faster. Raises SerializationError."""
         message = codec.decode(payload)
-        write = self._writers.get(codec)
-        if write is None:
-            if len(self._writers) >= _MAX_FORMS:
-                del self._writers[next(iter(self._writers))]
-            write = self._writers[codec] = compile_text(codec.tree, self._leaves)
         try:
-            return write(message)
+            return self._writers.of(codec)(message)
         except NotFiniteError:
             return write_json(self.to_json(codec, payload))
 
     def to_json(self, codec: Codec, payload: bytes) -> dict[str, Any]:
         """Return a payload as values for `write_json`. Raises SerializationError."""
-        message = codec.decode(payload)
-        read = self._readers.get(codec)
-        if read is None:
-            if len(self._readers) >= _MAX_FORMS:
-                del self._readers[next(iter(self._readers))]
-            read = self._readers[codec] = compile_values(codec.tree, self._leaves)
-        return read(message)
+        return self._readers.of(codec)(codec.decode(payload))
 
     def from_json(self, codec: Codec, value: object, now: Time) -> bytes:
         """Return the payload of a JSON value.

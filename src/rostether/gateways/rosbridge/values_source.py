@@ -12,13 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
+from rostether.serde.codec import Codec
 from rostether.serde.generated_source import attribute
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message
 
 ReadValues: TypeAlias = Callable[[Message], dict[str, Any]]
+FormT = TypeVar("FormT")
+
+# Types of one gateway whose functions are kept; definitions come from peers.
+_MAX_FORMS: Final = 512
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +38,24 @@ class Leaves:
     raw: Callable[[bytes], Any]
     numbers: Callable[[str], Callable[[list[Any]], Any]] | None = None
     omitted: frozenset[str] = frozenset()
+
+
+class CompiledForms(Generic[FormT]):
+    """The functions that `compile_form` made, one for each type."""
+
+    def __init__(self, compile_form: Callable[[Struct, Leaves], FormT], leaves: Leaves) -> None:
+        self._compile = compile_form
+        self._leaves = leaves
+        self._forms: dict[Codec, FormT] = {}
+
+    def of(self, codec: Codec) -> FormT:
+        """Return the function of a codec's type."""
+        form = self._forms.get(codec)
+        if form is None:
+            if len(self._forms) >= _MAX_FORMS:
+                del self._forms[next(iter(self._forms))]
+            form = self._forms[codec] = self._compile(codec.tree, self._leaves)
+        return form
 
 
 def compile_values(tree: Struct, leaves: Leaves) -> ReadValues:

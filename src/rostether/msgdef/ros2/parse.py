@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import NoReturn
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS
@@ -24,6 +23,7 @@ from rostether.msgdef.ros2.spec import (
     Ros2Service,
     Ros2Type,
 )
+from rostether.msgdef.source_line import SourceLine
 
 SECTION_MARK = "---"
 REQUEST_SUFFIX = "_Request"
@@ -78,7 +78,7 @@ def parse_message(
         declaration = line.partition("#")[0].replace("\t", " ").rstrip()
         if not declaration.strip():
             continue
-        source = _Line(file, number, declaration)
+        source = SourceLine(file, number, declaration, declaration)
         type_text, _, rest = declaration.strip().partition(" ")
         rest = rest.lstrip()
         if not rest:
@@ -150,25 +150,7 @@ def _parse_sections(
     ]
 
 
-class _Line:
-    """One line with its place, to say where a mistake is."""
-
-    __slots__ = ("declaration", "file", "number")
-
-    def __init__(self, file: str, number: int, declaration: str) -> None:
-        self.file = file
-        self.number = number
-        self.declaration = declaration
-
-    def fail(self, message: str, token: str = "") -> NoReturn:
-        """Raise for the token, or for the whole line; the last occurrence of a repeated token is meant."""
-        position = self.declaration.rfind(token) if token else -1
-        if position < 0:
-            position = len(self.declaration) - len(self.declaration.lstrip())
-        raise DefinitionError(message, file=self.file, line=self.number, column=position + 1)
-
-
-def _parse_field(line: _Line, type_text: str, rest: str, package: str) -> Ros2Field:
+def _parse_field(line: SourceLine, type_text: str, rest: str, package: str) -> Ros2Field:
     field_type = _parse_type(line, type_text, package)
     name, _, default_text = rest.partition(" ")
     if not is_field_name(name):
@@ -189,7 +171,7 @@ def _parse_field(line: _Line, type_text: str, rest: str, package: str) -> Ros2Fi
     return Ros2Field(field_type, name, default)
 
 
-def _parse_type(line: _Line, text: str, package: str) -> Ros2Type:
+def _parse_type(line: SourceLine, text: str, package: str) -> Ros2Type:
     found = _TYPE.fullmatch(text)
     if found is None:
         line.fail(
@@ -211,7 +193,7 @@ def _parse_type(line: _Line, text: str, package: str) -> Ros2Type:
     )
 
 
-def _full_name(line: _Line, text: str, package: str) -> str:
+def _full_name(line: SourceLine, text: str, package: str) -> str:
     if text in _ROS1_TYPES:
         line.fail(f"{text!r} is a type of ROS 1; ROS 2 has {_ROS1_TYPES[text]}", text)
     owner, slash, name = text.rpartition("/")
@@ -227,7 +209,7 @@ def _full_name(line: _Line, text: str, package: str) -> str:
     return f"{owner or package}/msg/{name}"
 
 
-def _count(line: _Line, digits: str | None, type_text: str) -> int | None:
+def _count(line: SourceLine, digits: str | None, type_text: str) -> int | None:
     if digits is None:
         return None
     count = int(digits) if len(digits) <= _MAX_COUNT_DIGITS else MAX_ARRAY_LENGTH + 1
@@ -238,7 +220,7 @@ def _count(line: _Line, digits: str | None, type_text: str) -> int | None:
     return count
 
 
-def _parse_constant(line: _Line, type_text: str, rest: str) -> Ros2Constant:
+def _parse_constant(line: SourceLine, type_text: str, rest: str) -> Ros2Constant:
     if type_text not in PRIMITIVE_TYPES:
         line.fail(f"{quote(type_text)} cannot be the type of a constant", type_text)
     name, _, value_text = rest.partition("=")

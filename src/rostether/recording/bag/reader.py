@@ -14,7 +14,13 @@ from rostether.recording.bag.records import MAGIC, MAGIC_START
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
 from rostether.recording.mapped_file import MappedFile
 from rostether.recording.packed_chunks import compression_shares, unpack_chunk
-from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
+from rostether.recording.recorded import (
+    CompressionShare,
+    Connection,
+    RecordedMessage,
+    Wanted,
+    wanted_connections,
+)
 
 
 class BagReader:
@@ -86,11 +92,7 @@ class BagReader:
 
         Raises RecordingError at a chunk that is broken.
         """
-        connections = {
-            number: connection
-            for number, connection in self._content.connections.items()
-            if wanted is None or wanted(connection)
-        }
+        connections = wanted_connections(self._content.connections, wanted)
         chunks = [
             chunk
             for chunk in self._content.chunks

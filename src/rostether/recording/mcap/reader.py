@@ -23,6 +23,7 @@ from rostether.recording.recorded import (
     RecordedMessage,
     Ros2Origin,
     Wanted,
+    wanted_connections,
 )
 
 if TYPE_CHECKING:
@@ -107,11 +108,7 @@ class McapReader:
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
         """Yield messages in the order of their times, both ends included. Raises RecordingError."""
-        connections = {
-            number: connection
-            for number, connection in self._connections.items()
-            if wanted is None or wanted(connection)
-        }
+        connections = wanted_connections(self._connections, wanted)
         chunks = [
             chunk
             for chunk in self._content.chunks

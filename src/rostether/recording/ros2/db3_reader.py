@@ -9,7 +9,14 @@ from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
-from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Ros2Origin, Wanted
+from rostether.recording.recorded import (
+    CompressionShare,
+    Connection,
+    RecordedMessage,
+    Ros2Origin,
+    Wanted,
+    wanted_connections,
+)
 from rostether.recording.regular_file import require_regular_file
 from rostether.recording.ros2_reading import CDR, Ros2Topics
 
@@ -85,11 +92,7 @@ class Db3Reader:
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
         """Yield messages in the order of their times, both ends included. Raises RecordingError."""
-        connections = {
-            number: connection
-            for number, connection in self._connections.items()
-            if wanted is None or wanted(connection)
-        }
+        connections = wanted_connections(self._connections, wanted)
         query = "SELECT topic_id, timestamp, data FROM messages"
         limits = [each for each in (start_ns, end_ns) if each is not None]
         conditions = [
