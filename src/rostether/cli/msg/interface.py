@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import Function, ignored_options
+from rostether.cli.shell.option_group import Function
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownTypeError
@@ -58,16 +58,23 @@ def _kind_options(function: Function) -> Function:
 
 @click.command("show", cls=Verb, examples="rostether interface show std_srvs/srv/SetBool")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
-@ignored_options(comments="--all-comments", no_comments="--no-comments")
+@click.option("--all-comments", is_flag=True, help="Show the comments of nested types too.")
+@click.option("--no-comments", is_flag=True, help="Show no comments and no empty lines.")
 @msg_path_option
-def show(names: tuple[str, ...], msg_paths: tuple[Path, ...]) -> None:
-    """Show the fields of types, with all nested fields; `-` reads a type from stdin."""
-    from rostether.cli.msg.ros2_definitions import shown
+def show(names: tuple[str, ...], all_comments: bool, no_comments: bool, msg_paths: tuple[Path, ...]) -> None:
+    """Show definitions, with each field's type below the field; `-` reads a type from stdin.
 
+    The bundled definitions have no comments.
+    """
+    from rostether.cli.msg.ros2_definitions import Comments, shown
+
+    if all_comments and no_comments:
+        raise click.UsageError("--all-comments and --no-comments exclude each other")
+    comments = Comments.ALL if all_comments else Comments.NONE if no_comments else Comments.OWN
     registry = _registry(msg_paths)
     for given in names:
         name = sys.stdin.readline().strip() if given == "-" else given
-        write_line(shown(registry, _kind(name), name))
+        write_line(shown(registry, _kind(name), name, comments))
 
 
 @click.command("list", cls=Verb, examples="rostether interface list --only-msgs")

@@ -3,27 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.msg.shown_definition import shown_definition
+from rostether.msgdef.resolve_types import dependencies
+from rostether.msgdef.ros2.definition_text import message_text
+from rostether.msgdef.ros2.parse import SECTION_MARK, parse_message
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
-from rostether.msgdef.ros2.spec import DefaultValue, Ros2Message, Ros2Service, Ros2Type
-from rostether.ros2.types.native_registry import NativeRegistry, short_name
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
+from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.type_hash import message_hash, service_hash
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
 
-def shown(registry: Registry, group: str, name: str) -> str:
-    """Return the fields of a message, or of all parts of a service or action, each type's fields below it."""
+class Comments(Enum):
+    """Which comments and empty lines are shown."""
+
+    NONE = auto()
+    # Those of the type itself, as `ros2 interface show` does.
+    OWN = auto()
+    # Also those of its fields' types.
+    ALL = auto()
+
+
+def shown(registry: Registry, group: str, name: str, comments: Comments = Comments.OWN) -> str:
+    """Return the text of a message, service or action, with each field's type below the field."""
     native = _native(registry)
-    if group == "action":
-        halves = native.definitions.action(name).action.parts
-    else:
-        halves = _found(registry, group, name).parts
-    texts = (shown_definition(half, native.ros2_message, _lines(native, half, "")) for half in halves)
-    return "\n---\n".join(text.removesuffix("\n") for text in texts)
+    is_action = group == "action"
+    found = native.definitions.action(name).action if is_action else _found(registry, group, name)
+    text = native.definitions.file_text(found.full_name)
+    if text is None:
+        text = f"{SECTION_MARK}\n".join(message_text(part) for part in found.parts)
+    for part in found.parts[1:]:
+        dependencies(part, native.ros2_message)
+    lines = _lines(native, text, found.package, comments, "")
+    return shown_definition(found.parts[0], native.ros2_message, lines).removesuffix("\n")
 
 
 def type_hash(registry: Registry, group: str, name: str) -> str:
@@ -64,31 +81,19 @@ def _described(message: Ros2Message) -> dict[str, Any]:
     }
 
 
-def _lines(registry: NativeRegistry, message: Ros2Message, indent: str) -> Iterator[str]:
-    for constant in message.constants:
-        yield f"{indent}{constant.type} {constant.name}={_text(constant.value)}"
-    for field in message.fields:
-        default = "" if field.default is None else f" {_text(field.default)}"
-        yield f"{indent}{_type_text(field.type, message.package)} {field.name}{default}"
-        if field.type.base not in PRIMITIVE_TYPES:
-            yield from _lines(registry, registry.ros2_message(field.type.base), f"{indent}\t")
-
-
-def _type_text(field_type: Ros2Type, package: str) -> str:
-    """Return a type as its package's own text has it: short, and without the package where it is the same."""
-    text = str(field_type)
-    if field_type.base in PRIMITIVE_TYPES:
-        return text
-    short = short_name(field_type.base)
-    return text.replace(field_type.base, short.removeprefix(f"{package}/"), 1)
-
-
-def _text(value: DefaultValue) -> str:
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_text, value))}]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float) and value.is_integer():
-        # As people write it.
-        return str(int(value))
-    return f'"{value}"' if isinstance(value, str) else str(value)
+def _lines(
+    registry: NativeRegistry, text: str, package: str, comments: Comments, indent: str
+) -> Iterator[str]:
+    for line in text.removesuffix("\n").split("\n"):
+        declaration = line.partition("#")[0].rstrip()
+        shown_line = declaration if comments is Comments.NONE else line.rstrip()
+        if shown_line or comments is not Comments.NONE:
+            yield f"{indent}{shown_line}" if shown_line else ""
+        if declaration == SECTION_MARK:
+            continue
+        for field in parse_message(declaration, package=package, name="Line").fields:
+            if field.type.base not in PRIMITIVE_TYPES:
+                below = registry.ros2_message(field.type.base)
+                of_below = Comments.ALL if comments is Comments.ALL else Comments.NONE
+                found = registry.source.text(below.full_name)
+                yield from _lines(registry, found, below.package, of_below, f"{indent}\t")

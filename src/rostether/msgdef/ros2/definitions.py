@@ -157,10 +157,17 @@ class Ros2Definitions:
 
     def text(self, name: str) -> str:
         """Return the original text of a message, by `package/msg/Name`. Raises as `message`."""
+        text = self.file_text(name) if split_name(name)[1] is Kind.MESSAGE else None
+        return message_text(self.message(name)) if text is None else text
+
+    def file_text(self, name: str) -> str | None:
+        """Return the text of the file that defines a message, service or action; None if there is no file.
+
+        Raises DefinitionError.
+        """
         package, kind, short_name = split_name(name)
-        is_file = kind is Kind.MESSAGE and name not in self._added
-        file = self._file(kind, package, short_name) if is_file else None
-        return message_text(self.message(name)) if file is None else read_definition(file)
+        file = None if name in self._added else self._file(kind, package, short_name)
+        return None if file is None else read_definition(file)
 
     def has(self, name: str) -> bool:
         """Return whether a message, service or half a service is known; reads only the user's own texts."""

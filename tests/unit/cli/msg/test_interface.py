@@ -21,6 +21,26 @@ def test_show(shell: Shell) -> None:
     assert "write PACKAGE/msg/NAME" in shell.failure("interface", "show", "String", code=2)
 
 
+def test_comments_as_ros2_shows_them(shell: Shell, tmp_path: Path) -> None:
+    """As `ros2 interface show` of Jazzy prints them: those of nested types only with --all-comments."""
+    for folder, text in {
+        "msg/Tag": "# A label.\n\nstring name  # unique\nuint8 RED=1\n",
+        "srv/Mark": "# Marks a place.\nTag tag  # the label\n\n---\n# How it went.\nbool done\n",
+    }.items():
+        file = tmp_path / "own_msgs" / f"{folder}.{folder[:3]}"
+        file.parent.mkdir(parents=True)
+        file.write_text(text)
+    (tmp_path / "own_msgs" / "package.xml").write_text('<package format="3"><name>own_msgs</name></package>')
+
+    def show(*options: str) -> str:
+        return shell.output("interface", "show", "own_msgs/srv/Mark", "--msg-path", str(tmp_path), *options)
+
+    nested = "\tstring name\n\tuint8 RED=1\n"
+    assert show() == (f"# Marks a place.\nTag tag  # the label\n{nested}\n---\n# How it went.\nbool done\n")
+    assert show("--no-comments") == f"Tag tag\n{nested}---\nbool done\n"
+    assert "\t# A label.\n\n\tstring name  # unique\n" in show("--all-comments")
+
+
 def test_lists(shell: Shell, tmp_path: Path) -> None:
     folder = tmp_path / "own_msgs" / "msg"
     folder.mkdir(parents=True)
