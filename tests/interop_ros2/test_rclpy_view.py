@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from pathlib import Path
 
 import pytest
@@ -17,12 +18,31 @@ from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.distribution import find_distribution
 from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.type_description import SERVICE_TYPE, learn_type
-from rostether.ros2.types.type_hash import message_hash
+from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module")]
+
+
+async def test_a_node_of_rclpy_describes_its_services(join: JoinGraph, peer: RclpyPeer) -> None:
+    name, known = "std_srvs/srv/SetBool", Ros2Definitions()
+    types = Ros2Types(Registry(), known)
+    types.native_service(SERVICE_TYPE)
+    types.definitions = Ros2Definitions(bundled=False)
+    node = await join("/learner")
+    await peer.ask("serve", service="/described", type=name, response={})
+    type_hash = service_hash(known.service(name), known)
+    while not types.definitions.has(name):
+        with contextlib.suppress(UnknownTypeError):
+            await learn_type(node, types, PEER_NAME, name, type_hash)
+    learned = types.definitions.service(name)
+    assert [(each.name, str(each.type)) for each in learned.response.fields] == [
+        ("success", "bool"),
+        ("message", "string"),
+    ]
+    await node.close()
 
 
 async def test_rclpy_sees_our_nodes_with_what_they_do(

@@ -52,16 +52,20 @@ class ToolNode:
         ends = [end for end in await raw.endpoints() if end.node_name != own]
         return GraphView([node for node in (await raw.snapshot()).nodes if node != own], ends)
 
-    async def learn_type(self, view: GraphView, topic: str) -> None:
-        """Ask the publishers of a topic for the definition of its type if it is not known here.
+    async def learn_type(
+        self, view: GraphView, name: str, kind: EndpointKind = EndpointKind.PUBLISHER
+    ) -> None:
+        """Ask the publishers of a topic, or the servers of a service, for its type if it is not known here.
 
         Raises UnknownTypeError if they do not describe it.
         """
         from rostether.ros2.type_description import learn_type
 
-        for end in view.of(EndpointKind.PUBLISHER, topic):
+        registry = self.registry
+        look = registry.service_type if kind is EndpointKind.SERVER else registry.message_type
+        for end in view.of(kind, name):
             try:
-                self.registry.message_type(end.type)
+                look(end.type)
             except UnknownTypeError as error:
                 try:
                     await learn_type(self.graph.raw, self.types, end.node_name, end.type, end.type_hash)

@@ -20,6 +20,7 @@ from rostether.rostime import Time
 
 if TYPE_CHECKING:
     from rostether.cli.access.ros2_tool_node import ToolNode
+    from rostether.cli.access.ros2_view import GraphView
 
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")
 POLL_S = 0.1
@@ -35,8 +36,9 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
     values = load_arguments([each or "''" for each in arguments[1 if type_name else 0 :]])
     async with tool_node(graph, options.msg_paths) as tool:
         name = tool.graph.resolve(service)
-        found = await _wait_for_type(tool, name, options)
-        chosen = short_name(type_name or found)
+        view = await _wait_for_server(tool, name, options)
+        chosen = short_name(type_name or view.types([EndpointKind.SERVER], name)[0])
+        await tool.learn_type(view, name, EndpointKind.SERVER)
         definition = tool.registry.ros2_service(chosen)
         codec = tool.graph.store.codec(tool.registry.service_type(chosen).request.name)
         form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
@@ -56,14 +58,14 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
             await asyncio.sleep(max(begin_s + 1 / options.rate_hz - time.monotonic(), 0.0))
 
 
-async def _wait_for_type(tool: ToolNode, service: str, options: CallOptions) -> str:
-    """Return the type of a service as soon as it is offered. Raises ServiceUnavailableError."""
+async def _wait_for_server(tool: ToolNode, service: str, options: CallOptions) -> GraphView:
+    """Return the graph as soon as a service is offered. Raises ServiceUnavailableError."""
     begin_s = time.monotonic()
     reported = options.as_json
     while True:
-        types = (await tool.snapshot()).types([EndpointKind.SERVER], service)
-        if types:
-            return types[0]
+        view = await tool.snapshot()
+        if view.types([EndpointKind.SERVER], service):
+            return view
         waited_s = time.monotonic() - begin_s
         if options.timeout_s is not None and waited_s > options.timeout_s:
             raise ServiceUnavailableError(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TypeAlias
 
 from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
 from rostether.msgdef.definition_files import Kind, PackageFiles, find_definitions, read_definition
@@ -22,17 +21,11 @@ from rostether.msgdef.ros2.definition_files import (
     python_prefixes,
 )
 from rostether.msgdef.ros2.definition_text import message_text
-from rostether.msgdef.ros2.parse import (
-    REQUEST_SUFFIX,
-    RESPONSE_SUFFIX,
-    parse_action,
-    parse_message,
-    parse_service,
-)
+from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
+from rostether.msgdef.ros2.parse_file import Definition, parse_file
+from rostether.msgdef.ros2.service_halves import joined_services
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
 from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
-
-_Definition: TypeAlias = Ros2Message | Ros2Service | Ros2Action
 
 # A workspace of many packages has a prefix for each; an error is one readable line.
 _SHOWN_FOLDERS = 4
@@ -111,11 +104,16 @@ class Ros2Definitions:
         return ", ".join(folders)
 
     def add(self, messages: Iterable[Ros2Message]) -> None:
-        """Add definitions from elsewhere; those that are known already stay."""
+        """Add definitions from elsewhere, a service by its two halves; those that are known already stay."""
         for message in messages:
             if not self.has(message.full_name):
                 self._messages[message.full_name] = message
                 self._added.add(message.full_name)
+        for service in joined_services(self._messages):
+            # A description has the service as a message too.
+            if service.full_name in self._added or not self.has(service.full_name):
+                self._services[service.full_name] = service
+                self._added.add(service.full_name)
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`, or half a service by `package/srv/Name_Request`.
@@ -228,10 +226,10 @@ class Ros2Definitions:
             return self.service(f"{package}/srv/{short_name.removesuffix(RESPONSE_SUFFIX)}").response
         raise UnknownTypeError(f"{name} is a service, not a message")
 
-    def _load(self, kind: Kind, package: str, name: str) -> _Definition:
+    def _load(self, kind: Kind, package: str, name: str) -> Definition:
         file = self._file(kind, package, name)
         if file is not None:
-            return _parse(kind, file, package, name)
+            return parse_file(kind, file, package, name)
         if any(each.has_only_idl(package, kind, name) for each in (self._installed, self._installed_last)):
             raise UnknownTypeError(explain_only_idl(package, kind, name))
         raise UnknownTypeError(f"{explain_unknown(self, kind, package, name)} (searched: {self.places})")
@@ -276,7 +274,7 @@ class Ros2Definitions:
 
     def _reads_as_ros2(self, file: Path, kind: Kind, package: str) -> bool:
         try:
-            found = _parse(kind, file, package, file.stem)
+            found = parse_file(kind, file, package, file.stem)
         except DefinitionError:
             return False
         # A plain `Header` is std_msgs' in ROS 1 and the package's own in ROS 2.
@@ -295,12 +293,3 @@ class Ros2Definitions:
     def _own(self, package: str, kind: Kind) -> Mapping[str, Path]:
         files = self._on_path().get(package)
         return files.of(kind) if files is not None else {}
-
-
-def _parse(kind: Kind, file: Path, package: str, name: str) -> _Definition:
-    text = read_definition(file)
-    if kind is Kind.ACTION:
-        return parse_action(text, package=package, name=name, file=str(file))
-    if kind is Kind.SERVICE:
-        return parse_service(text, package=package, name=name, file=str(file))
-    return parse_message(text, package=package, name=name, file=str(file))

@@ -78,20 +78,21 @@ def service_hash(service: Ros2Service, definitions: HashSource) -> str:
     """Return a service's hash. Raises the same errors as `message_hash`."""
     if definitions.distro in _DISTROS_WITHOUT_HASHES:
         return TYPE_HASH_NOT_SUPPORTED
+    whole, *below = service_messages(service)
+    return rihs01(whole, _WithHalves({each.full_name: each for each in below}, definitions))
+
+
+def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
+    """Return the message that stands for a whole service, and the three that it contains."""
     event = event_message(service)
-    halves = {each.full_name: each for each in (service.request, service.response, event)}
     members = {
         "request_message": service.request,
         "response_message": service.response,
         "event_message": event,
     }
-    whole = Ros2Message(
-        service.package,
-        service.kind,
-        service.name,
-        tuple(Ros2Field(Ros2Type(each.full_name), name) for name, each in members.items()),
-    )
-    return rihs01(whole, _WithHalves(halves, definitions))
+    fields = tuple(Ros2Field(Ros2Type(each.full_name), name) for name, each in members.items())
+    whole = Ros2Message(service.package, service.kind, service.name, fields)
+    return whole, service.request, service.response, event
 
 
 def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
@@ -99,8 +100,8 @@ def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
     below = sorted(dependencies(message, definitions.message), key=lambda each: each.full_name)
     text = json.dumps(
         {
-            "type_description": _describe(message),
-            "referenced_type_descriptions": [_describe(each) for each in below],
+            "type_description": describe(message),
+            "referenced_type_descriptions": [describe(each) for each in below],
         },
         # The text is hashed: rcl writes it with exactly these separators.
         separators=(", ", ": "),
@@ -148,7 +149,8 @@ class _WithHalves:
         return self._halves.get(name) or self._definitions.message(name)
 
 
-def _describe(message: Ros2Message) -> dict[str, Any]:
+def describe(message: Ros2Message) -> dict[str, Any]:
+    """Return the fields of a message's type_description_interfaces/IndividualTypeDescription."""
     fields = [{"name": field.name, "type": _describe_type(field.type)} for field in message.fields]
     if not fields:
         # A struct of IDL cannot be empty: rosidl gives it this member.

@@ -1,5 +1,16 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from rostether.graph.ports import ServiceServer
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.parse import parse_service
+from rostether.msgdef.ros2.spec import Ros2Message
+from rostether.ros2.type_description import SERVICE, SERVICE_TYPE
+from rostether.ros2.types import type_hash
+from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.type_hash import service_messages
+from rostether.serde.store import TypeStore
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
@@ -100,3 +111,49 @@ def test_definitions(shell: Shell) -> None:
         "std_srvs/srv/SetBool" in shell.output("srv", "package", "--ros2", "zenoh", "std_srvs").splitlines()
     )
     assert "did you mean" in shell.failure("msg", "show", "--ros2", "zenoh", "Strin")
+
+
+def test_a_service_whose_type_only_its_node_knows(world: ZenohWorld, shell: Shell) -> None:
+    here = Registry(bundled=False)
+    here.add_full_text("far_msgs/FillRequest", "uint8 level\n")
+    here.add_full_text("far_msgs/FillResponse", "string[] tanks\n")
+    fill = parse_service("uint8 level\n---\nstring[] tanks\n", package="far_msgs", name="Fill")
+    world.session.types.definitions.add(fill.parts)
+    fill_type = world.session.types.native_service("far_msgs/srv/Fill")
+
+    async def answer(request: bytes) -> bytes:
+        return TypeStore(here).codec("far_msgs/FillResponse").encode({"tanks": ["left"] * request[0]})
+
+    server = world.do(world.board.advertise_service("/fill", fill_type, answer))
+    try:
+        error = shell.failure("service", "call", "/fill", "{level: 2}")
+        assert "no ROS 2 package 'far_msgs' is known for far_msgs/srv/Fill" in error
+        assert "(searched: " in error
+        assert "no node offers the service /far/board/get_type_description" in error
+        describer = world.do(describe(world, service_messages(fill)))
+        try:
+            shown = shell.output("service", "call", "/fill", "{level: 2}")
+        finally:
+            world.do(describer.close())
+        assert shown.endswith("response:\nfar_msgs.srv.Fill_Response(tanks=['left', 'left'])\n\n")
+    finally:
+        world.do(server.close())
+
+
+async def describe(world: ZenohWorld, messages: Sequence[Ros2Message]) -> ServiceServer:
+    """Offer the board's service that describes a type by its messages, and by those of the standard types."""
+    service_type = world.session.types.native_service(SERVICE_TYPE)
+    registry = NativeRegistry.from_environment(environ={})
+    known = ("service_msgs/msg/ServiceEventInfo", "builtin_interfaces/msg/Time")
+    whole, *below = [*messages, *map(registry.definitions.message, known)]
+    description = {
+        "type_description": type_hash.describe(whole),
+        "referenced_type_descriptions": [type_hash.describe(each) for each in below],
+    }
+    codec = TypeStore(registry).codec(service_type.response.name)
+    response = codec.encode({"successful": True, "type_description": description})
+
+    async def answer(_request: bytes) -> bytes:
+        return response
+
+    return await world.board.advertise_service(f"/far/board/{SERVICE}", service_type, answer)
