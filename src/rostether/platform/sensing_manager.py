@@ -27,6 +27,8 @@ from rostether.serde.values import Message
 
 # The interval between checks of the states; fast enough for a display.
 JUDGE_PERIOD_S = 0.5
+# When a fleet starts, many sensors register at once: the list is published once for those of this time.
+GATHER_S = 0.05
 
 
 class SensingManager:
@@ -50,6 +52,7 @@ class SensingManager:
         self._snapshot = Snapshot()
         self._has_news = asyncio.Event()
         self._cannot_write_reported = False
+        self._is_unsaved = False
 
     async def run(self) -> None:
         """Serve until cancelled. Raises GraphError."""
@@ -78,8 +81,10 @@ class SensingManager:
                 await self._subscribe_to_new()
                 self._registry.judge(time.monotonic())
                 self._publish()
+                await self._save()
                 await self._wait(following)
         finally:
+            await self._save()
             following.cancel()
             await asyncio.wait([following])
             for service in services:
@@ -100,6 +105,7 @@ class SensingManager:
                 if self._registry.judge(time.monotonic()):
                     return
             else:
+                await asyncio.sleep(GATHER_S)
                 self._has_news.clear()
                 return
 
@@ -190,12 +196,18 @@ class SensingManager:
         return {"sensor": self._shown(sensor)}
 
     def _remember(self) -> None:
+        self._is_unsaved = True
         self._has_news.set()
-        if self._state_path is None:
+
+    async def _save(self) -> None:
+        """Write the sensors if they have changed."""
+        if self._state_path is None or not self._is_unsaved:
             return
+        self._is_unsaved = False
+        kept = [each for each in self._registry.sensors if each.origin is not Origin.FILE]
         try:
-            kept = [each for each in self._registry.sensors if each.origin is not Origin.FILE]
-            write_state(self._state_path, kept)
+            # The memory card of a small computer can be slow.
+            await asyncio.to_thread(write_state, self._state_path, kept)
         except OSError as error:
             if not self._cannot_write_reported:
                 self._cannot_write_reported = True

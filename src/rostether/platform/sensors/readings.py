@@ -7,7 +7,7 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 from typing import TypeVar
 
-from rostether.errors import RostetherError
+from rostether.errors import ConfigError, RostetherError
 from rostether.graph.ports import Level
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.platform.sensors.registered_sensor import RegisteredSensor
@@ -46,7 +46,7 @@ async def publish_readings(
     publish: Callable[[T], None],
     report: Callable[[Level, str], None],
 ) -> None:
-    """Publish each reading until cancelled. `publish` also sets the state.
+    """Publish each reading until cancelled; `publish` also sets the state. Raises ConfigError of the source.
 
     `open_source` raises OSError or RostetherError for a device that fails; it is opened again each second.
     """
@@ -67,6 +67,9 @@ async def publish_readings(
                     if silent is not None:
                         silent.cancel()
                     silent = loop.call_later(max(SILENT_S, 3 * period_s), sensor.set_state, "sleeping")
+        except ConfigError:
+            # Trying again would not help.
+            raise
         except (OSError, RostetherError) as error:
             reason = reason_of(error)
         else:

@@ -17,12 +17,13 @@ from rostether.errors import GraphError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.backoff import Backoff
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 
 # A manager that restarts without its file has all sensors again within the renewal's period.
 LEASE_S = 12.0
 RENEWAL_S = LEASE_S / 3
-RETRY_S = 1.0
+RETRY_S = 0.5
 # A state that changes all the time must not load the manager.
 _SHORTEST_PERIOD_S = 0.2
 _CALL_LIMIT_S = 5.0
@@ -91,11 +92,13 @@ class RegisteredSensor:
 
     async def keep_registered(self) -> None:
         """Register, and renew the lease, until cancelled."""
+        backoff = Backoff(first_s=RETRY_S, limit_s=RENEWAL_S)
         while True:
             self._has_changed.clear()
             if not await self._register():
-                await asyncio.sleep(RETRY_S)
+                await asyncio.sleep(backoff.next_delay_s())
                 continue
+            backoff.reset()
             await asyncio.sleep(_SHORTEST_PERIOD_S)
             with suppress(TimeoutError):
                 async with asyncio.timeout(RENEWAL_S):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
 from dataclasses import replace
@@ -100,4 +101,6 @@ def _video_package() -> Any:
         from linuxpy.video import device
     except ImportError:
         raise ConfigError(f"cameras need another package; run: {install_command('camera')}") from None
+    # It warns of each picture that is thinned out.
+    logging.getLogger("linuxpy").setLevel(logging.ERROR)
     return device

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncGenerator, Callable
 from dataclasses import dataclass
 
@@ -11,6 +12,9 @@ from rostether.platform.sensors.readings import publish_readings
 from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
 
 MESSAGE_TYPE = "std_msgs/Float64"
+
+# A value near its limit would change the state with each reading.
+ALERT_HOLD_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +41,19 @@ async def publish_values(
     scaling: Scaling,
     report: Callable[[Level, str], None],
 ) -> None:
-    """Publish the numbers of a source as a sensor until cancelled. Raises GraphError."""
+    """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError."""
     async with registered_sensor(graph, description, report) as sensor:
+        loop = asyncio.get_running_loop()
+        alert_until_s = 0.0
 
         def publish(reading: float) -> None:
+            nonlocal alert_until_s
             value = reading * scaling.scale + scaling.offset
             sensor.publish(data=value)
-            reason = scaling.alert(value, description.unit)
-            sensor.set_state("alert" if reason else "ready", reason)
+            if reason := scaling.alert(value, description.unit):
+                alert_until_s = loop.time() + ALERT_HOLD_S
+                sensor.set_state("alert", reason)
+            elif loop.time() >= alert_until_s:
+                sensor.set_state("ready")
 
         await publish_readings(sensor, open_source, publish, report)
