@@ -14,10 +14,12 @@
 #define ROS_FLASH PROGMEM
 #define ROS_READ_FLASH(address) pgm_read_byte(address)
 #define ROS_FLASH_LENGTH(text) strlen_P(text)
+#define ROS_COPY_FLASH(to, from, count) memcpy_P(to, from, count)
 #else
 #define ROS_FLASH
 #define ROS_READ_FLASH(address) (*(address))
 #define ROS_FLASH_LENGTH(text) strlen(text)
+#define ROS_COPY_FLASH(to, from, count) memcpy(to, from, count)
 #endif
 
 // Arduino's F("...") has this type on every board; elsewhere it merely exists.

@@ -23,7 +23,7 @@
 // Name and md5sum of a message: getType and getMD5 for the sketch, and the same texts in flash for the wire.
 #define ROS_MESSAGE_TYPE(type, md5)                \
   static const char* getType() { return type; }    \
-  static const char* getMD5() { return md5; }      \
+  static constexpr const char* getMD5() { return md5; } \
   static ros::FlashNames flashNames() {            \
     static const char both[] ROS_FLASH = type " \0\0\0" md5; \
     return ros::FlashNames(both, sizeof type - 1);                                  \

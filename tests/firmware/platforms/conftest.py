@@ -17,6 +17,12 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def control_library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The client library with the messages that a robot of a fleet uses."""
+    return write_library(tmp_path_factory.mktemp("library"), Registry(), packages=["arduino_control"]).path
+
+
+@pytest.fixture(scope="session")
 def linux_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The node for Linux, watched for undefined behaviour and lost memory."""
     output = tmp_path_factory.mktemp("linux") / "node"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.programs import NODE, STUBS, WARNINGS
+from firmware.platforms.programs import EXAMPLES, NODE, STUBS, WARNINGS
 from unit.codegen.compilers import ARDUINO_CORE
 
 ARM = ("arm-none-eabi-g++", "-Os", "-mcpu=cortex-m4", "-mthumb", "-fno-exceptions")
@@ -73,6 +73,28 @@ def test_kits(library: Path, kit: str) -> None:
 @pytest.mark.parametrize("board", BOARDS)
 def test_arduino_boards(library: Path, board: str, switch: str) -> None:
     assert not _compile(library, (*ARM, *ARDUINO, *BOARDS[board], *SWITCHES[switch]), NODE / "arduino.cpp")
+
+
+@pytest.mark.arm
+@pytest.mark.parametrize("board", ["ESP32", "Uno R4 WiFi"])
+def test_a_robot_of_a_fleet(control_library: Path, board: str) -> None:
+    sketch = ("-x", "c++", "-include", "Arduino.h")
+    command = (*ARM, *ARDUINO, *BOARDS[board], *sketch)
+    assert not _compile(control_library, command, EXAMPLES / "MulticastRobot" / "MulticastRobot.ino")
+
+
+@pytest.mark.arm
+@pytest.mark.parametrize("flag", ["-DESP8266", "-DSTUB_UDP_WITHOUT_MULTICAST"])
+def test_other_ways_into_a_group(control_library: Path, tmp_path: Path, flag: str) -> None:
+    source = tmp_path / "robot.cpp"
+    source.write_text(
+        "#include <Arduino.h>\n#include <WiFi.h>\n#include <arduino_control/ArduinoControl.h>\n"
+        "#include <ros/multicast_command.h>\ntypedef arduino_control::ArduinoControl Control;\n"
+        "void drive(const Control&) {}\nvoid halt() {}\n"
+        "ros::MulticastCommand<Control, WiFiUDP> commands(&drive, &halt);\n"
+        "void start() { commands.begin(IPAddress(239, 255, 82, 83), 11412); commands.spinOnce(); }\n"
+    )
+    assert not _compile(control_library, (*ARM, *ARDUINO, flag), source)
 
 
 @pytest.mark.arm

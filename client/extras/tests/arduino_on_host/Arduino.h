@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -40,6 +41,12 @@ class IPAddress {
     octets_[1] = b;
     octets_[2] = c;
     octets_[3] = d;
+  }
+  IPAddress(uint32_t ip) { memcpy(octets_, &ip, sizeof octets_); }
+  operator uint32_t() const {
+    uint32_t ip;
+    memcpy(&ip, octets_, sizeof ip);
+    return ip;
   }
   uint8_t operator[](int index) const { return octets_[index]; }
   bool operator==(const IPAddress& other) const {

@@ -9,10 +9,14 @@ class EthernetUDP : public Stream {
   ~EthernetUDP() { stop(); }
 
   // Port 0 takes any, so that tests can run side by side.
-  uint8_t begin(uint16_t port) {
-    const struct sockaddr_in address = socketAddress(IPAddress(127, 0, 0, 1), port);
-    socket_ = socket(AF_INET, SOCK_DGRAM, 0);
-    return bind(socket_, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
+  uint8_t begin(uint16_t port) { return open(IPAddress(127, 0, 0, 1), port); }
+  // Hears the group and, as a W5100, its own address.
+  uint8_t beginMulticast(IPAddress group, uint16_t port) {
+    struct ip_mreq membership;
+    membership.imr_multiaddr = socketAddress(group, port).sin_addr;
+    membership.imr_interface = socketAddress(IPAddress(127, 0, 0, 1), port).sin_addr;
+    return open(IPAddress(0, 0, 0, 0), port) &&
+           setsockopt(socket_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
   }
   void stop() {
     if (socket_ >= 0) close(socket_);
@@ -45,6 +49,11 @@ class EthernetUDP : public Stream {
   }
   int available() { return static_cast<int>(in_size_ - in_next_); }
   int read() { return in_next_ < in_size_ ? in_[in_next_++] : -1; }
+  int read(unsigned char* bytes, size_t size) {
+    size_t count = 0;
+    while (count < size && in_next_ < in_size_) bytes[count++] = in_[in_next_++];
+    return static_cast<int>(count);
+  }
   IPAddress remoteIP() {
     const uint32_t ip = ntohl(from_.sin_addr.s_addr);
     return IPAddress(static_cast<uint8_t>(ip >> 24), static_cast<uint8_t>(ip >> 16), static_cast<uint8_t>(ip >> 8),
@@ -53,6 +62,15 @@ class EthernetUDP : public Stream {
   uint16_t remotePort() { return ntohs(from_.sin_port); }
 
  private:
+  bool open(const IPAddress& ip, uint16_t port) {
+    const int yes = 1;
+    const struct sockaddr_in address = socketAddress(ip, port);
+    socket_ = socket(AF_INET, SOCK_DGRAM, 0);
+    // A second socket may answer from the same port.
+    setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    return bind(socket_, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
+  }
+
   int socket_;
   struct sockaddr_in to_;
   struct sockaddr_in from_;

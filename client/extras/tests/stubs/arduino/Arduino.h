@@ -2,12 +2,22 @@
 #ifndef STUB_ARDUINO_H_
 #define STUB_ARDUINO_H_
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
+typedef uint8_t byte;
+#define LOW 0
+#define HIGH 1
+#define OUTPUT 1
+#define DEG_TO_RAD 0.017453292519943295
 unsigned long millis();
 void delay(unsigned long);
+void pinMode(uint8_t, uint8_t);
+void digitalWrite(uint8_t, uint8_t);
+void analogWrite(uint8_t, int);
 
 class __FlashStringHelper;
 
@@ -69,6 +79,9 @@ class Client : public Stream {
 class UDP : public Stream {
  public:
   virtual uint8_t begin(uint16_t) = 0;
+#if !defined(ESP8266) && !defined(STUB_UDP_WITHOUT_MULTICAST)
+  virtual uint8_t beginMulticast(IPAddress, uint16_t);
+#endif
   virtual void stop() = 0;
   virtual int beginPacket(IPAddress, uint16_t) = 0;
   virtual int beginPacket(const char*, uint16_t) = 0;

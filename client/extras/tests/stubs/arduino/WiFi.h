@@ -3,8 +3,16 @@
 
 #include <Arduino.h>
 
+enum { WL_CONNECTED = 3 };
+
 class WiFiClass {
  public:
+  int begin(const char* ssid, const char* passphrase);
+  uint8_t status();
+  int32_t RSSI();
+#if defined(ESP32)
+  bool setSleep(bool);
+#endif
   IPAddress localIP();
 };
 extern WiFiClass WiFi;
@@ -21,6 +29,9 @@ class WiFiClient : public Client {
 
 class WiFiUDP : public UDP {
  public:
+#if defined(ESP8266)
+  uint8_t beginMulticast(IPAddress interface, IPAddress group, uint16_t port);
+#endif
   STUB_UDP
 };
 

@@ -5,7 +5,8 @@
  *
  *     main -> pacing -> core (instructions)      commands <- stdin
  *                        |                        events  -> stdout
- *     uart <-> faults <-> link (pty, TCP)        pins, pulses, adc, sonar, twi -> mpu9150, network, canaries
+ *     uart <-> faults <-> link (pty, TCP)        pins, pulses, adc, sonar, network, canaries
+ *                                                twi -> mpu9150, spi -> w5100 -> w5100_network
  */
 #ifndef BOARD_H
 #define BOARD_H
@@ -178,6 +179,16 @@ const char *network_connects_to(const char *host_and_port);
 void network_start(void);
 void network_move(void);
 void network_reset(void);
+
+/* spi.c, w5100.c, w5100_network.c: an Ethernet shield. */
+void spi_start(void);
+void w5100_start(void);
+void w5100_reset(void);
+bool w5100_is_selected(void);
+uint8_t w5100_exchange(uint8_t byte);
+void w5100_move(void);
+void w5100_make_deaf(unsigned long after);
+const char *w5100_set(char *settings);
 
 /* markers.c: cycles between GPIOR2 = 1 and GPIOR2 = 0. */
 void markers_start(void);

@@ -271,6 +271,10 @@ static const char *do_send(int count, char **words) { return link_inject(count =
 
 static const char *do_network(int count, char **words) { return network_connects_to(count == 2 ? words[1] : ""); }
 
+static const char *do_w5100(int count, char **words) {
+    return count == 2 ? w5100_set(words[1]) : "a W5100 is set with address=127.0.0.2 and deaf=500";
+}
+
 static const char *do_quit(int count, char **words) {
     (void)count, (void)words;
     board.quitting = true;
@@ -286,7 +290,8 @@ static const struct {
     {"hcsr04", do_hcsr04},   {"memory", do_memory}, {"network", do_network}, {"pause", do_pause},
     {"pin", do_pin},         {"pins", do_pins},   {"power", do_power},       {"quit", do_quit},
     {"range", do_range},     {"reset", do_reset}, {"run", do_run},           {"send", do_send},
-    {"servo", do_servo},     {"stack", do_stack}, {"unwatch", do_unwatch},   {"watch", do_watch},
+    {"servo", do_servo},     {"stack", do_stack}, {"unwatch", do_unwatch},   {"w5100", do_w5100},
+    {"watch", do_watch},
 };
 
 const char *command_perform(char *line) {
@@ -300,5 +305,5 @@ const char *command_perform(char *line) {
     for (size_t i = 0; i < sizeof vocabulary / sizeof *vocabulary; i++)
         if (strcmp(vocabulary[i].word, words[0]) == 0) return vocabulary[i].action(count, words);
     return "no such word; words are adc aref attitude autoreset cycles fault guard hcsr04 memory network pause pin pins power "
-           "quit range reset run send servo stack unwatch watch";
+           "quit range reset run send servo stack unwatch w5100 watch";
 }

@@ -120,6 +120,8 @@ int main(int count, char **arguments) {
     adc_start();
     twi_start();
     network_start();
+    spi_start();
+    w5100_start();
     markers_start();
     tell_ready(uart);
     while (++optind < count) command_run(arguments[optind]);

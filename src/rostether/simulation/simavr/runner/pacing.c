@@ -70,6 +70,7 @@ static void run_slice(void) {
     if (end > board.stop_at) end = board.stop_at;
     link_take();
     network_move();
+    w5100_move();
     if (board.powered)
         core_run_until(end);
     else

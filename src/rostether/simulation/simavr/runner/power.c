@@ -35,6 +35,7 @@ static void start_over(const char *cause, avr_regbit_t flag) {
     pins_reset();
     sonar_reset();
     network_reset();
+    w5100_reset();
     event_begin("reset");
     event_text("cause", cause);
     event_end();

@@ -26,15 +26,21 @@ bool wait_for(uint8_t flag) {
 
 EthernetClass Ethernet;
 
-int EthernetClass::begin(uint8_t* mac, unsigned long, unsigned long) {
-  begin(mac, IPAddress(10, 0, 0, 2));
-  return 1;
+void EthernetClass::begin(uint8_t* mac, IPAddress ip) { begin(mac, ip, IPAddress(ip[0], ip[1], ip[2], 1)); }
+void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress dns) {
+  begin(mac, ip, dns, IPAddress(ip[0], ip[1], ip[2], 1));
 }
-
-void EthernetClass::begin(uint8_t*, IPAddress ip) { ip_ = ip; }
-void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress) { begin(mac, ip); }
-void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress, IPAddress) { begin(mac, ip); }
-void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress, IPAddress, IPAddress) { begin(mac, ip); }
+void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress dns, IPAddress gateway) {
+  begin(mac, ip, dns, gateway, IPAddress(255, 255, 255, 0));
+}
+void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress dns, IPAddress gateway, IPAddress subnet) {
+  memcpy(mac_, mac, sizeof mac_);
+  ip_ = ip;
+  dns_ = dns;
+  gateway_ = gateway;
+  mask_ = subnet;
+  is_chip_started_ = false;
+}
 
 int EthernetClient::connect(IPAddress ip, uint16_t port) {
   stop();

@@ -1,9 +1,10 @@
-// A TCP client on the network chip of a simulated board, with the interface of Arduino's Ethernet library.
+// The network of a simulated board, with the interface of Arduino's Ethernet library.
 //
-// The chip is two registers of the AVR that real boards leave to programs. GPIOR1 is data: while idle it takes the
-// address (four bytes, then the port, low byte first); when connected, writing sends a byte and reading receives
-// one. GPIOR0 is command and status: writing 1 connects, 2 stops; bit 0 reads connected, bit 1 a byte is waiting,
-// bit 2 there is room to send. It carries one connection at a time.
+// UDP and DHCP go through a W5100 on SPI. TCP goes through two registers of the AVR that real boards leave to
+// programs. GPIOR1 is data: while idle it takes the address (four bytes, then the port, low byte first); when
+// connected, writing sends a byte and reading receives one. GPIOR0 is command and status: writing 1 connects,
+// 2 stops; bit 0 reads connected, bit 1 a byte is waiting, bit 2 there is room to send. It carries one connection
+// at a time.
 #ifndef ethernet_h_
 #define ethernet_h_
 
@@ -11,28 +12,38 @@
 #include <Client.h>
 #include <IPAddress.h>
 
+#include "EthernetUdp.h"
+
 enum EthernetLinkStatus { Unknown, LinkON, LinkOFF };
 enum EthernetHardwareStatus { EthernetNoHardware, EthernetW5100, EthernetW5200, EthernetW5500 };
 
 class EthernetClass {
  public:
-  // With an address, or without one as if DHCP had given 10.0.0.2: the simulated network needs none.
+  // With an address, or with one from DHCP: then 1, or 0 when nobody offers one in time.
   int begin(uint8_t* mac, unsigned long timeout_ms = 60000, unsigned long response_timeout_ms = 4000);
   void begin(uint8_t* mac, IPAddress ip);
   void begin(uint8_t* mac, IPAddress ip, IPAddress dns);
   void begin(uint8_t* mac, IPAddress ip, IPAddress dns, IPAddress gateway);
   void begin(uint8_t* mac, IPAddress ip, IPAddress dns, IPAddress gateway, IPAddress subnet);
-  static void init(uint8_t) {}
+  static void init(uint8_t select_pin);
   int maintain() { return 0; }
   EthernetLinkStatus linkStatus() { return LinkON; }
-  EthernetHardwareStatus hardwareStatus() { return EthernetW5500; }
+  EthernetHardwareStatus hardwareStatus() { return EthernetW5100; }
   IPAddress localIP() { return ip_; }
-  IPAddress subnetMask() { return IPAddress(255, 255, 255, 0); }
-  IPAddress gatewayIP() { return IPAddress(10, 0, 0, 1); }
-  IPAddress dnsServerIP() { return gatewayIP(); }
+  IPAddress subnetMask() { return mask_; }
+  IPAddress gatewayIP() { return gateway_; }
+  IPAddress dnsServerIP() { return dns_; }
+  // How long the chip waits for the hardware address of another machine, and how often it asks again.
+  void setRetransmissionTimeout(uint16_t timeout_ms);
+  void setRetransmissionCount(uint8_t count);
+
+  // Sets up the W5100, if the sketch's addresses are not in it yet. EthernetUDP calls it.
+  void startChip();
 
  private:
-  IPAddress ip_;
+  uint8_t mac_[6];
+  bool is_chip_started_;
+  IPAddress ip_, dns_, gateway_, mask_;
 };
 
 extern EthernetClass Ethernet;

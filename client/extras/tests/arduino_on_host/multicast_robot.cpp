@@ -1,0 +1,80 @@
+// A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. Prints what it does, a line each:
+//   multicast_robot PORT [DEAF_AFTER]     drive DIRECTION SPEED, halt, open; its socket goes deaf after so many datagrams
+// Robot 3 of group 1 line by line, without a network: a time in milliseconds and a datagram in hexadecimal on standard
+// input. Prints what each demands, and the status that answers it in hexadecimal:
+//   multicast_robot < LINES               0 nothing, 1 drive, 2 stop, 3 stop after silence; the status, or -
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <Ethernet.h>
+#include <EthernetUdp.h>
+#include <arduino_control/ArduinoControl.h>
+#include <ros/multicast_command.h>
+
+HardwareSerial Serial;
+EthernetClass Ethernet;
+static int deaf_after;
+
+// As the official Ethernet library's.
+class DeafUdp : public EthernetUDP {
+ public:
+  DeafUdp() : heard_(0) {}
+  uint8_t beginMulticast(IPAddress group, uint16_t port) {
+    heard_ = 0;
+    printf("open\n");
+    return EthernetUDP::beginMulticast(group, port);
+  }
+  int parsePacket() {
+    const int size = EthernetUDP::parsePacket();
+    return size > 0 && deaf_after && ++heard_ > deaf_after ? 0 : size;
+  }
+
+ private:
+  int heard_;
+};
+
+static void drive(const arduino_control::ArduinoControl& command) { printf("drive %g %g\n", command.dir, command.speed); }
+static void halt() { printf("halt\n"); }
+const ros::FleetKey KEY("30313233343536373839616263646566");
+static ros::MulticastCommand<arduino_control::ArduinoControl, DeafUdp> commands(&drive, &halt, KEY);
+
+static void obeyLines() {
+  // The kind of arduino_control/ArduinoControl.
+  ros::CommandReceiver robot(KEY, 0x4ccb2875);
+  robot.setRobot(3, 2);
+  robot.setSignal(-61);
+  unsigned now_ms;
+  char hex[4096];
+  while (scanf("%u %4095s", &now_ms, hex) == 2) {
+    alignas(4) uint8_t frame[2048];
+    size_t size = 0;
+    for (unsigned byte; sscanf(hex + 2 * size, "%2x", &byte) == 1; ++size) frame[size] = static_cast<uint8_t>(byte);
+    if (robot.expired(static_cast<uint16_t>(now_ms))) printf("3 -\n");
+    const int action = robot.receive(frame, static_cast<uint16_t>(size), static_cast<uint16_t>(now_ms));
+    // 10.0.0.1:5000
+    if (action) robot.setHolder(0x0100000a, 5000);
+    printf("%d ", action);
+    if (robot.answers()) {
+      const size_t length = robot.answer(frame);
+      for (size_t i = 0; i < length; ++i) printf("%02x", frame[i]);
+    } else {
+      putchar('-');
+    }
+    putchar('\n');
+  }
+}
+
+int main(int count, char** arguments) {
+  setvbuf(stdout, nullptr, _IOLBF, 0);
+  if (count == 1) {
+    obeyLines();
+    return 0;
+  }
+  if (count > 2) deaf_after = atoi(arguments[2]);
+  commands.setRobot(3);
+  commands.begin(IPAddress(239, 255, 82, 83), static_cast<uint16_t>(atoi(arguments[1])));
+  for (;;) {
+    commands.spinOnce();
+    delay(2);
+  }
+}

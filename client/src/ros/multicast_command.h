@@ -1,0 +1,124 @@
+// Commands for one robot of many, from a multicast group: what rostether's multicast bridge and `fleet drive` send.
+//
+//   #include <Ethernet.h>
+//   #include <EthernetUdp.h>
+//   #include <ros/multicast_command.h>
+//   #include <arduino_control/ArduinoControl.h>
+//
+//   void drive(const arduino_control::ArduinoControl& command) { ... }
+//   void halt() { ... }
+//   const ros::FleetKey KEY ROS_FLASH("000102030405060708090a0b0c0d0e0f");
+//   ros::MulticastCommand<arduino_control::ArduinoControl, EthernetUDP> commands(&drive, &halt, KEY);
+//   ...
+//   commands.setRobot(3);
+//   commands.begin(IPAddress(239, 255, 82, 83), 11412);
+//   ...
+//   commands.spinOnce();
+//
+// EthernetUDP for W5100 and W5500, WiFiUDP for Wi-Fi, or any class with Arduino's UDP interface. `halt` is called when a
+// sender demands it, and when the time to live of the last command has passed; so `loop` must not block for long. A chip
+// that answers may wait for the sender's address: Ethernet.setRetransmissionTimeout limits that.
+#ifndef ROS_MULTICAST_COMMAND_H_
+#define ROS_MULTICAST_COMMAND_H_
+
+#include <Arduino.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ros/command_receiver.h"
+#include "ros/flash.h"
+#include "ros/message.h"
+#include "ros/multicast_socket.h"
+
+namespace ros {
+
+// What begins the MD5 sum of a type of message, as in a frame.
+struct CommandKind {
+  constexpr explicit CommandKind(const char* md5) : value(word(md5, 4)) {}
+  const uint32_t value;
+
+ private:
+  static constexpr uint32_t word(const char* hex, uint8_t bytes) {
+    return bytes ? static_cast<uint32_t>(digit(hex[0]) << 4 | digit(hex[1])) | word(hex + 2, static_cast<uint8_t>(bytes - 1)) << 8 : 0;
+  }
+  static constexpr uint8_t digit(char c) { return static_cast<uint8_t>(c <= '9' ? c - '0' : c - 'a' + 10); }
+};
+
+// M is a generated message of at most PAYLOAD_BYTES.
+template <class M, class NetworkUdp, uint16_t PAYLOAD_BYTES = 64>
+class MulticastCommand {
+ public:
+  typedef void (*Drive)(const M&);
+  typedef void (*Halt)();
+
+  // The key stays where it is, in program memory. Without one, a fleet's key is all zeros: tags show damage, but no forgery.
+  MulticastCommand(Drive drive, Halt halt, const FleetKey& key = FleetKey::none())
+      : receiver_(key, KIND), drive_(drive), halt_(halt) {}
+
+  // Which commands are for this robot: those to its id, and those to groups in the mask. Robot 1 of group 0 by default.
+  void setRobot(uint32_t id, uint32_t groups = 1) { receiver_.setRobot(id, groups); }
+
+  // The strength of the radio's signal in dBm, which statuses report.
+  void setSignal(int8_t dbm) { receiver_.setSignal(dbm); }
+
+  // Stops the robot and joins the group. The network must be up.
+  void begin(const IPAddress& group, uint16_t port) {
+    halt_();
+    socket_.begin(static_cast<uint32_t>(group), port);
+  }
+
+  // Call it in each loop.
+  void spinOnce() {
+    for (uint8_t count = 0; count < MOST_DATAGRAMS && take(); ++count) {}
+    const uint32_t now_ms = millis();
+    const bool expired = receiver_.expired(static_cast<uint16_t>(now_ms));
+    if (expired) halt_();
+    socket_.watch(now_ms, expired);
+  }
+
+  bool isMoving() const { return receiver_.isMoving(); }
+
+ private:
+  // More of them wait for the next loop.
+  static const uint8_t MOST_DATAGRAMS = 8;
+  static const size_t COMMAND_BYTES = CommandReceiver::FRAME_BYTES + PAYLOAD_BYTES;
+  static const size_t STATUS_BYTES = CommandReceiver::STATUS_BYTES;
+  static const uint32_t KIND = CommandKind(M::getMD5()).value;
+
+  bool take() {
+    // Aligned for the messages that stay in it.
+    union {
+      uint32_t aligned;
+      uint8_t bytes[COMMAND_BYTES > STATUS_BYTES ? COMMAND_BYTES : STATUS_BYTES];
+    } buffer;
+    uint8_t* const frame = buffer.bytes;
+    const int size = socket_.next();
+    if (size <= 0) return false;
+    if (static_cast<size_t>(size) > sizeof buffer) return true;
+    socket_.udp().read(frame, static_cast<size_t>(size));
+    const CommandReceiver::Action action =
+        receiver_.receive(frame, static_cast<uint16_t>(size), static_cast<uint16_t>(millis()));
+    if (action != CommandReceiver::NOTHING)
+      receiver_.setHolder(static_cast<uint32_t>(socket_.udp().remoteIP()), socket_.udp().remotePort());
+    if (action == CommandReceiver::DRIVE) {
+      M message;
+      const size_t length = static_cast<size_t>(size) - CommandReceiver::FRAME_BYTES;
+      uint8_t* payload = frame + CommandReceiver::HEADER_BYTES;
+      if (message.deserialize(payload, length, sizeof buffer - CommandReceiver::HEADER_BYTES) < 0) halt_();
+      else drive_(message);
+    } else if (action == CommandReceiver::STOP) {
+      halt_();
+    }
+    if (receiver_.answers()) socket_.answer(frame, receiver_.answer(frame));
+    return true;
+  }
+
+  MulticastSocket<NetworkUdp> socket_;
+  CommandReceiver receiver_;
+  Drive drive_;
+  Halt halt_;
+};
+
+}  // namespace ros
+
+#endif

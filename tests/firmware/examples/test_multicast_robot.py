@@ -1,0 +1,166 @@
+"""The robot of a fleet on a simulated Ethernet shield: it obeys, and it stops when it must."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+import struct
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from firmware.examples.stage import EXAMPLES, PATIENCE_S, build_example
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.elf import ElfFile
+from rostether.platform.command_channel import CommandChannel
+from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
+from rostether.platform.multicast_socket import GroupAddress
+from rostether.simulation.simavr.board_events import BoardEvent
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
+from unit.firmware.sketches import write_sketch
+from unit.platform.datagrams import GROUP
+
+CLOCK_HZ = 16_000_000
+TEXT = (EXAMPLES / "MulticastRobot/MulticastRobot.ino").read_text()
+KEY = bytes.fromhex(re.findall(r'KEY "(\w+)"', TEXT)[0])
+TTL_S = 0.3
+# What the robot takes for the frames that have arrived.
+GRACE_S = 0.1
+# What the library adds to a sketch that receives and decodes bare commands, on an Uno.
+MOST_FLASH, MOST_RAM = 2500, 120
+BARE = """
+class BareCommands {
+ public:
+  void setRobot(int) {}
+  void begin(IPAddress group, uint16_t port) { udp.beginMulticast(group, port); }
+  bool isMoving() { return false; }
+  void spinOnce() {
+    byte bytes[100];
+    arduino_control::ArduinoControl command;
+    const int size = udp.parsePacket();
+    if (size <= 0 || udp.read(bytes, sizeof bytes) != size) return;
+    if (command.deserialize(bytes, size) > 0) drive(command);
+  }
+  EthernetUDP udp;
+} commands;
+"""
+
+
+def _duty(event: BoardEvent) -> float | None:
+    """Return the left motor's duty in an event; no timer drives the pin at rest and at full speed."""
+    found = event.values.get("duty" if event.name == "pwm" else "level")
+    return None if event.values.get("pin") != "D3" or found is None else float(found)
+
+
+class Fleet:
+    """The robot, and one sender that repeats its command."""
+
+    def __init__(self, board: SimulatedBoard, channel: CommandChannel) -> None:
+        self.board = board
+        self.channel = channel
+        settings = SenderSettings(1, to_groups=False, kind=bytes.fromhex("7528cb4c"), key=KEY)
+        self._sender = CommandSender(settings, time.time_ns() // 1000)
+        channel.epoch_us = self._sender.epoch_us
+
+    @contextlib.asynccontextmanager
+    async def driving(
+        self, direction: float, speed: float, period_s: float = REPEAT_S
+    ) -> AsyncIterator[None]:
+        """Send a command until the block ends, and then nothing more: no stop either."""
+
+        async def repeat() -> None:
+            while True:
+                for datagram in self._sender.command(struct.pack("<dd", direction, speed), time.monotonic()):
+                    self.channel.send(datagram)
+                await asyncio.sleep(period_s)
+
+        task = asyncio.create_task(repeat())
+        try:
+            yield
+        finally:
+            task.cancel()
+
+    async def wheels(self) -> tuple[int, int]:
+        """Return the duty of the left and the right motor, from -255 to 255."""
+        pins = await self.board.pins()
+        duties = [
+            round(float(each[3:]) * (255 if each.startswith("pwm") or each == "out1" else 0))
+            for each in (pins["D3"], pins["D9"])
+        ]
+        signs = [-1 if pins[each] == "out1" else 1 for each in ("D8", "D7")]
+        return duties[0] * signs[0], duties[1] * signs[1]
+
+    def deaf_s(self) -> float:
+        """Return the board's time when the chip went deaf first."""
+        return next(
+            each.time_s for each in self.board.recent if each.name == "w5100" and each["state"] == "deaf"
+        )
+
+    async def turns(self, left: int, right: int) -> None:
+        """Wait until the motors have these duties."""
+        async with asyncio.timeout(PATIENCE_S):
+            while await self.wheels() != (left, right):
+                await asyncio.sleep(0.005)
+
+    async def time_s(self) -> float:
+        """Return the board's time, in seconds."""
+        return await self.board.cycles() / CLOCK_HZ
+
+    def turned_s(self, duty: int) -> float:
+        """Return the board's time when the left motor got this duty last, in seconds."""
+        times_s = [each.time_s for each in self.board.recent if _duty(each) == duty]
+        return times_s[-1] if times_s else 0.0
+
+
+@contextlib.asynccontextmanager
+async def running(name: str, kind: str, *words: str) -> AsyncIterator[Fleet]:
+    """Run the example. Its group has a number that only this test may use, with the example's key."""
+    built = await build_example(name, kind)
+    words = ("watch D3", *words)
+    async with await SimulatedBoard.start(built.elf, board=kind, link="none", words=words) as board:
+        group = GroupAddress(GROUP, 11412, ("lo",), ttl=0)
+        channel = CommandChannel(group, lambda level, text: None, key=KEY)
+        try:
+            yield Fleet(board, channel)
+        finally:
+            channel.close()
+
+
+async def test_it_drives_as_told_hears_again_when_deaf_and_stops_with_its_sender() -> None:
+    async with running("MulticastRobot", "uno") as fleet:
+        for direction, speed, left, right in (
+            (0, 1, 255, 255),
+            (45, 1, 255, 181),
+            (-45, 0.5, 91, 128),
+            (90, 1, 255, 1),
+            (float("nan"), 1, 0, 0),
+            (135, 1, -255, -181),
+            (0, float("inf"), 0, 0),
+            (45, 1.414, 255, 180),
+        ):
+            async with fleet.driving(direction, speed):
+                await fleet.turns(left, right)
+        (robot,) = fleet.channel.table.robots.values()
+        assert (robot.status.robot_id, robot.address[0]) == (1, "127.0.0.2")
+        async with fleet.driving(0, 1):
+            await fleet.board.send_command("w5100 deaf=1")
+            await fleet.turns(0, 0)
+            deaf_s = fleet.deaf_s()
+            async with asyncio.timeout(PATIENCE_S):
+                while fleet.turned_s(1) < deaf_s:
+                    await asyncio.sleep(0.01)
+            assert fleet.turned_s(1) - deaf_s < 1
+            await fleet.board.send_command("w5100 deaf=0")
+            await fleet.turns(255, 255)
+        gone_s = await fleet.time_s()
+        await fleet.turns(0, 0)
+        assert fleet.turned_s(0) - gone_s < TTL_S + GRACE_S
+
+
+async def test_the_library_is_small(tmp_path: Path) -> None:
+    framed = ElfFile.read((await build_example("MulticastRobot", "uno")).elf)
+    text = re.sub(r"ros::MulticastCommand<[^;]*EthernetUDP>[^;]*;", BARE, TEXT)
+    bare = ElfFile.read((await build_sketch(write_sketch(tmp_path, "Bare", text), find_board("uno"))).elf)
+    assert framed.flash_bytes - bare.flash_bytes <= MOST_FLASH
+    assert framed.ram_bytes - bare.ram_bytes <= MOST_RAM
