@@ -47,6 +47,14 @@ const commands = {
   evaluate: ({ page, script }) => pages[page].evaluate(script),
   click: ({ page, selector }) => pages[page].click(selector, { timeout: 30_000 }),
   fill: ({ page, selector, text }) => pages[page].fill(selector, text, { timeout: 30_000 }).then(() => null),
+  download: async ({ page, selector, path }) => {
+    const [saved] = await Promise.all([
+      pages[page].waitForEvent("download", { timeout: 30_000 }),
+      pages[page].click(selector, { timeout: 30_000 }),
+    ]);
+    await saved.saveAs(path);
+    return null;
+  },
   text: ({ page, selector }) => pages[page].textContent(selector, { timeout: 30_000 }),
   // As when another tab is chosen.
   hide: ({ page, hidden }) =>

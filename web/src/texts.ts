@@ -105,6 +105,7 @@ export const texts = {
     lastSpan: (seconds: number) => (seconds < 120 ? `Last ${seconds} s` : `Last ${seconds / 60} min`),
     live: "Go on",
     save: "Save what is shown as CSV",
+    saveMcap: "Save what is shown as MCAP",
     pin: "Add to the overview",
     ownAxis: "Give it its own axis",
     remove: "Remove",

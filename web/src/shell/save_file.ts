@@ -1,7 +1,7 @@
 // Saves data as a file of the user's.
 
-export function saveFile(name: string, data: BlobPart, type: string): void {
-  const url = URL.createObjectURL(new Blob([data], { type }));
+export function saveFile(name: string, data: BlobPart | BlobPart[], type: string): void {
+  const url = URL.createObjectURL(new Blob([data].flat(), { type }));
   const link = document.createElement("a");
   link.href = url;
   link.download = name;

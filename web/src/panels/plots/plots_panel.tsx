@@ -16,6 +16,7 @@ import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { ArrayChart } from "./array_chart.tsx";
 import { toCsv } from "./csv.ts";
+import { toMcap } from "./mcap.ts";
 import { PathPicker } from "./path_picker.tsx";
 import { PlotCard, valueText } from "./plot_card.tsx";
 import { plotSuggestions } from "./suggestions.ts";
@@ -145,6 +146,15 @@ function PlotsPage({ context }: { context: PanelContext }) {
           onClick={() => {
             const { fromS, toS } = shownSpan();
             saveFile(`plot-${fileTime()}.csv`, toCsv(overTime, fromS, toS), "text/csv");
+          }}
+        />
+        <IconButton
+          icon="recording"
+          label={t.saveMcap}
+          isDisabled={overTime.length === 0}
+          onClick={() => {
+            const { fromS, toS } = shownSpan();
+            saveFile(`plot-${fileTime()}.mcap`, toMcap(overTime, fromS, toS), "application/octet-stream");
           }}
         />
         <CopyButton

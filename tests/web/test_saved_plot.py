@@ -1,0 +1,38 @@
+"""What the page's plots save, read by rostether's own reader."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from pathlib import Path
+
+import pytest
+
+from rostether.cli.dashboard.view import read_view
+from rostether.msgdef.registry import Registry
+from rostether.recording.files import open_recording
+from rostether.serde.store import TypeStore
+from web.browser import PATIENCE_S, Browser
+from web.robot import Robot
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+async def test_a_saved_plot_is_a_recording(robot: Robot, browser: Browser, tmp_path: Path) -> None:
+    page = await browser.do(
+        "open", url=robot.url + "#" + read_view("plots", ["/ultrasound/range"]).fragment("")
+    )
+    # Nothing but the plot receives the topic.
+    await browser.wait_for(page, "rostether.feed('/ultrasound').rate.hertz(performance.now()) > 0")
+    file = tmp_path / "plot.mcap"
+    await browser.do(
+        "download", page=page, selector="[aria-label='Save what is shown as MCAP']", path=str(file)
+    )
+    codec = TypeStore(Registry()).codec("std_msgs/Float64")
+    with contextlib.closing(open_recording(file)) as reader:
+        messages = list(reader.messages())
+    assert {message.connection.topic for message in messages} == {"/ultrasound/range"}
+    assert all(0.02 < codec.decode(message.payload).data < 5 for message in messages)
+    times_s = [message.time_ns / 1e9 for message in messages]
+    assert times_s == sorted(times_s)
+    assert abs(time.time() - times_s[-1]) < PATIENCE_S
