@@ -80,8 +80,10 @@ class Peer:
                 break
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, number)
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.process.wait(), PATIENCE_S if number == signal_number else 3.0)
+            deadline_s = time.monotonic() + (PATIENCE_S if number == signal_number else 3.0)
+            # `wait` would also wait for programs that have inherited its output.
+            while self.process.returncode is None and time.monotonic() < deadline_s:
+                await asyncio.sleep(0.01)
         for group in groups:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(group, signal.SIGKILL)

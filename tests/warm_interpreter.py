@@ -63,6 +63,14 @@ def keep_at_exit(modules: dict[str, types.ModuleType]) -> None:
         sys.modules.pop(name, None)
 
 
+def enter_namespace(file: str) -> None:
+    """Do what `nsenter` does."""
+    fd = os.open(file, os.O_RDONLY)
+    if ctypes.CDLL(None, use_errno=True).setns(fd, 0) != 0:
+        raise OSError(ctypes.get_errno(), f"cannot enter {file}")
+    os.close(fd)
+
+
 def become(request: dict[str, Any], fds: list[int]) -> None:
     """Give this new process what the program would have at its start."""
     if request["is_leader"]:
@@ -72,6 +80,8 @@ def become(request: dict[str, Any], fds: list[int]) -> None:
         os.dup2(fd, number)
     for fd in fds:
         os.close(fd)
+    for file in request["namespaces"]:
+        enter_namespace(file)
     os.chdir(request["folder"])
     os.environ.clear()
     os.environ.update(request["environment"])

@@ -144,7 +144,8 @@ def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
         return None
     environment = dict(os.environ if call["env"] is None else call["env"])
     folder = Path.cwd() / (call["cwd"] or "")
-    program = _program([os.fspath(word) for word in call["args"]], environment, folder)
+    namespaces, command = _namespaces([os.fspath(word) for word in call["args"]])
+    program = _program(command, environment, folder)
     if program is None or not _follows(environment):
         return None
     added = [part for part in environment.get("PYTHONPATH", "").split(os.pathsep) if part]
@@ -155,10 +156,30 @@ def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
         "name": program.name,
         "environment": environment,
         "folder": str(folder),
+        "namespaces": namespaces,
         "path": [*program.path, *added],
         "is_leader": call["start_new_session"],
         "is_unbuffered": program.is_unbuffered or bool(environment.get("PYTHONUNBUFFERED")),
     }
+
+
+def _namespaces(command: list[str]) -> tuple[list[str], list[str]]:
+    """Return the files of the namespaces that `nsenter` would enter first, and the command that it would run.
+
+    It is `interop.machines` that begins commands with `nsenter`.
+    """
+    files: list[str] = []
+    while command[0] == "nsenter":
+        options = list(
+            itertools.takewhile(lambda word: word.startswith("--") and word != "--target", command[1:])
+        )
+        command = command[1 + len(options) :]
+        files += [option.removeprefix("--net=") for option in options if option.startswith("--net=")]
+        if command[0] == "--target":
+            kinds = (("--user", "user"), ("--net", "net"), ("--mount", "mnt"))
+            files += [f"/proc/{command[1]}/ns/{kind}" for option, kind in kinds if option in options]
+            command = command[2:]
+    return files, command
 
 
 def _is_plain(call: Mapping[str, Any]) -> bool:

@@ -11,12 +11,16 @@ files mark what the reader is to save.
 from __future__ import annotations
 
 import re
+import shlex
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
 _FENCE = re.compile(r"^```(?P<language>\w+)(?P<info>[^\n]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 _MARK = re.compile(r' test="([^"]*)"')
+_QUOTED = re.compile(r"'[^']*'|\"[^\"$`\\\\]*\"")
+# What a shell expands, and what only a shell runs.
+_NEEDS_SHELL = re.compile(r"[\"'$`\\\\~*?\[\]{}()<>|&;#]|^\w+=|^cd ")
 _NOT_TYPED_HERE = re.compile(r'test="not run|test="on |title="[\w.]+\.sh"')
 
 # What differs from run to run: bars, hexadecimal numbers with a digit, numbers, and widths of columns.
@@ -66,6 +70,11 @@ def steps(page: Path) -> list[Step]:
         is_left = mark is not None and mark[1] == "leave running"
         found.append(Step(tuple(commands), is_left, tuple(expected), output))
     return found
+
+
+def argv(command: str) -> list[str]:
+    """Return how a command is started: its words, or a shell if it needs one."""
+    return ["bash", "-c", command] if _NEEDS_SHELL.search(_QUOTED.sub("", command)) else shlex.split(command)
 
 
 def programs(page: Path) -> dict[str, str]:

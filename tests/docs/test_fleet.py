@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.page import on_machines, programs
+from docs.page import argv, on_machines, programs
 from firmware.examples.stage import build_example
 from interop.machines import Machines, machines, missing_namespaces
 
@@ -52,7 +52,7 @@ class Terminals:
         command = command.replace("/dev/ttyACM0?", f"sim:{self._board}?board=uno&name=arm&")
         with printed.open("wb") as output:
             process = subprocess.Popen(
-                [*self._network.on(machine), "bash", "-c", f"exec env {command}"],
+                [*self._network.on(machine), *argv(command)],
                 cwd=self._folder,
                 env=self._environment,
                 stdin=subprocess.DEVNULL,
@@ -70,17 +70,21 @@ class Terminals:
 
     def type(self, machine: str, command: str, timeout_s: float = PATIENCE_S) -> str:
         """Type a command that ends by itself, or is ended; returns what it printed."""
-        done = subprocess.run(
-            [*self._network.on(machine), "timeout", "-s", "INT", str(timeout_s), "bash", "-c", command],
+        with subprocess.Popen(
+            [*self._network.on(machine), *argv(command)],
             cwd=self._folder,
             env=self._environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            check=False,
-        )
-        return done.stdout
+            start_new_session=True,
+        ) as process:
+            try:
+                return process.communicate(timeout=timeout_s)[0]
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGINT)
+                return process.communicate(timeout=PATIENCE_S)[0]
 
     def end(self) -> None:
         """End what was left running."""
@@ -89,7 +93,7 @@ class Terminals:
                 os.killpg(process.pid, signal.SIGINT)
         for process in self._running:
             try:
-                process.wait(5)
+                process.wait(PATIENCE_S)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()

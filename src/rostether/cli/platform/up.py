@@ -5,7 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,6 +17,11 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 
+if TYPE_CHECKING:
+    from rostether.platform.boot.robot_file import Part
+
+# If the part `core` does not answer for so long, the other parts start without it.
+MASTER_LIMIT_S = 30.0
 # Commands that would start this one again, or change what starts at boot.
 NOT_PARTS = ("up", "install", "uninstall")
 
@@ -54,9 +62,26 @@ def up(file: Path, check: bool) -> None:
     async def main() -> None:
         try:
             async with asyncio.TaskGroup() as group:
-                for part in robot.parts:
+                for part in sorted(robot.parts, key=_is_no_core):
                     group.create_task(PartProcess(part, command, environ, report).run())
+                    if not _is_no_core(part):
+                        await _wait_for_master(environ)
         except ExceptionGroup as failures:
             raise failures.exceptions[0] from None
 
     run(main(), is_service=True)
+
+
+def _is_no_core(part: Part) -> bool:
+    return part.words[0] != "core"
+
+
+async def _wait_for_master(environ: Mapping[str, str]) -> None:
+    """Wait until the robot's master answers: until then, other parts would start one of their own."""
+    from rostether.cli.access.used_master import master_answers
+    from rostether.ros1.environment import RosEnvironment
+
+    with suppress(TimeoutError):
+        async with asyncio.timeout(MASTER_LIMIT_S):
+            while not await master_answers(RosEnvironment.read(environ)):  # noqa: ASYNC110 - there is no event
+                await asyncio.sleep(0.05)

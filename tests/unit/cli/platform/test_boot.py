@@ -78,11 +78,11 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
     port = free_port()
     robot = tmp_path / "robot.toml"
     robot.write_text(
-        f'name = "r1"\nmaster = "http://127.0.0.1:{port}"\n[parts]\ncore = "core --port {port}"\n'
+        f'name = "r1"\nmaster = "http://127.0.0.1:{port}"\n[parts]\n'
         # A board that is away at boot is no failure.
-        'boards = "serve /dev/serial/by-id/usb-away"\n'
+        f'boards = "serve /dev/serial/by-id/usb-away"\ncore = "core --port {port}"\n'
     )
-    assert shell.output("up", str(robot), "--check") == f"{robot}: core, boards\n"
+    assert shell.output("up", str(robot), "--check") == f"{robot}: boards, core\n"
     shell.output("install", "--from", str(robot), "--root", str(root), "--system")
     unit = (root / "etc/systemd/system/rostether.service").read_text()
     line = next(each for each in unit.splitlines() if each.startswith("ExecStart="))
@@ -91,8 +91,10 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
     assert verb == ["up", "/etc/rostether/robot.toml"]
     async with started("up", str(root / verb[1].removeprefix("/"))) as up:
         await up.wait_for("Press Ctrl-C to stop")
-        await up.wait_for("core   | ")
         await up.wait_for("usb-away")
+        # The other parts join the master of `core`.
+        assert "boards | [INFO]" in up.text
+        assert not [line for line in up.lines if line.startswith("boards") and "Started a ROS master" in line]
         children = subprocess.run(
             ["pgrep", "-P", str(up.process.pid), "-f", "rostether core"],
             capture_output=True,
