@@ -6,6 +6,7 @@ This is the only module that imports pyelftools.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -33,6 +34,8 @@ from rostether.firmware.debug_limits import (
 _MAGIC = b"\x7fELF\x01\x01"
 _WRITABLE, _ALLOCATED = 1, 2
 _RESERVED_INDEX = 0xFF00
+# The compiler's and the assembler's own labels, such as .L12 and L0\x01, which newer binutils for AVR keep.
+_OWN_LABEL = re.compile(r"\.L|L\d+[\1\2]")
 # avr-gcc gives EEPROM, fuses and lock bits addresses from here on: they are neither flash nor RAM.
 _AVR_NO_MEMORY = 0x810000
 _NAMED_TYPES = frozenset(
@@ -218,8 +221,9 @@ class ElfFile:
                 continue
             for each in table.iter_symbols():
                 index, kind = each["st_shndx"], each["st_info"]["type"]
-                # Newer binutils for AVR keep the compiler's own labels, such as .L12.
-                if isinstance(index, int) and 0 < index < _RESERVED_INDEX and not each.name.startswith(".L"):
+                if _OWN_LABEL.match(each.name):
+                    continue
+                if isinstance(index, int) and 0 < index < _RESERVED_INDEX:
                     yield Symbol(
                         name=each.name,
                         address=each["st_value"],
