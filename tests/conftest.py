@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfinish  # noqa: F401 - hooks
 from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
@@ -31,6 +32,10 @@ def missing_module(module: str, package: str) -> str:
     """Return why a Python module cannot be imported here, or an empty string."""
     return "" if importlib.util.find_spec(module) else f'no module {module} (pip install "{package}")'
 
+
+# On a busy machine an example may take any time.
+settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("tests")
 
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 PEERS: dict[str, Callable[[], str]] = {

@@ -49,16 +49,16 @@ class FakeNode:
         node = cls(XmlRpcServer({}))
         node.server = XmlRpcServer(
             {
-                "publisherUpdate": lambda _caller, topic, uris: node.hear("publishers", topic, uris),
-                "paramUpdate": lambda _caller, key, value: node.hear("param", key, value),
-                "shutdown": lambda _caller, reason: node.hear("shutdown", "", reason),
+                "publisherUpdate": lambda _caller, topic, uris: node.receive("publishers", topic, uris),
+                "paramUpdate": lambda _caller, key, value: node.receive("param", key, value),
+                "shutdown": lambda _caller, reason: node.receive("shutdown", "", reason),
                 "getPid": lambda _caller: [1, "", 1],
             }
         )
         await node.server.start()
         return node
 
-    def hear(self, what: str, key: str, value: Any) -> list[Any]:
+    def receive(self, what: str, key: str, value: Any) -> list[Any]:
         self.told.append((what, key, value))
         return [1, "", 0]
 
@@ -258,7 +258,7 @@ async def test_nodes_end_up_knowing_the_truth(sides: tuple[Side, Side], seed: in
             answer = await side.call(method, [caller, *args])
             if method == "subscribeParam":
                 watched.add((index, key))
-                side.nodes[index].hear("param", key, answer[2])
+                side.nodes[index].receive("param", key, answer[2])
     await asyncio.gather(*(settled(side) for side in sides))
     for side in sides:
         for index, key in watched:

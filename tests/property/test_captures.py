@@ -56,7 +56,7 @@ def test_any_lines(lines: list[dict[str, object]]) -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0, 1), st.booleans(), st.binary(max_size=60)), max_size=10))
-def test_any_line_is_told_in_words(chunks: list[tuple[float, bool, bytes]]) -> None:
+def test_any_line_is_reported_in_words(chunks: list[tuple[float, bool, bytes]]) -> None:
     log = LineLog(version_of(b"".join(data for _, _, data in chunks)))
     time_s = 0.0
     for step_s, from_device, data in chunks:

@@ -29,7 +29,7 @@ def program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return compile_program([*SANITIZED, f"-I{ON_HOST}"], [ON_HOST / "keyed_client.cpp"], library, output)
 
 
-def hear(program: Path, data: bytes, *, stays: bool = False) -> tuple[int, int, bytes]:
+def run_client(program: Path, data: bytes, *, stays: bool = False) -> tuple[int, int, bytes]:
     """Return the refusal, how many bytes were left unread, and what the client said."""
     done = subprocess.run(
         [program, KEY, "stays" if stays else "leaves"], input=data, capture_output=True, timeout=120
@@ -48,21 +48,21 @@ def test_digests_are_those_of_python(program: Path) -> None:
 
 
 def test_our_listener_takes_its_proof(program: Path) -> None:
-    refusal, _, said = hear(program, GREETING)
+    refusal, _, said = run_client(program, GREETING)
     assert refusal == NO_ANSWER
     listener = ListenerHello({None: KEY.encode()}, NONCE)
     assert listener.greeting == GREETING
     assert listener.receive(said + b"\xff\xfe") is not None
-    others = {hear(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}
+    others = {run_client(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}
     assert len({each.split()[1] for each in others}) == 4, "nonces are its own each time"
 
 
 def test_a_host_without_the_key_is_refused(program: Path) -> None:
-    assert hear(program, GREETING + b"RSPSK1 " + b"0" * 64 + b"\n\xff\xfe")[:2] == (WRONG_KEY, 2)
+    assert run_client(program, GREETING + b"RSPSK1 " + b"0" * 64 + b"\n\xff\xfe")[:2] == (WRONG_KEY, 2)
     # Its own proof, sent back to it.
-    _, _, said = hear(program, GREETING)
+    _, _, said = run_client(program, GREETING)
     proof = said.split()[2]
-    assert hear(program, GREETING + b"RSPSK1 " + proof + b"\n")[0] == WRONG_KEY
+    assert run_client(program, GREETING + b"RSPSK1 " + proof + b"\n")[0] == WRONG_KEY
 
 
 @pytest.mark.parametrize(
@@ -78,11 +78,11 @@ def test_a_host_without_the_key_is_refused(program: Path) -> None:
     ],
 )
 def test_what_is_no_hello_is_left_at_once(program: Path, data: bytes) -> None:
-    assert hear(program, data, stays=True)[0] == NO_HELLO
+    assert run_client(program, data, stays=True)[0] == NO_HELLO
 
 
 def test_a_host_that_says_nothing_is_left_in_time(program: Path) -> None:
-    assert hear(program, b"RSPSK1 00", stays=True)[0] == NO_ANSWER
+    assert run_client(program, b"RSPSK1 00", stays=True)[0] == NO_ANSWER
 
 
 def test_noise_never_gets_through(program: Path) -> None:
@@ -91,4 +91,4 @@ def test_noise_never_gets_through(program: Path) -> None:
         data = bytearray(GREETING + b"RSPSK1 " + b"0" * 64 + b"\n")
         for _ in range(chance.randrange(1, 5)):
             data[chance.randrange(len(data))] = chance.randrange(256)
-        assert hear(program, bytes(data))[0] != NONE
+        assert run_client(program, bytes(data))[0] != NONE

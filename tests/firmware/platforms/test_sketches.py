@@ -64,19 +64,19 @@ def stage(platform: str, library: Path, tmp_path: Path) -> Stage:
     return Stage(platform, library, tmp_path)
 
 
-async def hear(met: Meeting, topic: str, type_name: str) -> Message:
+async def receive(met: Meeting, topic: str, type_name: str) -> Message:
     """Return the next message of a topic."""
     return await met.graph.wait_for_message(topic, type_name, timeout_s=PATIENCE_S)
 
 
 async def test_hello_world(stage: Stage) -> None:
     async with stage.sketch("HelloWorld") as met:
-        assert (await hear(met, "/chatter", "std_msgs/String")).data == "hello world!"
+        assert (await receive(met, "/chatter", "std_msgs/String")).data == "hello world!"
 
 
 async def test_pubsub(stage: Stage) -> None:
     async with stage.sketch("pubsub") as met:
-        assert (await hear(met, "/chatter", "std_msgs/String")).data == "hello world!"
+        assert (await receive(met, "/chatter", "std_msgs/String")).data == "hello world!"
         toggle = await met.graph.publisher("/toggle_led", "std_msgs/Empty")
         assert await toggle.wait_for_subscriber(PATIENCE_S)
 
@@ -88,14 +88,14 @@ async def test_logging(stage: Stage) -> None:
 
 async def test_parameters(stage: Stage) -> None:
     async with stage.sketch("Parameters", gains=[4.0, 5.5, -6.25], period_ms=20, name="Ada") as met:
-        gains = await hear(met, "/gains", "std_msgs/Float32MultiArray")
+        gains = await receive(met, "/gains", "std_msgs/Float32MultiArray")
         assert list(gains.data) == [4.0, 5.5, -6.25]
-        assert (await hear(met, "/name", "std_msgs/String")).data == "Ada"
+        assert (await receive(met, "/name", "std_msgs/String")).data == "Ada"
 
 
 async def test_service_server(stage: Stage) -> None:
     async with stage.sketch("ServiceServer") as met:
-        await hear(met, "/chatter", "std_msgs/String")
+        await receive(met, "/chatter", "std_msgs/String")
         for output in ("hello", "world"):
             answer = await met.graph.call("/test_srv", "rosserial_arduino/Test", {"input": "say"})
             assert answer.output == output

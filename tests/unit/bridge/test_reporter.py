@@ -71,7 +71,7 @@ def test_an_ended_episode_is_news_again(notices: Notices, reporter: RecordingRep
     assert reporter.texts == ["silent", "silent"]
 
 
-def test_a_text_is_made_only_when_it_is_said(notices: Notices) -> None:
+def test_a_text_is_made_only_when_it_is_reported(notices: Notices) -> None:
     made: list[int] = []
 
     def make() -> str:

@@ -326,7 +326,7 @@ async def test_garbage_is_endured_in_few_lines(bridge: Bridge) -> None:
     assert len(bridge.reporter.lines) < 20
 
 
-async def test_a_flood_of_log_lines_is_said_in_one_line(bridge: Bridge) -> None:
+async def test_a_flood_of_log_lines_is_reported_in_one_line(bridge: Bridge) -> None:
     heard = await bridge.listen("/chatter")
     board = await bridge.connect(CHATTER)
     await bridge.settled()
@@ -348,7 +348,7 @@ async def test_topics_without_an_endpoint_are_counted(bridge: Bridge) -> None:
     assert len(bridge.reporter.having("my_robot")) == 1
 
 
-async def test_what_cannot_be_bridged_is_said_in_one_line(bridge: Bridge) -> None:
+async def test_what_cannot_be_bridged_is_reported_in_one_line(bridge: Bridge) -> None:
     wheel = TopicInfo(126, "left-wheel", "std_msgs/String", STRING.md5sum, 280)
     await bridge.connect(CHATTER, (ids.PUBLISHER, wheel))
     await bridge.settled()

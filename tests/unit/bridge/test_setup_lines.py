@@ -26,7 +26,7 @@ async def world() -> World:
     return await World().open()
 
 
-async def test_a_buffers_size_is_said_once_for_each_direction(world: World) -> None:
+async def test_a_buffers_size_is_reported_once_for_each_direction(world: World) -> None:
     lines = SetupLines(world.notices, Clock())
     for event in (publisher("a"), publisher("b"), subscriber("c"), subscriber("d")):
         lines.note_size(event)
@@ -36,7 +36,7 @@ async def test_a_buffers_size_is_said_once_for_each_direction(world: World) -> N
     ]
 
 
-async def test_endpoints_are_said_as_established_hosts_say_them(world: World) -> None:
+async def test_endpoints_are_reported_as_established_hosts_say_them(world: World) -> None:
     lines = SetupLines(world.notices, Clock())
     lines.topic(publisher("ultrasound", "sensor_msgs/Range"))
     lines.topic(subscriber("led_out", "std_msgs/Byte"))

@@ -48,7 +48,7 @@ def test_version(shell: Shell) -> None:
     assert shell.output("--version") == f"rostether, version {version('rostether')}\n"
 
 
-def test_what_is_typed_wrong_is_told_with_the_nearest_command(shell: Shell) -> None:
+def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) -> None:
     assert "no such command 'topc'; did you mean topic?" in shell.failure("topc", code=2)
     assert "no such command 'ecko'; did you mean echo?" in shell.failure("topic", "ecko", code=2)
     assert "see `rostether --help`" in shell.failure("xyzzy", code=2)

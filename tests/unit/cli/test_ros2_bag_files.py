@@ -87,7 +87,7 @@ def test_shown_checked_and_filtered(bag: Path, tmp_path: Path, shell: Shell) -> 
     ]
 
 
-def test_what_makes_no_sense_is_told(bag: Path, tmp_path: Path, shell: Shell) -> None:
+def test_what_makes_no_sense_is_reported(bag: Path, tmp_path: Path, shell: Shell) -> None:
     full = tmp_path / "full"
     full.mkdir()
     assert "not a ROS 2 bag" in shell.failure("bag", "info", str(full))
@@ -151,7 +151,7 @@ def test_a_killed_recording_has_what_came_before(
 
 
 @pytest.mark.parametrize("name", ["drive", "drive.mcap", "drive.db3"])
-def test_what_is_left_out_while_recording_is_told_once_and_counted(
+def test_what_is_left_out_while_recording_is_reported_once_and_counted(
     graph: LiveGraph, tmp_path: Path, name: str
 ) -> None:
     publisher = graph.do(graph.node("/node").advertise("/chat", STRING))
@@ -210,7 +210,7 @@ def test_a_definition_of_ros2_that_is_given_counts(bag: Path, tmp_path: Path, sh
     reader.close()
 
 
-def test_messages_that_fit_no_type_are_told(tmp_path: Path, shell: Shell) -> None:
+def test_messages_that_fit_no_type_are_reported(tmp_path: Path, shell: Shell) -> None:
     bag, out = tmp_path / "a.bag", tmp_path / "out"
     writer = BagWriter(bag)
     number = writer.add_connection(Connection("/name", STRING))

@@ -66,7 +66,9 @@ async def test_errors_are_shown_as_they_are(
     assert "S/S.ino:3:1: error: nonsense" in caught.value.diagnostics
 
 
-async def test_a_missing_platform_is_told_with_what_to_type(tmp_path: Path, arduino_cli: FakeProgram) -> None:
+async def test_a_missing_platform_is_reported_with_what_to_type(
+    tmp_path: Path, arduino_cli: FakeProgram
+) -> None:
     arduino_cli.behave(code=1, prints="Error during build: Platform 'esp32:esp32' not found: not installed")
     with pytest.raises(SketchError, match="run: arduino-cli core install esp32:esp32"):
         await build_sketch(write_sketch(tmp_path, "S", EMPTY), ESP32)

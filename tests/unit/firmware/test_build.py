@@ -161,7 +161,7 @@ async def test_typographic_quotes_are_explained(tmp_path: Path) -> None:
         ("my_msgs/Thing.h", "note: no package contains my_msgs/Thing.h; give the folder of its .msg"),
     ],
 )
-async def test_a_missing_header_is_told_with_what_to_do(tmp_path: Path, header: str, note: str) -> None:
+async def test_a_missing_header_is_reported_with_what_to_do(tmp_path: Path, header: str, note: str) -> None:
     error = await refuse(write_sketch(tmp_path, "S", f"#include <{header}>\n" + EMPTY))
     assert note in error.diagnostics
 
@@ -244,7 +244,7 @@ async def test_a_given_ros_library_is_the_one_that_counts(tmp_path: Path) -> Non
     assert [each.folder for each in built.libraries] == [tmp_path / "libs" / "ros_lib"]
 
 
-async def test_a_library_that_is_not_there_is_told(tmp_path: Path) -> None:
+async def test_a_library_that_is_not_there_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no such folder"):
         await build(write_sketch(tmp_path, "S", EMPTY), libraries=(tmp_path / "nowhere",))
 

@@ -53,7 +53,7 @@ def test_given_is_one_library_or_a_folder_of_them(tmp_path: Path) -> None:
     assert read_given(tmp_path / "libs" / "B")[0].serves("B.h")
 
 
-def test_given_nothing_is_told(tmp_path: Path) -> None:
+def test_given_nothing_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="no such folder"):
         read_given(tmp_path / "nowhere")
     with pytest.raises(ConfigError, match="not a library or a folder of libraries"):

@@ -115,7 +115,7 @@ async def test_the_shared_prologues_of_the_c_library_are_understood(tmp_path: Pa
         ),
     ],
 )
-async def test_what_can_make_it_more_is_told(tmp_path: Path, text: str, phrase: str) -> None:
+async def test_what_can_make_it_more_is_reported(tmp_path: Path, text: str, phrase: str) -> None:
     found = await estimate(tmp_path, text)
     assert any(phrase in each for each in found.unknown)
 

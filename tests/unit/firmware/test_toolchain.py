@@ -11,12 +11,12 @@ from rostether.firmware.toolchain import find_arduino_cli, find_avr_toolchain
 INSTALL = "sudo apt install gcc-avr avr-libc arduino-core-avr"
 
 
-def test_a_missing_compiler_is_told_with_what_to_type(tmp_path: Path) -> None:
+def test_a_missing_compiler_is_reported_with_what_to_type(tmp_path: Path) -> None:
     with pytest.raises(FirmwareError, match=f"no AVR compiler .*; run: {INSTALL}"):
         find_avr_toolchain({"PATH": str(tmp_path)})
 
 
-def test_a_missing_core_is_told_with_what_to_type(tmp_path: Path) -> None:
+def test_a_missing_core_is_reported_with_what_to_type(tmp_path: Path) -> None:
     compiler = tmp_path / "avr-g++"
     compiler.write_text("#!/bin/sh\n")
     compiler.chmod(0o755)
@@ -24,7 +24,7 @@ def test_a_missing_core_is_told_with_what_to_type(tmp_path: Path) -> None:
         find_avr_toolchain({"PATH": str(tmp_path)}, (str(tmp_path / "nowhere"),))
 
 
-def test_a_missing_arduino_cli_is_told_with_its_reason(tmp_path: Path) -> None:
+def test_a_missing_arduino_cli_is_reported_with_its_reason(tmp_path: Path) -> None:
     with pytest.raises(FirmwareError, match="building for an ESP32 needs arduino-cli"):
         find_arduino_cli("building for an ESP32", {"PATH": str(tmp_path)})
 

@@ -95,7 +95,7 @@ async def test_avrdude_is_told_the_board_and_the_port(
         ("avrdude: something else went wrong", "avrdude failed: avrdude: something else went wrong"),
     ],
 )
-async def test_why_it_failed_is_told_in_one_line(
+async def test_why_it_failed_is_reported_in_one_line(
     tmp_path: Path, avrdude: FakeProgram, terminal: tuple[int, str], printed: str, message: str
 ) -> None:
     avrdude.behave(code=1, prints=f"avrdude: Version 7.1\n{printed}\n")
@@ -104,7 +104,7 @@ async def test_why_it_failed_is_told_in_one_line(
     assert "\n" not in str(caught.value)
 
 
-async def test_a_missing_avrdude_is_told(
+async def test_a_missing_avrdude_is_reported(
     tmp_path: Path, terminal: tuple[int, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     built = await build(tmp_path, "uno")
@@ -120,7 +120,7 @@ async def test_the_simulated_network_is_not_flashed(tmp_path: Path, avrdude: Fak
     assert avrdude.calls == []
 
 
-def test_a_port_that_is_not_there_is_told() -> None:
+def test_a_port_that_is_not_there_is_reported() -> None:
     with pytest.raises(RostetherError, match="no serial port /dev/nowhere; no serial port found"):
         check_port("/dev/nowhere", ports())
 
@@ -185,7 +185,7 @@ async def test_a_touch_opens_the_port_at_1200_baud_and_waits_for_the_boot_loader
     assert termios.tcgetattr(ours)[4:6] == [termios.B1200, termios.B1200]
 
 
-async def test_a_boot_loader_that_never_comes_is_told(terminal: tuple[int, str]) -> None:
+async def test_a_boot_loader_that_never_comes_is_reported(terminal: tuple[int, str]) -> None:
     with pytest.raises(
         FirmwareError, match=r"no boot loader answered .*; press the board's reset button twice"
     ):

@@ -348,7 +348,7 @@ async def test_a_refusal_for_now_is_tried_again(
     await joint.close()
 
 
-async def test_a_refusal_for_good_is_told_once(
+async def test_a_refusal_for_good_is_reported_once(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(joint_parts, "FIRST_RETRY_S", 0.001)

@@ -141,7 +141,7 @@ def test_program_of_a_package_that_is_served_runs_as_ours() -> None:
     assert SERVED_ROOT not in str(caught.value)
 
 
-def test_files_of_a_package_that_is_served_are_said_not_to_be_there() -> None:
+def test_files_of_a_package_that_is_served_are_reported_not_to_be_there() -> None:
     with pytest.raises(LaunchError, match="package joy is not installed; its nodes are built in"):
         loads('<include file="$(find joy)/launch/joy.launch"/>', served_packages=["joy"])
 

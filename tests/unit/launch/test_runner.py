@@ -216,7 +216,7 @@ async def test_all_nodes_can_be_required(stage: Stage) -> None:
     assert await asyncio.wait_for(stage.run(body, all_required=True), LIMIT_S)
 
 
-async def test_death_is_told_with_code_command_and_logs(stage: Stage) -> None:
+async def test_death_is_reported_with_code_command_and_logs(stage: Stage) -> None:
     stage.script("fail.sh", "exit 7")
     assert await stage.run('<node name="n" pkg="p" type="fail.sh" args="x"/>')
     (line,) = [text for level, text in stage.lines if level is Level.ERROR]
@@ -247,7 +247,7 @@ async def test_what_is_replaced_is_no_failure(stage: Stage) -> None:
     assert (Level.WARN, "rviz is not installed here; look elsewhere") in stage.lines
 
 
-async def test_program_that_no_system_runs_is_told(stage: Stage) -> None:
+async def test_program_that_no_system_runs_is_reported(stage: Stage) -> None:
     (stage.folder / "bad").write_text("#!/does/not/exist\n")
     (stage.folder / "bad").chmod(0o755)
     assert not await stage.run('<node name="a" pkg="p" type="bad"/>')

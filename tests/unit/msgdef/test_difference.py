@@ -31,7 +31,7 @@ def spec(text: str) -> MessageSpec:
         ),
     ],
 )
-def test_what_differs_is_said(theirs: str, said: str) -> None:
+def test_what_differs_is_reported(theirs: str, said: str) -> None:
     assert difference(spec(OURS), spec(theirs)) == said
 
 

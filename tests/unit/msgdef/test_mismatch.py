@@ -52,7 +52,7 @@ def md5sum(text: str, registry: Registry) -> str:
         ("uint8 radiation_type\n", "", "lacks 'uint8 radiation_type'"),
     ],
 )
-def test_a_small_change_is_found_and_said_in_one_line(old: str, new: str, said: str) -> None:
+def test_a_small_change_is_found_and_reported_in_one_line(old: str, new: str, said: str) -> None:
     registry = Registry()
     theirs = md5sum(RANGE.replace(old, new), registry)
     line = explain_mismatch(registry, "sensor_msgs/Range", theirs)

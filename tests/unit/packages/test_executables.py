@@ -73,7 +73,7 @@ def test_build_folders_are_left_out(arm: Path) -> None:
     assert programs(arm) == [script]
 
 
-def test_what_is_missing_is_told_with_what_is_near(arm: Path) -> None:
+def test_what_is_missing_is_reported_with_what_is_near(arm: Path) -> None:
     with pytest.raises(ConfigError, match=f"has no program move.py below {arm}"):
         find(arm, "move.py")
     write(arm / "scripts" / "move.py")

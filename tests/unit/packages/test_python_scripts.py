@@ -27,7 +27,7 @@ def _script(folder: Path, text: str) -> Path:
         "if x:\n        y = 1\n\tz = 2",
     ],
 )
-def test_a_script_for_python_2_is_told(tmp_path: Path, line: str) -> None:
+def test_a_script_for_python_2_is_reported(tmp_path: Path, line: str) -> None:
     script = _script(tmp_path, f"import rospy\nx = 1\n{line}\n")
     reason = explain_python2(script)
     assert reason.startswith(f"{script}:")
@@ -40,7 +40,7 @@ def test_others_are_left_to_python(tmp_path: Path, text: str) -> None:
     assert explain_python2(tmp_path / "missing.py") == ""
 
 
-def test_the_line_of_a_python_2_exception_is_told(tmp_path: Path) -> None:
+def test_the_line_of_a_python_2_exception_is_reported(tmp_path: Path) -> None:
     script = _script(tmp_path, "try:\n    x = 1\nexcept IOError, error:\n    pass\n")
     assert explain_python2(script).startswith(f"{script}:3: ")
 

@@ -59,7 +59,7 @@ def test_all_that_is_written_is_in_the_file(tmp_path: Path, compression: str) ->
     assert found == [("/a" if index % 2 == 0 else "/b", text(f"message {index}")) for index in range(500)]
 
 
-def test_what_finds_no_room_is_lost_and_told() -> None:
+def test_what_finds_no_room_is_lost_and_reported() -> None:
     told: list[str] = []
     inner = _Slow()
     writer = BackgroundWriter(inner, buffer_bytes=1000, report=told.append)

@@ -155,7 +155,7 @@ async def test_two_bags_are_merged(stage: Stage, tmp_path: Path) -> None:
     assert stage.payloads("/a")[:2] == [text("message 0")] * 2
 
 
-async def test_nothing_to_play_is_told(stage: Stage) -> None:
+async def test_nothing_to_play_is_reported(stage: Stage) -> None:
     BagWriter(stage.path).close()
     with pytest.raises(RecordingError, match="no message"):
         stage.player()

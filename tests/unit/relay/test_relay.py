@@ -192,7 +192,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
         assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("as you say")
 
 
-async def test_a_type_that_nobody_knows_is_told_once_and_can_be_given(
+async def test_a_type_that_nobody_knows_is_reported_once_and_can_be_given(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(relay_module, "RETRY_S", 0.001)

@@ -36,7 +36,7 @@ def test_positions_become_transforms() -> None:
     assert {each.stamp_ns for each in found} == {NOW}
 
 
-def test_joints_that_follow_are_added_where_their_leader_is_told() -> None:
+def test_joints_that_follow_are_added_where_their_leader_is_reported() -> None:
     state = RobotState(parse_urdf(GRIPPER))
     assert children(state, ["left"], NOW) == ["left", "right", "tip"]
     assert children(state, ["lift"], NOW + 2 * INTERVAL, NOW + SECOND) == ["slide"]
@@ -72,7 +72,7 @@ def test_a_clock_that_is_reset_starts_over() -> None:
         (["j9"], [0.0], "'j9', which the robot does not have"),
     ],
 )
-def test_what_is_wrong_with_a_state_is_told(names: list[str], positions: list[float], said: str) -> None:
+def test_what_is_wrong_with_a_state_is_reported(names: list[str], positions: list[float], said: str) -> None:
     state = RobotState(parse_urdf(ARM))
     assert state.moving_transforms(names, positions, NOW, NOW) == []
     assert said in state.problem

@@ -111,7 +111,7 @@ def test_a_raw_xacro_loads_without_its_macros() -> None:
     assert list(model.links) == ["a"]
 
 
-def test_a_raw_xacro_that_needs_its_macros_says_so() -> None:
+def test_a_raw_xacro_that_needs_its_macros_is_reported() -> None:
     with pytest.raises(RobotModelError, match="this is xacro; expand it first"):
         parse_urdf('<robot name="x" xmlns:xacro="u"><xacro:m/></robot>')
 
@@ -148,7 +148,7 @@ def test_shapes_and_masses() -> None:
         ('<inertial><mass value="1"/></inertial>', "needs <mass> and <inertia>"),
     ],
 )
-def test_a_wrong_shape_is_left_out_and_told(inside: str, said: str) -> None:
+def test_a_wrong_shape_is_left_out_and_reported(inside: str, said: str) -> None:
     model = parse_urdf(f'<robot name="x"><link name="a">{inside}</link></robot>')
     assert model.links["a"].visuals == ()
     assert len(model.problems) == 1

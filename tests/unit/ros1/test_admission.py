@@ -87,7 +87,7 @@ async def test_a_scan_of_all_servers_is_one_line(caplog: pytest.LogCaptureFixtur
     assert lines == ["the ROS graph's servers refused 127.0.0.2: its address is not in --allow"]
 
 
-def test_no_network_is_said() -> None:
+def test_no_network_is_reported() -> None:
     with pytest.raises(ConfigError, match=r"--allow: '10\.0\.0\.0/99' is not a network"):
         RosEnvironment().allowing(["10.0.0.0/99"])
     assert RosEnvironment().allowing(()) == RosEnvironment()

@@ -155,7 +155,7 @@ def test_uris_are_put_together_as_peers_write_them() -> None:
     assert format_uri("robot", 5, scheme="rosrpc") == "rosrpc://robot:5"
 
 
-def test_loopback_is_told_without_a_resolver() -> None:
+def test_loopback_is_reported_without_a_resolver() -> None:
     assert all(is_loopback(host) for host in ("localhost", "127.0.0.1", "127.255.0.3", "::1"))
     assert not any(is_loopback(host) for host in ("robot", "127.example.com", "0.0.0.0", "10.0.0.1"))
 

@@ -64,7 +64,7 @@ async def test_rosout_comes_back_when_it_is_killed(core: Roscore, node: Ros1Grap
     await logs_arrive(node)
 
 
-async def test_a_busy_port_is_told(core: Roscore) -> None:
+async def test_a_busy_port_is_reported(core: Roscore) -> None:
     port = int(core.uri.rpartition(":")[2].strip("/"))
     with pytest.raises(GraphError, match=f"port {port}"):
         await Roscore.start(RosEnvironment(), port=port)

@@ -67,7 +67,7 @@ async def test_ros_2s_messages_of_the_same_names_are_not_taken(tmp_path: Path) -
     assert lines == ["x"]
 
 
-async def test_what_is_not_there_is_said(package: Path) -> None:
+async def test_what_is_not_there_is_reported(package: Path) -> None:
     script = """
 for name in ("arm.msg:Nothing", "arm.nothing:x", "nothing.msg:x"):
     module, _, attribute = name.partition(":")

@@ -76,7 +76,7 @@ def test_the_offset_is_what_the_clock_is_off_before_it_is_set_again() -> None:
     assert slow.offset_s(0.002) == pytest.approx(-0.010, abs=0.001)
 
 
-def test_nothing_is_said_of_a_clock_that_was_not_seen_long_enough() -> None:
+def test_nothing_is_reported_of_a_clock_that_was_not_seen_long_enough() -> None:
     estimate = ClockEstimate()
     assert estimate.drift_ppm is None
     assert estimate.offset_s() is None

@@ -208,7 +208,9 @@ class TestNegotiation:
     @pytest.mark.parametrize(
         "wrong", [{"topic_name": "left-wheel"}, {"message_type": "String"}, {"buffer_size": -5}]
     )
-    def test_what_cannot_be_bridged_is_said_once_and_not_asked_for_again(self, wrong: dict[str, Any]) -> None:
+    def test_what_cannot_be_bridged_is_reported_once_and_not_asked_for_again(
+        self, wrong: dict[str, Any]
+    ) -> None:
         bad = replace(CHATTER, topic_id=126, **wrong)
         burst = BURST + frame(ids.PUBLISHER, bad.encode())
         link, now_s, events = settle_on(burst)

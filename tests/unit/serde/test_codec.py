@@ -348,3 +348,11 @@ def test_what_is_no_time(value: object) -> None:
     codec = store_of(Kind="time stamp").codec("test/Kind")
     with pytest.raises(SerializationError, match="stamp"):
         codec.encode({"stamp": value}, now=lambda: Time(7, 8))
+
+
+def test_a_message_is_given_whole_or_by_its_fields_or_as_its_only_value() -> None:
+    codec = STORE.codec("std_msgs/Int16")
+    given = [(None, {"data": 7}), (7, {}), ({"data": 7}, {}), (codec.message_class(data=7), {})]
+    assert {codec.encode_given(message, fields) for message, fields in given} == {b"\7\0"}
+    with pytest.raises(SerializationError, match="given both as a message and as fields"):
+        codec.encode_given(7, {"data": 7})

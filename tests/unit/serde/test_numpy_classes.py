@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import sys
+
 import numpy
 import pytest
 
-from rostether.errors import SerializationError
+from rostether.errors import ConfigError, SerializationError
 from rostether.msgdef.registry import Registry
 from rostether.serde.numpy_classes import NumpyClasses
 from rostether.serde.store import TypeStore
@@ -57,3 +59,15 @@ def test_lengths_that_the_payload_does_not_have_are_refused() -> None:
     for cut in range(len(payload)):
         with pytest.raises(SerializationError):
             codec.decode(payload[:cut])
+
+
+@pytest.mark.parametrize(("store", "kind"), [(NUMPY, numpy.ndarray), (PLAIN, list)])
+def test_a_store_for_other_types_has_values_of_the_same_kind(store: TypeStore, kind: type) -> None:
+    codec = store.for_registry(Registry()).codec("std_msgs/Int8MultiArray")
+    assert isinstance(codec.decode(codec.encode({})).data, kind)
+
+
+def test_without_numpy_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    with pytest.raises(ConfigError, match="type: pip install numpy"):
+        NumpyClasses()

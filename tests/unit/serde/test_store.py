@@ -37,3 +37,8 @@ def test_unknown_type_is_not_kept() -> None:
         store.codec("my_robot_msgs/Thing")
     registry.add_full_text("my_robot_msgs/Thing", "int32 x\n")
     assert store.codec("my_robot_msgs/Thing").encode({"x": 1}) == b"\1\0\0\0"
+
+
+def test_the_codecs_of_a_service() -> None:
+    request, response = TypeStore(Registry()).service_codecs("std_srvs/SetBool")
+    assert (request.type_name, response.type_name) == ("std_srvs/SetBoolRequest", "std_srvs/SetBoolResponse")

@@ -43,6 +43,6 @@ def test_what_the_network_reaches(host: str, reachable: bool) -> None:
     assert mdns.is_reachable(host) is reachable
 
 
-async def test_a_machine_without_a_network_says_so() -> None:
+async def test_a_machine_without_a_network_is_reported() -> None:
     with pytest.raises(TransportOpenError, match="no network address"):
         await mdns.Announcement.start("127.0.0.1", 11411)

@@ -207,7 +207,7 @@ async def test_take_over_the_link_of_another_terminal_and_leave_it_to_the_last(t
         assert not link.is_symlink()
 
 
-async def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
+async def test_a_folder_that_is_not_there_is_reported(tmp_path: Path) -> None:
     with pytest.raises(TransportOpenError, match="No such file or directory; choose another path"):
         open_pty(PtyAddress(str(tmp_path / "nowhere" / "board")))
 

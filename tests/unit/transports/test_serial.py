@@ -222,7 +222,7 @@ async def test_reset_decides_whether_dtr_and_rts_are_touched(
     assert pins == ([high, high, low, low] if reset else [none] * 4)
 
 
-async def test_a_missing_port_is_said_with_what_is_there(
+async def test_a_missing_port_is_reported_with_what_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     missing = SerialAddress(str(tmp_path / "ttyACM0"))

@@ -39,7 +39,7 @@ def test_read_as_typed(text: str, address: SimAddress) -> None:
         ("sim:x?adc=", "has no value"),
     ],
 )
-def test_what_is_wrong_is_said(text: str, said: str) -> None:
+def test_what_is_wrong_is_reported(text: str, said: str) -> None:
     with pytest.raises(ConfigError, match=said):
         parse_address(text)
 

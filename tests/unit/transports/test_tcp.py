@@ -276,7 +276,7 @@ async def test_a_foreign_host_cannot_be_listened_on() -> None:
         await TcpListener.start(TcpAddress("192.0.2.1", 0), Arrivals())
 
 
-async def test_nobody_listening_is_said() -> None:
+async def test_nobody_listening_is_reported() -> None:
     async with listening() as (listener, _):
         port = port_of(listener)
     with pytest.raises(TransportOpenError, match=rf"no program listens on 127\.0\.0\.1:{port}"):

@@ -32,7 +32,7 @@ def _refused(address: str) -> str:
         ("xbee:/dev/ttyUSBO", "/dev/ttyUSB0 (with a zero)"),
     ],
 )
-def test_what_was_meant_is_said(typed: str, meant: str) -> None:
+def test_what_was_meant_is_reported(typed: str, meant: str) -> None:
     assert _refused(typed).endswith(f"; did you mean {meant}?")
 
 

@@ -115,7 +115,7 @@ async def test_an_unplugged_coordinator_ends_all_and_comes_back(
     await seen_again.until_received(b"again")
 
 
-async def test_a_port_that_is_not_there_is_told_by_start(
+async def test_a_port_that_is_not_there_is_reported_by_start(
     coordinator: Coordinator, arrivals: Arrivals
 ) -> None:
     coordinator.missing = True

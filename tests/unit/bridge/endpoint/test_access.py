@@ -55,7 +55,7 @@ def test_parameters_have_a_rule() -> None:
         check_parameter(LIMITED, "/secret")
 
 
-async def test_a_denied_endpoint_is_not_set_up_and_said_once() -> None:
+async def test_a_denied_endpoint_is_not_set_up_and_reported_once() -> None:
     world = await World().open()
     device = DeviceSettings(access=LIMITED)
     factory = EndpointFactory(world.board, STORE, world.notices, DEFAULT_SETTINGS, device)

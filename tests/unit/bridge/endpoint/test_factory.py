@@ -54,7 +54,7 @@ async def test_the_difference_of_a_definition_is_looked_for_once(
     assert asked == ["f" * 32]
 
 
-async def test_another_definition_is_told_with_both_md5sums(factory: EndpointFactory) -> None:
+async def test_another_definition_is_reported_with_both_md5sums(factory: EndpointFactory) -> None:
     ours = STORE.registry.message_type("sensor_msgs/Range").md5sum
     info = topic_info("range", "sensor_msgs/Range", md5sum="0" * 32)
     with pytest.raises(TypeMismatchError) as caught:

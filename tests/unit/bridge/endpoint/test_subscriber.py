@@ -47,7 +47,7 @@ async def test_what_does_not_fit_the_boards_buffer_is_not_sent(world: World) -> 
         assert part in said
 
 
-async def test_a_type_that_never_fits_is_told_at_once(world: World) -> None:
+async def test_a_type_that_never_fits_is_reported_at_once(world: World) -> None:
     led = endpoint(world, "std_msgs/Float64", buffer_size=4)
     led.attach(FakeLine(), led.info)
     assert "8 bytes" in world.reporter.texts[0]

@@ -98,7 +98,7 @@ async def test_another_definition_is_one_line_with_both_md5sums(world: Table) ->
     assert world.publishers("/chatter") == ()
 
 
-async def test_another_definition_of_a_service_is_told_by_its_half(world: Table) -> None:
+async def test_another_definition_of_a_service_is_reported_by_its_half(world: Table) -> None:
     switch = service(ServiceRole.SERVER)
     switch = replace(switch, response=replace(switch.response, md5sum="f" * 32))
     assert not world.table.announce_service(switch, FakeLine())

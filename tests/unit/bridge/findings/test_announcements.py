@@ -43,7 +43,7 @@ def test_lengths_that_were_overwritten() -> None:
     assert [each.code for each in announcements.find()] == [Code.RAM_OVERFLOW]
 
 
-def test_it_is_said_which_packets_are_damaged() -> None:
+def test_it_is_reported_which_packets_are_damaged() -> None:
     announcements = Announcements()
     for _ in range(3):
         announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"", ids.LOG))

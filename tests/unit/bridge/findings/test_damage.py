@@ -8,7 +8,7 @@ CHECKSUM = FrameDiscarded(DiscardReason.PAYLOAD_CHECKSUM, b"\xff\xfe\x05\x00\xfa
 REST = FrameDiscarded(DiscardReason.NOISE, b"the rest of it")
 
 
-def test_the_share_is_told() -> None:
+def test_the_share_is_reported() -> None:
     damage = Damage()
     assert damage.find(0, 0.0) is None
     for number in range(10):

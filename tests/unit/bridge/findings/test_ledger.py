@@ -8,21 +8,21 @@ def slow(late_ms: int = 100) -> Finding:
     return warning(Code.SLOW_LOOP, f"late by {late_ms} ms", "spin more often")
 
 
-def test_a_finding_is_told_once_while_it_stands() -> None:
+def test_a_finding_is_reported_once_while_it_stands() -> None:
     ledger = FindingLedger()
     assert ledger.news([slow()], 0.0) == [slow()]
     for second in range(1, 600):
         assert ledger.news([slow(second)], float(second)) == []
 
 
-def test_it_is_told_again_when_it_comes_back_after_a_minute() -> None:
+def test_it_is_reported_again_when_it_comes_back_after_a_minute() -> None:
     ledger = FindingLedger()
     ledger.news([slow()], 0.0)
     assert ledger.news([slow()], FORGET_AFTER_S - 1) == []
     assert ledger.news([slow()], 2 * FORGET_AFTER_S) == [slow()]
 
 
-def test_it_is_told_again_when_it_gets_worse() -> None:
+def test_it_is_reported_again_when_it_gets_worse() -> None:
     ledger = FindingLedger()
     worse = error(Code.SLOW_LOOP, "late by 9 s", "spin more often")
     ledger.news([slow()], 0.0)

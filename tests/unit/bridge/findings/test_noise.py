@@ -107,7 +107,7 @@ def test_the_line_of_a_crash_is_found_between_others() -> None:
     assert watched.crash_line() == "Brownout detector was triggered"
 
 
-def test_the_last_of_several_crashes_is_told() -> None:
+def test_the_last_of_several_crashes_is_reported() -> None:
     watched = Noise()
     watched.handle_discarded(noise(b"rst:0x1 (POWERON)\nabort() was called\n"), 0.0, is_alive=False)
     assert watched.crash_line() == "abort() was called"

@@ -90,7 +90,7 @@ def test_a_healthy_board_once_a_second() -> None:
     run(main())
 
 
-def test_a_finding_is_told_once_and_stands_in_the_status() -> None:
+def test_a_finding_is_reported_once_and_stands_in_the_status() -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()
@@ -171,7 +171,7 @@ def test_it_can_be_turned_off() -> None:
     run(main())
 
 
-def test_drops_are_told_by_topic() -> None:
+def test_drops_are_reported_by_topic() -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()
@@ -192,7 +192,7 @@ def test_drops_are_told_by_topic() -> None:
     run(main())
 
 
-def test_a_defect_is_told_once_and_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_defect_is_reported_once_and_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()

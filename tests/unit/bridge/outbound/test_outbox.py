@@ -257,7 +257,7 @@ def test_a_topic_that_the_board_no_longer_takes_stops_no_other() -> None:
     assert gone.dropped_count == 2
 
 
-def test_an_answer_that_cannot_be_sent_says_so() -> None:
+def test_an_answer_that_cannot_be_sent_is_reported() -> None:
     bench = Bench()
     bench.link.refused.add(110)
     with pytest.raises(LocalProtocolError):

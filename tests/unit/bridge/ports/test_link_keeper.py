@@ -71,7 +71,7 @@ async def test_a_lost_link_is_opened_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mark", [{"serial_number": "7533"}, {"usb_location": "1-1.2:1.0"}])
-async def test_a_board_is_told_by_serial_number_or_socket_and_found_under_another_number(
+async def test_a_board_is_reported_by_serial_number_or_socket_and_found_under_another_number(
     mark: dict[str, str], tmp_path: Path
 ) -> None:
     first, second = tmp_path / "ttyACM0", tmp_path / "ttyACM1"

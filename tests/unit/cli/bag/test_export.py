@@ -60,7 +60,7 @@ def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell)
     assert not list(Path("drive_csv").glob("*"))
 
 
-def test_a_missing_extra_is_told_with_what_to_type(
+def test_a_missing_extra_is_reported_with_what_to_type(
     bag: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VIRTUAL_ENV", sys.prefix)

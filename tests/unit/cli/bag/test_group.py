@@ -97,7 +97,7 @@ def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert list(BagReader(mended).messages()) == list(BagReader(bag).messages())
 
 
-def test_what_makes_no_sense_is_told(tmp_path: Path, bag: Path, shell: Shell) -> None:
+def test_what_makes_no_sense_is_reported(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert "No such file" in shell.failure("bag", "info", str(tmp_path / "none.bag"))
     assert "is not a bag" in shell.failure("bag", "info", __file__)
     assert "recording must end with .bag, .mcap or .db3;" in shell.failure(
@@ -132,7 +132,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path, shell: Shell, verb: 
         ("a.bag", b"#ROSBAG", "is truncated: it has 7 bytes"),
     ],
 )
-def test_what_is_broken_is_told_by_its_ending(
+def test_what_is_broken_is_reported_by_its_ending(
     tmp_path: Path, shell: Shell, name: str, content: bytes, told: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
@@ -148,7 +148,7 @@ def test_names_do_not_matter_where_the_content_tells(tmp_path: Path, bag: Path, 
 
 
 @pytest.mark.parametrize("words", [(), ("--loop",)])
-def test_a_start_beyond_the_end_is_told(graph: LiveGraph, bag: Path, words: tuple[str, ...]) -> None:
+def test_a_start_beyond_the_end_is_reported(graph: LiveGraph, bag: Path, words: tuple[str, ...]) -> None:
     player = _started(graph, "play", "-d", "0", "--start", "100", *words, str(bag))
     printed, _ = player.communicate(timeout=60)
     assert player.returncode == 0
@@ -158,7 +158,7 @@ def test_a_start_beyond_the_end_is_told(graph: LiveGraph, bag: Path, words: tupl
     )
 
 
-def test_a_recording_that_got_nothing_is_told(graph: LiveGraph, tmp_path: Path) -> None:
+def test_a_recording_that_got_nothing_is_reported(graph: LiveGraph, tmp_path: Path) -> None:
     recorder = _started(graph, "record", "-q", "--duration", "0.1", "-O", str(tmp_path / "none.bag"), "/no")
     printed, _ = recorder.communicate(timeout=60)
     assert recorder.returncode == 0

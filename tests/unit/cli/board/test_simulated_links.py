@@ -137,7 +137,7 @@ async def test_links_are_opened_at_their_ports_with_names() -> None:
     assert not any("has ended" in text for _, text in lines.lines)
 
 
-async def test_what_the_board_reports_is_told() -> None:
+async def test_what_the_board_reports_is_reported() -> None:
     lines = Lines()
     async with simulated([parse_address(f"sim:{build('tick')}?watch=serial")], lines):
         await lines.wait_for("serial data=")
@@ -145,7 +145,7 @@ async def test_what_the_board_reports_is_told() -> None:
     assert levels == {Level.INFO}
 
 
-async def test_mistakes_are_said_before_anything_is_served() -> None:
+async def test_mistakes_are_reported_before_anything_is_served() -> None:
     with pytest.raises(ConfigError, match="no simulated board 'due'"):
         async with simulated([parse_address("sim:x.elf?board=due")], Lines()):
             pass

@@ -34,7 +34,7 @@ def test_ports_to_probe_are_added_to_those_of_the_file(tmp_path: Path) -> None:
     assert discovery.ignore == ("0403:6001",)
 
 
-def test_settings_that_no_board_can_have_are_told(tmp_path: Path) -> None:
+def test_settings_that_no_board_can_have_are_reported(tmp_path: Path) -> None:
     file = tmp_path / "devices.toml"
     file.write_text("[devices.arm]\nbaud = 9600\n")
     book = read_devices(file, ())

@@ -48,7 +48,7 @@ def test_what_is_typed() -> None:
         (["/chatter", "--master", "http://localhost:1", "--master-port", "2"], 1, "--master joins a master"),
     ],
 )
-def test_what_makes_no_sense_is_told(shell: Shell, arguments: list[str], code: int, words: str) -> None:
+def test_what_makes_no_sense_is_reported(shell: Shell, arguments: list[str], code: int, words: str) -> None:
     assert words in shell.failure("relay", *arguments, code=code)
 
 

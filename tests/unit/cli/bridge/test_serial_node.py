@@ -129,7 +129,7 @@ async def test_a_board_with_a_key_of_its_own(tmp_path: Path) -> None:
         await master.close()
 
 
-async def test_the_user_s_own_file_is_read_and_its_mistakes_are_told(tmp_path: Path) -> None:
+async def test_the_user_s_own_file_is_read_and_its_mistakes_are_reported(tmp_path: Path) -> None:
     config = tmp_path / "rostether" / "devices.toml"
     config.parent.mkdir()
     config.write_text("[devices.arm]\nbauds = 1\n")
@@ -165,7 +165,7 @@ async def test_parameters_of_the_server(tmp_path: Path) -> None:
         await master.close()
 
 
-async def test_unknown_private_parameter_is_said() -> None:
+async def test_unknown_private_parameter_is_reported() -> None:
     master = await MasterServer.start(port=0)
     try:
         async with started("serial-node", "tcp", "0", "_bauds:=1", ROS_MASTER_URI=master.uri) as node:

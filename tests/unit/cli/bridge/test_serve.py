@@ -62,7 +62,7 @@ async def test_waits_for_a_chosen_master() -> None:
                 await master.close()
 
 
-async def test_port_of_something_else_is_said() -> None:
+async def test_port_of_something_else_is_reported() -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
         async with started("serve", "tcp://:0", "--master-port", str(port)) as serve:

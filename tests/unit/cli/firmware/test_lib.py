@@ -34,7 +34,7 @@ def test_messages_that_other_libraries_include(shell: Shell, tmp_path: Path) -> 
     assert (tmp_path / "ros_lib/src/sensor_msgs/Imu.h").is_file()
 
 
-def test_what_was_skipped_is_said_and_the_rest_is_there(shell: Shell, tmp_path: Path) -> None:
+def test_what_was_skipped_is_reported_and_the_rest_is_there(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "bad/msg").mkdir(parents=True)
     (tmp_path / "bad/msg/A.msg").write_text("uint8 x\nfloat 32 y\n")
     result = shell("firmware", "lib", str(tmp_path), "--msg-path", str(tmp_path / "bad"))
@@ -44,7 +44,7 @@ def test_what_was_skipped_is_said_and_the_rest_is_there(shell: Shell, tmp_path: 
     assert (tmp_path / "ros_lib/src/std_msgs/String.h").is_file()
 
 
-def test_an_unknown_message_of_a_sketch_is_told_with_its_line(shell: Shell, tmp_path: Path) -> None:
+def test_an_unknown_message_of_a_sketch_is_reported_with_its_line(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "x.ino").write_text("#include <ros.h>\n#include <sensor_msgs/Rang.h>\n")
     result = shell("firmware", "lib", str(tmp_path), "--for", str(tmp_path / "x.ino"))
     assert result.code == 1

@@ -65,7 +65,7 @@ async def test_it_waits_for_its_master_and_ends_with_its_node() -> None:
             await master.close()
 
 
-async def test_a_port_that_is_taken_is_told_in_one_line() -> None:
+async def test_a_port_that_is_taken_is_reported_in_one_line() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()

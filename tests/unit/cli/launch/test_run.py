@@ -83,7 +83,7 @@ def test_a_program_that_cannot_start(arm: Path) -> None:
     )
 
 
-def test_what_is_not_there_is_told_with_what_is_near(arm: Path, shell: Shell) -> None:
+def test_what_is_not_there_is_reported_with_what_is_near(arm: Path, shell: Shell) -> None:
     write(arm / "scripts" / "move.py", "#!/usr/bin/env python3\n")
     assert "did you mean move.py?" in shell.failure("run", "arm", "mov.py")
     assert "no package arn; did you mean arm?" in shell.failure("run", "arn", "move.py")

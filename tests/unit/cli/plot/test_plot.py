@@ -137,7 +137,7 @@ def test_png(shell: Shell, tmp_path: Path) -> None:
     assert file.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
 
 
-def test_what_cannot_be_drawn_is_said(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
+def test_what_cannot_be_drawn_is_reported(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
     publish(graph, "/words", "std_msgs/String", {"data": "x"})
     assert "/words/data contains no numbers" in shell.failure("plot", "/words/data", "--for", "5")
     silent = STORE.registry.message_type("std_msgs/Int8")

@@ -138,7 +138,7 @@ def test_unknown_services_name_the_nearest(board: Ros1Graph, shell: Shell) -> No
     assert "`rostether service list`" in shell.failure("service", "type", "/x")
 
 
-def test_a_service_that_is_gone_says_so(board: Ros1Graph, gone: str, shell: Shell) -> None:
+def test_a_service_that_is_gone_is_reported(board: Ros1Graph, gone: str, shell: Shell) -> None:
     for verb in ("type", "args", "call"):
         assert "`rostether node cleanup`" in shell.failure("service", verb, gone)
     result = shell("service", "info", gone)
@@ -150,7 +150,7 @@ def serve(graph: LiveGraph, name: str, handler: Callable[[bytes], Awaitable[byte
     return graph.do(graph.node(f"server_of{name}").advertise_service(name, EMPTY, handler))
 
 
-def test_the_servers_own_error_is_told(graph: LiveGraph, shell: Shell) -> None:
+def test_the_servers_own_error_is_reported(graph: LiveGraph, shell: Shell) -> None:
     async def fail(_request: bytes) -> bytes:
         raise ServiceCallError("the motor is hot")
 

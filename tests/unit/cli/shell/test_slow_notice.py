@@ -9,7 +9,7 @@ import pytest
 from rostether.cli.shell.slow_notice import reported_when_long
 
 
-async def test_a_long_wait_is_told_once() -> None:
+async def test_a_long_wait_is_reported_once() -> None:
     told = asyncio.Queue[str]()
     with reported_when_long(told.put_nowait, "building", after_s=0):
         async with asyncio.timeout(60):

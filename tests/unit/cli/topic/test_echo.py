@@ -89,7 +89,7 @@ def test_a_type_that_is_unknown_here_is_learned_from_its_publisher(graph: LiveGr
     assert "has no field 'nope'" in shell.failure("topic", "echo", "-n", "1", "/probe/nope")
 
 
-def test_an_element_that_is_not_there_is_told_once(graph: LiveGraph, shell: Shell) -> None:
+def test_an_element_that_is_not_there_is_reported_once(graph: LiveGraph, shell: Shell) -> None:
     scans = [{"ranges": [1.0]}, {"ranges": [1.0]}, {"ranges": [1.0, 2.0]}]
     publish(graph, "/scan", "sensor_msgs/LaserScan", *scans)
     result = shell("topic", "echo", "-n", "1", "/scan/ranges[1]")
@@ -173,7 +173,7 @@ def test_echo_ends_when_its_node_is_shut_down(graph: LiveGraph, shell: Shell) ->
     ending.join(60)
 
 
-def test_topic_that_nobody_publishes_is_said(
+def test_topic_that_nobody_publishes_is_reported(
     graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     message_type = STORE.registry.message_type("std_msgs/Bool")

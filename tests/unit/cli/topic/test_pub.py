@@ -145,7 +145,7 @@ def test_one_message_in_a_file_is_repeated(graph: LiveGraph, shell: Shell, tmp_p
         (["/a"], 2, "TYPE"),
     ],
 )
-def test_mistakes_are_told_before_a_master_is_asked(
+def test_mistakes_are_reported_before_a_master_is_asked(
     shell: Shell, arguments: list[str], code: int, text: str
 ) -> None:
     assert text in shell.failure("topic", "pub", *arguments, code=code)

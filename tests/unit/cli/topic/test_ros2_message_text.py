@@ -95,6 +95,6 @@ def test_defaults() -> None:
         ("geometry_msgs/Pose", [{"nope": 5}]),
     ],
 )
-def test_mistakes_are_told(name: str, values: list[Any]) -> None:
+def test_mistakes_are_reported(name: str, values: list[Any]) -> None:
     with pytest.raises(SerializationError):
         fill(name, *values)

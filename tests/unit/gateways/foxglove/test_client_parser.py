@@ -67,7 +67,7 @@ def test_messages_are_read() -> None:
         "[" * 100_000,
     ],
 )
-def test_what_is_wrong_is_said_in_one_short_line(text: str) -> None:
+def test_what_is_wrong_is_reported_in_one_short_line(text: str) -> None:
     with pytest.raises(RemoteProtocolError) as caught:
         parse_text(text)
     assert "\n" not in str(caught.value)

@@ -24,7 +24,7 @@ async def test_requests_are_bounded_from_the_moment_they_are_asked() -> None:
     assert len(failed) == 1
 
 
-async def test_what_goes_wrong_is_told_in_a_line() -> None:
+async def test_what_goes_wrong_is_reported_in_a_line() -> None:
     work, failed = ClientWork(), list[str]()
 
     async def fail() -> None:

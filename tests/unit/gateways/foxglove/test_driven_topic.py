@@ -150,7 +150,7 @@ async def test_the_second_learns_who_drives() -> None:
         ({"encoding": "cdr"}, "messages are ros1 or json"),
     ],
 )
-async def test_what_cannot_be_driven_is_said(more: dict[str, str], reason: str) -> None:
+async def test_what_cannot_be_driven_is_reported(more: dict[str, str], reason: str) -> None:
     async with driven() as (there, _), there.client() as client:
         channel = {"id": 1, "topic": TOPIC, "encoding": "ros1", "schemaName": TWIST, "driver": "page"}
         await client.say("advertise", channels=[channel | more])

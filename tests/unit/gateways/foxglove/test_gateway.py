@@ -478,7 +478,7 @@ async def test_the_address_is_one_that_can_be_typed() -> None:
             assert there.gateway.url == f"ws://{shown}:{there.gateway.port}"
 
 
-async def test_a_taken_port_is_said_in_one_line() -> None:
+async def test_a_taken_port_is_reported_in_one_line() -> None:
     async with stage() as there:
         settings = FoxgloveSettings(port=there.gateway.port)
         graph = await there.network.join("/second")

@@ -105,7 +105,7 @@ async def test_a_client_plays_a_recording(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.parametrize("op", ["startRecording", "stopRecording", "listRecordings"])
-async def test_without_recordings_it_is_said(op: str) -> None:
+async def test_without_recordings_it_is_reported(op: str) -> None:
     async with stage(FREE) as there, there.client() as client:
         await client.say(op)
         assert "does not record" in (await client.wait("status"))["message"]

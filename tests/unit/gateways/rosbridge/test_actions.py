@@ -36,10 +36,10 @@ async def test_one_client_carries_out_the_goals_of_another(there: World) -> None
         await robot.say("advertise_action", **COUNT, type="example_interfaces/Fibonacci")
         await robot.settled()
         await send_goal(page, feedback=True)
-        goal = await robot.hear("send_action_goal")
+        goal = await robot.receive("send_action_goal")
         assert (goal["args"], goal["action"]) == ({"order": 3}, "/count")
         await robot.say("action_feedback", **COUNT, id=goal["id"], values={"sequence": [0, 1]})
-        assert await page.hear() == {
+        assert await page.receive() == {
             "op": "action_feedback",
             "id": "g1",
             "action": "/count",
@@ -47,7 +47,7 @@ async def test_one_client_carries_out_the_goals_of_another(there: World) -> None
         }
         values = {"sequence": [0, 1, 1]}
         await robot.say("action_result", **COUNT, id=goal["id"], values=values, status=4, result=True)
-        assert await page.hear() == {
+        assert await page.receive() == {
             "op": "action_result",
             "id": "g1",
             "action": "/count",
@@ -57,9 +57,9 @@ async def test_one_client_carries_out_the_goals_of_another(there: World) -> None
         }
         # A goal that is finished has no more results.
         await robot.say("action_result", **COUNT, id=goal["id"], values=values, status=4, result=True)
-        assert "has no goal" in (await robot.hear("status"))["msg"]
+        assert "has no goal" in (await robot.receive("status"))["msg"]
         await robot.say("action_feedback", **COUNT, id="x", values={})
-        assert "no goal has the id 'x'" in (await robot.hear("status"))["msg"]
+        assert "no goal has the id 'x'" in (await robot.receive("status"))["msg"]
 
 
 async def test_goals_are_canceled_and_fail(there: World) -> None:
@@ -67,35 +67,35 @@ async def test_goals_are_canceled_and_fail(there: World) -> None:
         await robot.say("advertise_action", **COUNT, type=FIBONACCI)
         await robot.settled()
         await send_goal(page)
-        goal = await robot.hear("send_action_goal")
+        goal = await robot.receive("send_action_goal")
         await send_goal(page)
-        assert "the goal 'g1' is under way" in (await page.hear("status"))["msg"]
+        assert "the goal 'g1' is under way" in (await page.receive("status"))["msg"]
         await page.say("cancel_action_goal", **COUNT, id="g1")
-        assert await robot.hear() == {"op": "cancel_action_goal", "id": goal["id"], "action": "/count"}
+        assert await robot.receive() == {"op": "cancel_action_goal", "id": goal["id"], "action": "/count"}
         values = {"sequence": [0]}
         await robot.say("action_result", **COUNT, id=goal["id"], values=values, status=5, result=True)
-        result = await page.hear("action_result")
+        result = await page.receive("action_result")
         assert (result["status"], result["values"], result["result"]) == (GoalStatus.CANCELED, values, True)
         await page.say("cancel_action_goal", **COUNT, id="g1")
-        assert "no goal of this client has the id 'g1'" in (await page.hear("status"))["msg"]
+        assert "no goal of this client has the id 'g1'" in (await page.receive("status"))["msg"]
 
         await send_goal(page)
-        goal = await robot.hear("send_action_goal")
+        goal = await robot.receive("send_action_goal")
         await robot.say("action_result", **COUNT, id=goal["id"], status=6, result=False)
-        result = await page.hear("action_result")
+        result = await page.receive("action_result")
         assert (result["status"], result["values"]) == (GoalStatus.ABORTED, {"sequence": []})
 
         # All goals, by the service of ROS 2 itself.
         await send_goal(page)
-        goal = await robot.hear("send_action_goal")
+        goal = await robot.receive("send_action_goal")
         await page.say("call_service", service="/count/_action/cancel_goal", args={})
-        assert (await robot.hear("cancel_action_goal"))["id"] == goal["id"]
-        canceling = (await page.hear("service_response"))["values"]
+        assert (await robot.receive("cancel_action_goal"))["id"] == goal["id"]
+        canceling = (await page.receive("service_response"))["values"]
         assert (canceling["return_code"], len(canceling["goals_canceling"])) == (0, 1)
         await robot.say("unadvertise_action", **COUNT)
-        assert (await page.hear("action_result"))["status"] == GoalStatus.ABORTED
+        assert (await page.receive("action_result"))["status"] == GoalStatus.ABORTED
         await robot.say("unadvertise_action", **COUNT)
-        assert "does not offer /count" in (await robot.hear("status"))["msg"]
+        assert "does not offer /count" in (await robot.receive("status"))["msg"]
 
 
 async def test_a_client_that_leaves_takes_its_goals_along(there: World) -> None:
@@ -104,12 +104,12 @@ async def test_a_client_that_leaves_takes_its_goals_along(there: World) -> None:
         await robot.settled()
         async with there.client() as page:
             await send_goal(page)
-            goal = await robot.hear("send_action_goal")
-        assert (await robot.hear("cancel_action_goal"))["id"] == goal["id"]
+            goal = await robot.receive("send_action_goal")
+        assert (await robot.receive("cancel_action_goal"))["id"] == goal["id"]
         assert len(bytes.fromhex(goal["id"].rpartition(":")[2])) == ID_BYTES
     async with there.client() as page:
         await send_goal(page)
-        result = await page.hear("action_result")
+        result = await page.receive("action_result")
         assert (result["result"], result["status"]) == (False, GoalStatus.UNKNOWN)
         assert "/count/_action/send_goal" in result["values"]
 
@@ -117,9 +117,9 @@ async def test_a_client_that_leaves_takes_its_goals_along(there: World) -> None:
 async def test_goals_that_cannot_be_sent(there: World) -> None:
     async with there.client() as page:
         await page.say("send_action_goal", **COUNT, action_type="far_msgs/action/Odd")
-        assert "no ROS 2 package 'far_msgs' is known" in (await page.hear("status"))["msg"]
+        assert "no ROS 2 package 'far_msgs' is known" in (await page.receive("status"))["msg"]
         await page.say("send_action_goal", **COUNT, action_type=FIBONACCI, args={"odr": 3})
-        assert "odr" in (await page.hear("status"))["msg"]
+        assert "odr" in (await page.receive("status"))["msg"]
     async with world() as ros1, ros1.client() as page:
         await send_goal(page)
-        assert "use ROSLIB.ActionClient" in (await page.hear("status"))["msg"]
+        assert "use ROSLIB.ActionClient" in (await page.receive("status"))["msg"]

@@ -92,6 +92,6 @@ def test_empty_pieces_take_room_as_well(monkeypatch: pytest.MonkeyPatch) -> None
         {"id": "a", "data": "", "num": 0, "total": 10**9},
     ],
 )
-def test_what_is_no_fragment_is_told(fields: dict[str, Any]) -> None:
+def test_what_is_no_fragment_is_reported(fields: dict[str, Any]) -> None:
     with pytest.raises(RemoteProtocolError, match="fragment: "):
         Defragmenter(100).add(fields)

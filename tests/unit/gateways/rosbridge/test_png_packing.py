@@ -96,7 +96,7 @@ def hand_made(width: int, height: int, rows: bytes, depth: int = 8) -> str:
         hand_made(100, 100, b"\0" * 30_100),
     ],
 )
-def test_what_holds_no_text_is_told(data: str) -> None:
+def test_what_holds_no_text_is_reported(data: str) -> None:
     with pytest.raises(RemoteProtocolError, match="png: "):
         unpack_png(data, 10_000)
 

@@ -39,7 +39,7 @@ async def test_what_one_client_publishes_another_hears_under_the_name_that_it_us
         await listener.settled()
         await talker.say("advertise", topic="/chatter", type=STRING)
         await talker.say("publish", topic="/chatter", msg={"data": "hi"})
-        assert await listener.hear() == {"op": "publish", "topic": "chatter", "msg": {"data": "hi"}}
+        assert await listener.receive() == {"op": "publish", "topic": "chatter", "msg": {"data": "hi"}}
 
 
 async def test_first_words_wait_for_subscribers_that_are_on_their_way(there: World) -> None:
@@ -56,7 +56,7 @@ async def test_a_topic_that_exists_needs_no_advertising(there: World) -> None:
     heard = asyncio.ensure_future(anext(messages))
     async with there.client() as client:
         await client.say("publish", topic="/nobody", msg={}, id="p1")
-        status = await client.hear("status")
+        status = await client.receive("status")
         assert status["level"] == "error"
         assert status["id"] == "p1"
         assert status["msg"] == "publish: /nobody has no type yet: advertise it first"
@@ -73,26 +73,26 @@ async def test_unsubscribing_ends_it_and_ids_keep_others(there: World) -> None:
         await client.say("subscribe", topic="/chatter", id="b")
         await client.settled()
         publisher.publish(data="both")
-        assert (await client.hear("publish"))["msg"] == {"data": "both"}
+        assert (await client.receive("publish"))["msg"] == {"data": "both"}
         await client.say("unsubscribe", topic="/chatter", id="a")
         await client.settled()
         publisher.publish(data="one")
-        assert (await client.hear("publish"))["msg"] == {"data": "one"}
+        assert (await client.receive("publish"))["msg"] == {"data": "one"}
         await client.say("unsubscribe", topic="/chatter", id="b")
         await client.settled()
         assert publisher.subscriber_count == 0
         await client.say("unsubscribe", topic="/chatter")
-        assert "does not subscribe /chatter" in (await client.hear("status"))["msg"]
+        assert "does not subscribe /chatter" in (await client.receive("status"))["msg"]
 
 
-async def test_a_subscription_of_the_wrong_type_is_told_once_and_gets_nothing(there: World) -> None:
+async def test_a_subscription_of_the_wrong_type_is_reported_once_and_gets_nothing(there: World) -> None:
     publisher = await there.graph.publisher("/chatter", STRING)
     async with there.client() as client:
         await client.say("subscribe", topic="/chatter", type="std_msgs/Int32")
         await client.settled()
         publisher.publish(data="a")
         publisher.publish(data="b")
-        assert (await client.hear("status"))["msg"] == (
+        assert (await client.receive("status"))["msg"] == (
             "subscribe: /chatter: its type is std_msgs/String, not std_msgs/Int32"
         )
         assert await client.settled() == []
@@ -106,7 +106,7 @@ async def test_types_may_be_written_as_either_ros_does(there: World, name: str) 
         await client.say("advertise", topic="/other", type=name)
         assert await client.settled() == []
         publisher.publish(data="a")
-        await client.hear("publish")
+        await client.receive("publish")
 
 
 async def test_compressions(there: World) -> None:
@@ -115,7 +115,7 @@ async def test_compressions(there: World) -> None:
         await client.say("subscribe", topic="/chatter", compression="png")
         await client.settled()
         publisher.publish(data="hi")
-        png = await client.hear("png")
+        png = await client.receive("png")
         assert json.loads(unpack_png(png["data"], 1000)) == {
             "op": "publish",
             "topic": "/chatter",
@@ -133,7 +133,9 @@ async def test_compressions(there: World) -> None:
         assert raw["bytes"] == b"\x02\0\0\0hi"
         assert raw["secs"] > 0
         await client.say("subscribe", topic="/other", compression="zip")
-        assert "compression wants one of none, png, cbor, cbor-raw, got 'zip'" in (await client.hear())["msg"]
+        assert (
+            "compression wants one of none, png, cbor, cbor-raw, got 'zip'" in (await client.receive())["msg"]
+        )
 
 
 async def test_fragments_both_ways_and_pictures_in(there: World) -> None:
@@ -142,9 +144,9 @@ async def test_fragments_both_ways_and_pictures_in(there: World) -> None:
         await client.say("subscribe", topic="/chatter", fragment_size=50)
         await client.settled()
         publisher.publish(data="x" * 100)
-        pieces = [await client.hear("fragment")]
+        pieces = [await client.receive("fragment")]
         while len(pieces) < pieces[0]["total"]:
-            pieces.append(await client.hear("fragment"))
+            pieces.append(await client.receive("fragment"))
         whole = json.loads("".join(piece["data"] for piece in pieces))
         assert whole["msg"]["data"] == "x" * 100
         await client.say("unsubscribe", topic="/chatter")
@@ -157,9 +159,9 @@ async def test_fragments_both_ways_and_pictures_in(there: World) -> None:
                 total=2,
                 data=text[number * 20 :][: 20 if not number else None],
             )
-        assert (await client.hear("service_response"))["id"] == "in pieces"
+        assert (await client.receive("service_response"))["id"] == "in pieces"
         await client.connection.send(pack_png(text.replace("pieces", "a picture")))
-        assert (await client.hear("service_response"))["id"] == "in a picture"
+        assert (await client.receive("service_response"))["id"] == "in a picture"
 
 
 async def test_services_are_called_by_fields_by_order_and_by_a_single_value(there: World) -> None:
@@ -170,7 +172,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
     async with there.client() as client:
         for args in ({"data": True}, [True], True):
             await client.say("call_service", service="/enable", args=args, id="c")
-            assert await client.hear() == {
+            assert await client.receive() == {
                 "op": "service_response",
                 "service": "/enable",
                 "id": "c",
@@ -178,7 +180,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
                 "result": True,
             }
         await client.say("call_service", service="enable")
-        answer = await client.hear("service_response")
+        answer = await client.receive("service_response")
         assert "id" not in answer
         assert answer["values"]["success"] is False
         mistakes: list[tuple[Any, str]] = [
@@ -188,12 +190,12 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
         ]
         for args, reason in mistakes:
             await client.say("call_service", service="/enable", args=args)
-            answer = await client.hear("service_response")
+            answer = await client.receive("service_response")
             assert (answer["result"], answer["values"]) == (False, reason)
         await client.say("call_service", service="/nothing")
-        assert (await client.hear())["values"] == "service /nothing does not exist: is its node running?"
+        assert (await client.receive())["values"] == "service /nothing does not exist: is its node running?"
         await client.say("call_service", service="no name", id="n")
-        assert (await client.hear("service_response"))["result"] is False
+        assert (await client.receive("service_response"))["result"] is False
 
 
 async def test_a_call_that_takes_long_holds_up_nothing_and_ends_in_time(there: World) -> None:
@@ -208,7 +210,7 @@ async def test_a_call_that_takes_long_holds_up_nothing_and_ends_in_time(there: W
     async with there.client() as client:
         await client.say("call_service", service="/hang", id="long")
         await client.say("call_service", service="/hang", id="short", timeout=0.05)
-        answer = await client.hear("service_response")
+        answer = await client.receive("service_response")
         assert answer["id"] == "short"
         assert answer["values"] == "service /hang did not answer within 0.05 s"
         await called.wait()
@@ -229,18 +231,18 @@ async def test_calls_that_never_end_hold_up_nothing_else(
     async with there.client() as client:
         for number in range(3):
             await client.say("call_service", service="/hang", id=number)
-        refused = await client.hear("service_response")
+        refused = await client.receive("service_response")
         assert refused["id"] == 2
         assert refused["values"] == "this client has 2 calls under way: /hang is not called"
         await client.say("publish", topic="/nobody", msg={})
-        assert "advertise it first" in (await client.hear("status"))["msg"]
+        assert "advertise it first" in (await client.receive("status"))["msg"]
 
 
 async def test_a_topic_of_others_keeps_its_type(there: World) -> None:
     publisher = await there.graph.publisher("/chatter", "std_msgs/String")
     async with there.client() as client:
         await client.say("advertise", topic="/chatter", type="std_msgs/Int32", id="wrong")
-        status = await client.hear("status")
+        status = await client.receive("status")
         assert status["msg"] == "advertise: /chatter is std_msgs/String, not std_msgs/Int32"
         assert status["id"] == "wrong"
         await client.say("advertise", topic="/chatter", type="std_msgs/msg/String")
@@ -260,7 +262,7 @@ async def test_a_topic_latches_from_when_it_was_asked_to(there: World) -> None:
         await client.say("publish", topic="/plan", msg={"data": "kept"})
         await client.settled()
         await late.say("subscribe", topic="/plan")
-        assert (await late.hear("publish"))["msg"] == {"data": "kept"}
+        assert (await late.receive("publish"))["msg"] == {"data": "kept"}
 
 
 async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -275,13 +277,13 @@ async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.Monk
     async with there.client() as client:
         for number in range(2):
             await client.say("call_service", service="/hang", id=number, filler="x" * 900)
-        refused = await client.hear("service_response")
+        refused = await client.receive("service_response")
         assert (refused["id"], refused["result"]) == (1, False)
         assert "bytes of calls under way: /hang is not called" in refused["values"]
         go_on.set()
-        assert (await client.hear("service_response"))["id"] == 0
+        assert (await client.receive("service_response"))["id"] == 0
         await client.say("call_service", service="/hang", id=2, filler="x" * 2000)
-        assert (await client.hear("service_response"))["result"] is True
+        assert (await client.receive("service_response"))["result"] is True
 
 
 async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> None:
@@ -293,7 +295,7 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
             calling = asyncio.ensure_future(
                 there.graph.call("/add", "std_srvs/SetBool", {"data": True}, timeout_s=60)
             )
-            request = await client.hear("call_service")
+            request = await client.receive("call_service")
             assert request["service"] == "/add"
             assert request["args"] == {"data": True}
             await client.say("service_response", service="/add", id=request["id"], **answer)
@@ -307,11 +309,11 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
             await call(values="no \ud800\npower", result=False)
         with pytest.raises(ServiceCallError, match="field success"):
             await call(values={"success": "maybe"}, result=True)
-        assert "field success" in (await client.hear("status"))["msg"]
+        assert "field success" in (await client.receive("status"))["msg"]
         await client.say("service_response", service="/add", id="made up", values={}, result=True)
-        assert "no call of /add waits for the id 'made up'" in (await client.hear("status"))["msg"]
+        assert "no call of /add waits for the id 'made up'" in (await client.receive("status"))["msg"]
         calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
-        await client.hear("call_service")
+        await client.receive("call_service")
         await client.say("unadvertise_service", service="/add")
         with pytest.raises(ServiceCallError, match="was unadvertised while it was called"):
             await calling
@@ -322,7 +324,7 @@ async def test_a_client_that_hangs_up_fails_the_calls_that_it_was_to_answer(ther
         await client.say("advertise_service", service="/add", type="std_srvs/SetBool")
         await client.settled()
         calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
-        await client.hear("call_service")
+        await client.receive("call_service")
         client.connection.transport.abort()
     with pytest.raises(ServiceCallError, match="has lost the client that offers it"):
         await calling
@@ -336,7 +338,7 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
         await new.say("advertise_service", service="/add", type="std_srvs/SetBool")
         assert "was offered by another client" in (await new.settled())[0]["msg"]
         calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
-        request = await new.hear("call_service")
+        request = await new.receive("call_service")
         await new.say("service_response", service="/add", id=request["id"], values={}, result=True)
         await calling
 
@@ -374,7 +376,7 @@ async def test_every_mistake_is_told_in_one_line_and_the_client_stays(
 ) -> None:
     async with there.client() as client:
         await client.connection.send(said)
-        status = await client.hear("status")
+        status = await client.receive("status")
         assert status["level"] == "error"
         assert told in status["msg"]
         assert "\n" not in status["msg"]
@@ -389,7 +391,7 @@ async def test_messages_packed_into_each_other_without_end_are_refused(there: Wo
         for _ in range(6):
             text = pack_png(text)
         await client.connection.send(text)
-        assert "packed into too many others" in (await client.hear("status"))["msg"]
+        assert "packed into too many others" in (await client.receive("status"))["msg"]
 
 
 async def test_statuses_are_as_loud_as_was_set(there: World) -> None:
@@ -417,7 +419,7 @@ async def test_text_that_is_no_utf8_ends_that_client_alone(there: World) -> None
         # A text frame, masked with zeros, that holds no UTF-8.
         client.connection.transport.write(b"\x81\x82\0\0\0\0\xff\xfe")
         with pytest.raises(ConnectionClosed) as caught:
-            await client.hear()
+            await client.receive()
         assert caught.value.rcvd is not None
         assert caught.value.rcvd.code == 1007
         assert await other.settled() == []
@@ -428,7 +430,7 @@ async def test_messages_that_are_too_large_end_that_client_alone() -> None:
     async with world(settings) as there, there.client() as other, there.client() as client:
         await client.say("publish", topic="/a", msg={"data": "x" * 2000})
         with pytest.raises(ConnectionClosed) as caught:
-            await client.hear()
+            await client.receive()
         assert caught.value.rcvd is not None
         assert caught.value.rcvd.code == 1009
         for number in range(3):
@@ -446,13 +448,13 @@ async def test_a_slow_reader_loses_the_oldest_is_told_and_holds_up_nobody(there:
         text = "x" * 100_000
         for number in range(300):
             publisher.publish(data=f"{number} {text}")
-            heard = (await fast.hear("publish"))["msg"]["data"]
+            heard = (await fast.receive("publish"))["msg"]["data"]
             assert heard.startswith(f"{number} ")
         slow.connection.transport.resume_reading()
         numbers: list[int] = []
         statuses: list[dict[str, Any]] = []
         while not statuses or 299 not in numbers:
-            message = await slow.hear()
+            message = await slow.receive()
             if message["op"] == "publish":
                 numbers.append(int(message["msg"]["data"].split()[0]))
             else:
@@ -472,12 +474,12 @@ async def test_throttled_topics_come_at_their_rate(there: World) -> None:
         await client.settled()
         for number in range(20):
             publisher.publish(data=str(number))
-        assert (await client.hear("publish"))["msg"]["data"] == "0"
+        assert (await client.receive("publish"))["msg"]["data"] == "0"
         assert await client.settled() == []
         await client.say("subscribe", topic="/chatter", throttle_rate=0, id="all")
         await client.settled()
         publisher.publish(data="now")
-        assert (await client.hear("publish"))["msg"]["data"] == "now"
+        assert (await client.receive("publish"))["msg"]["data"] == "now"
 
 
 async def test_a_late_client_hears_what_is_latched(there: World) -> None:
@@ -486,7 +488,7 @@ async def test_a_late_client_hears_what_is_latched(there: World) -> None:
         await talker.say("publish", topic="/map", msg={"data": "here"})
         for client in (first, late):
             await client.say("subscribe", topic="/map", type=STRING)
-            assert (await client.hear("publish"))["msg"] == {"data": "here"}
+            assert (await client.receive("publish"))["msg"] == {"data": "here"}
 
 
 async def test_a_topic_lingers_when_its_client_has_left_and_ends_with_the_server() -> None:
@@ -505,7 +507,7 @@ async def test_a_page_that_was_loaded_again_may_publish_another_type(there: Worl
         await client.say("advertise", topic="/chatter", type=STRING)
         await client.settled()
         await other.say("advertise", topic="/chatter", type="std_msgs/Int32")
-        assert "publishes /chatter as std_msgs/String," in (await other.hear("status"))["msg"]
+        assert "publishes /chatter as std_msgs/String," in (await other.receive("status"))["msg"]
         await client.say("unadvertise", topic="/chatter")
         await client.settled()
         await other.say("advertise", topic="/chatter", type="std_msgs/Int32")
@@ -535,9 +537,9 @@ async def test_a_token_must_be_given() -> None:
             assert await client.settled() == []
         async with there.client("/?token=wrong") as client:
             await client.say("subscribe", topic="/chatter")
-            assert "this server wants a token" in (await client.hear("status"))["msg"]
+            assert "this server wants a token" in (await client.receive("status"))["msg"]
             with pytest.raises(ConnectionClosed) as caught:
-                await client.hear()
+                await client.receive()
             assert caught.value.rcvd is not None
             assert caught.value.rcvd.code == 1008
         assert "/chatter" not in there.network.snapshot().topics
@@ -549,7 +551,7 @@ async def test_names_outside_of_the_globs_are_refused() -> None:
         await client.say("subscribe", topic="/open/a", type=STRING)
         await client.say("advertise", topic="/open/a", type=STRING)
         await client.say("call_service", service="/secret", id="c")
-        assert "not among the services" in (await client.hear("service_response"))["values"]
+        assert "not among the services" in (await client.receive("service_response"))["values"]
         refused: list[tuple[str, dict[str, Any]]] = [
             ("subscribe", {"topic": "/secret"}),
             ("advertise", {"topic": "/secret", "type": STRING}),
@@ -558,7 +560,7 @@ async def test_names_outside_of_the_globs_are_refused() -> None:
         ]
         for op, fields in refused:
             await client.say(op, **fields)
-            status = await client.hear("status")
+            status = await client.receive("status")
             assert status["level"] == "error"
 
 
@@ -634,11 +636,11 @@ async def test_the_node_that_is_shut_down_ends_the_server(there: World) -> None:
         await graph.close()
         await there.server.wait_ended()
         with pytest.raises(ConnectionClosed):
-            await client.hear()
+            await client.receive()
     assert "its node was shut down" in there.warnings[0]
 
 
-async def test_a_port_that_is_taken_is_told_with_what_to_do(there: World) -> None:
+async def test_a_port_that_is_taken_is_reported_with_what_to_do(there: World) -> None:
     network = MemoryNetwork()
     graph = await network.join("/second")
     second = RosbridgeServer(

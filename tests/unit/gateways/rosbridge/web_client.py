@@ -31,7 +31,7 @@ class WebClient:
     async def say(self, op: str, **fields: Any) -> None:
         await self.connection.send(json.dumps({"op": op, **fields}))
 
-    async def hear(self, op: str | None = None) -> dict[str, Any]:
+    async def receive(self, op: str | None = None) -> dict[str, Any]:
         """Return the next message, of this op if one is given; none before it may be of another."""
         async with asyncio.timeout(LIMIT_S):
             message: dict[str, Any] = json.loads(await self.connection.recv())
@@ -42,7 +42,7 @@ class WebClient:
         """Wait until all that was said is carried out; returns what was heard meanwhile."""
         await self.say("call_service", service="/settled", id="settled")
         heard = []
-        while (message := await self.hear()).get("id") != "settled":
+        while (message := await self.receive()).get("id") != "settled":
             heard.append(message)
         return heard
 

@@ -40,7 +40,7 @@ async def test_a_connection_that_has_gone_already_takes_no_place() -> None:
     assert (gate.open_count, told) == (0, ["refused a client: it is gone"])
 
 
-async def test_each_reason_is_told_once_in_a_while_and_few_of_them() -> None:
+async def test_each_reason_is_reported_once_in_a_while_and_few_of_them() -> None:
     told: list[str] = []
     gate = ConnectionLimiter((), 1, told.append)
     for _ in range(2):

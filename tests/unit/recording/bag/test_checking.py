@@ -60,7 +60,7 @@ def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
     assert "its times are" in times
 
 
-def test_a_broken_chunk_is_told(tmp_path: Path) -> None:
+def test_a_broken_chunk_is_reported(tmp_path: Path) -> None:
     write_bag(tmp_path / "a.bag", compression="bz2")
     data = bytearray((tmp_path / "a.bag").read_bytes())
     _, start = _first(data, OP_CHUNK)

@@ -118,7 +118,7 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
         (b"{}" * 50, "is not a bag"),
     ],
 )
-def test_what_is_no_bag_is_told(tmp_path: Path, content: bytes, told: str) -> None:
+def test_what_is_no_bag_is_reported(tmp_path: Path, content: bytes, told: str) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(content)
     with pytest.raises(RecordingError, match=told):
@@ -135,6 +135,6 @@ def test_a_chunk_that_lies_about_its_size_is_refused(tmp_path: Path) -> None:
         list(BagReader(path).messages())
 
 
-def test_a_missing_file_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="No such file"):
         BagReader(tmp_path / "none.bag")

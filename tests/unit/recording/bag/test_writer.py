@@ -82,7 +82,7 @@ def test_a_full_disk_keeps_the_chunks_before(tmp_path: Path, monkeypatch: pytest
     assert 0 < kept <= taken
 
 
-def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_reported(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="No such file"):
         BagWriter(tmp_path / "none" / "a.bag")
 

@@ -141,7 +141,7 @@ def test_a_nested_message_brings_all_below_it() -> None:
     ]
 
 
-def test_what_is_not_there_is_told(bag: Path) -> None:
+def test_what_is_not_there_is_reported(bag: Path) -> None:
     with pytest.raises(ConfigError, match="no topic /nothing; the recording has /diagnostics, /image"):
         _csv(bag, "/nothing")
     with pytest.raises(ConfigError, match="has no field 'colour'"):

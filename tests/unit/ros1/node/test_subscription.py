@@ -137,7 +137,7 @@ async def test_a_publisher_that_refuses_is_asked_again(answer: object) -> None:
         assert stage.reports == []
 
 
-async def test_a_type_that_differs_is_told_once_and_not_tried_again() -> None:
+async def test_a_type_that_differs_is_reported_once_and_not_tried_again() -> None:
     header = {"md5sum": "1" * 32, "type": "other/Type"}
     async with fake(header) as wrong, fake() as right, subscribed() as stage:
         stage.topic.add_publishers([wrong.uri, right.uri])
@@ -153,7 +153,7 @@ async def test_a_type_that_differs_is_told_once_and_not_tried_again() -> None:
         assert wrong.asked == 1
 
 
-async def test_an_error_header_is_told_as_a_mismatch() -> None:
+async def test_an_error_header_is_reported_as_a_mismatch() -> None:
     publisher = fake()
     publisher.header = {"error": "topic types do not match: [std_msgs/String] vs. [std_msgs/Bool]"}
     async with publisher, subscribed() as stage:
@@ -186,7 +186,7 @@ async def test_publishers_come_and_go_with_the_masters_list() -> None:
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:1/", "nonsense", "rosrpc://127.0.0.1:1"])
-async def test_a_publisher_that_is_not_there_is_told_once(uri: str) -> None:
+async def test_a_publisher_that_is_not_there_is_reported_once(uri: str) -> None:
     async with fake() as publisher, subscribed() as stage:
         stage.topic.set_publishers([uri, publisher.uri])
         await until(lambda: stage.topic.publisher_count == 1 and stage.reports)

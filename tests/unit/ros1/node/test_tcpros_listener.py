@@ -43,7 +43,7 @@ async def listener() -> AsyncIterator[TcprosListener]:
         ({"topic": "/a"}, "Missing required 'md5sum' field"),
     ],
 )
-async def test_a_refusal_is_told(listener: TcprosListener, fields: dict[str, str], reason: str) -> None:
+async def test_a_refusal_is_reported(listener: TcprosListener, fields: dict[str, str], reason: str) -> None:
     peer = await RawPeer.connect(listener.port)
     peer.send_header(fields)
     assert reason in (await peer.read_header())["error"]

@@ -31,7 +31,7 @@ def test_every_node_has_use_sim_time() -> None:
         assert store.get("use_sim_time") == value(False)
 
 
-def test_changes_are_told_by_kind() -> None:
+def test_changes_are_reported_by_kind() -> None:
     store = ParameterStore({"old": 1, "gone": 2})
     told: list[Changes] = []
     store.listen(told.append)

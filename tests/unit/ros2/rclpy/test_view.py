@@ -52,7 +52,7 @@ def test_the_types_of_a_service() -> None:
     assert offered_types(FakeNode(), "/undo") == []
 
 
-async def test_only_changes_are_told() -> None:
+async def test_only_changes_are_reported() -> None:
     snapshots = [Snapshot(("/a",)), Snapshot(("/a",)), Snapshot(("/b",))]
     closed = asyncio.Event()
 

@@ -166,7 +166,7 @@ def test_native_service_is_a_service_as_others(types: Ros2Types) -> None:
     assert support.type_hash == types.service_by_name("rcl_interfaces/srv/GetParameters").type_hash
 
 
-def test_unknown_types_are_said(types: Ros2Types) -> None:
+def test_unknown_types_are_reported(types: Ros2Types) -> None:
     for ask in (types.by_name, types.native_message):
         with pytest.raises(UnknownTypeError, match="nowhere"):
             ask("nowhere/msg/Thing")

@@ -141,7 +141,7 @@ async def test_initial_parameters_are_the_nodes() -> None:
     await session.close()
 
 
-async def test_a_named_router_that_does_not_answer_is_told(caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_named_router_that_does_not_answer_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     # Not the usual place too, where a router of this machine may run.
     overrides = (("listen/endpoints", "[]"), ("connect/endpoints", f'["{endpoint}"]'))

@@ -66,7 +66,7 @@ async def test_a_publisher_without_a_token_is_heard(session: ZenohSession) -> No
     assert anything.headers[0]["type"] == "std_msgs/String"
 
 
-async def test_bytes_that_fit_no_string_are_told_once(
+async def test_bytes_that_fit_no_string_are_reported_once(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await session.join("listener"), Inbox()
@@ -108,7 +108,7 @@ async def test_ends_of_different_types_are_told_of_each_other(
     assert caplog.text.count("they do not connect;") == 2
 
 
-async def test_another_definition_of_a_type_is_told(
+async def test_another_definition_of_a_type_is_reported(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await session.join("listener"), Inbox()
@@ -125,7 +125,7 @@ async def test_another_definition_of_a_type_is_told(
     declared.undeclare()
 
 
-async def test_a_type_nobody_knows_is_told_once(
+async def test_a_type_nobody_knows_is_reported_once(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await session.join("listener"), Inbox()

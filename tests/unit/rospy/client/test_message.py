@@ -74,7 +74,7 @@ def test_introspection(types: MessageTypes) -> None:
     assert message_type_of(state).definition == state._full_text
 
 
-def test_misfits_are_told(types: MessageTypes) -> None:
+def test_misfits_are_reported(types: MessageTypes) -> None:
     text = made(types, "std_msgs/String")
     with pytest.raises(SerializationError, match="data"):
         text(5).serialize(io.BytesIO())

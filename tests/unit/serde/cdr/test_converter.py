@@ -240,7 +240,7 @@ def test_types_that_double_at_each_level_stay_small() -> None:
     assert converter.from_cdr(converter.to_cdr(u32(1) + bytes(12))) == u32(1) + bytes(12)
 
 
-def test_what_python_cannot_compile_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_python_cannot_compile_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def gives_up(*_: object) -> None:
         raise RecursionError("maximum recursion depth exceeded during compilation")
 

@@ -163,7 +163,7 @@ def test_what_does_not_fit(ros1: str, ros2: str, reason: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_what_does_not_fit_is_told_with_its_path() -> None:
+def test_what_does_not_fit_is_reported_with_its_path() -> None:
     pairs = Pairs({"M": "N[] parts", "N": "int32 speed"}, {"M": "N[] parts", "N": "int32 velocity"})
     with pytest.raises(TypeMismatchError, match=r"in 'parts\[\]'"):
         pairs.converter()

@@ -26,7 +26,7 @@ void loop() {
 
 
 @pytest.mark.parametrize(("letter", "said"), [(b"j", "jumped to its start"), (b"o", "ran out of its code")])
-async def test_a_start_over_without_a_reset_is_told(start: Start, letter: bytes, said: str) -> None:
+async def test_a_start_over_without_a_reset_is_reported(start: Start, letter: bytes, said: str) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     first = await number(board, "starts")
@@ -38,7 +38,7 @@ async def test_a_start_over_without_a_reset_is_told(start: Start, letter: bytes,
 
 
 @pytest.mark.parametrize(("letter", "event"), [(b"i", "bad_opcode"), (b"w", "bad_write"), (b"r", "bad_read")])
-async def test_what_the_chip_does_not_have_is_told(start: Start, letter: bytes, event: str) -> None:
+async def test_what_the_chip_does_not_have_is_reported(start: Start, letter: bytes, event: str) -> None:
     board = await start(build("wrong"), "watch serial")
     await board.run("1ms")
     assert named(board, event) == []
@@ -63,7 +63,7 @@ async def test_the_stack_leaves_its_mark(start: Start) -> None:
     assert await board.free_stack_bytes() == deep
 
 
-async def test_a_stack_that_reaches_the_variables_is_told(start: Start) -> None:
+async def test_a_stack_that_reaches_the_variables_is_reported(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     await board.send(b"x")
@@ -87,7 +87,7 @@ async def test_a_heap_that_came_and_went_is_no_stack(start: Start) -> None:
     assert [event["free_bytes"] for event in named(board, "stack")[2:]] == [0]
 
 
-async def test_a_stack_that_reaches_the_heap_is_told(start: Start) -> None:
+async def test_a_stack_that_reaches_the_heap_is_reported(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     await board.send(b"M")
@@ -137,7 +137,7 @@ async def test_the_watchdog_resets(start: Start) -> None:
     assert (await number(board, "starts") - first) & 0xFF == 1
 
 
-async def test_sleep_that_nothing_ends_is_told(start: Start) -> None:
+async def test_sleep_that_nothing_ends_is_reported(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     await board.send(b"s")

@@ -33,7 +33,7 @@ async def test_it_is_compiled_without_a_warning_and_once_also_by_several_at_once
     assert (await build_runner()).stat().st_mtime_ns == made
 
 
-async def test_what_is_missing_is_said_with_its_packages(
+async def test_what_is_missing_is_reported_with_its_packages(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -65,7 +65,7 @@ async def test_a_failing_compiler_is_explained_in_one_line(
     assert list(cache.iterdir()) == []
 
 
-async def test_a_cache_that_cannot_be_written_is_said(
+async def test_a_cache_that_cannot_be_written_is_reported(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     (tmp_path / "file").write_text("")

@@ -138,7 +138,7 @@ async def test_tcp_takes_one_host_after_the_other() -> None:
             await exchange(board.address, word)
 
 
-async def test_a_port_in_use_is_said() -> None:
+async def test_a_port_in_use_is_reported() -> None:
     with (
         socket.create_server(("127.0.0.1", 0)) as taken,
         pytest.raises(BoardError, match="cannot be opened"),

@@ -92,7 +92,7 @@ async def test_unwatched_pins_are_not_told(start: Start, tmp_path: Path) -> None
     "words",
     ["pin D99=1", "pin D7=2", "pin D7=", "watch A9", "watch B5", "adc D3=1", "adc A0=6", "adc A0", "servo X"],
 )
-async def test_what_makes_no_sense_is_said_in_one_line(start: Start, words: str) -> None:
+async def test_what_makes_no_sense_is_reported_in_one_line(start: Start, words: str) -> None:
     board = await start(build("echo"))
     with pytest.raises(BoardError) as raised:
         await board.send_command(words)

@@ -80,7 +80,7 @@ async def test_servo_pulses_made_by_software(start: Start, tmp_path: Path, kind:
     assert await board.servo_pulse_us("D9") == pytest.approx(544 + 135 * (2400 - 544) / 180, abs=10)
 
 
-async def test_only_changes_of_a_degree_are_told(start: Start, tmp_path: Path) -> None:
+async def test_only_changes_of_a_degree_are_reported(start: Start, tmp_path: Path) -> None:
     board = await start(await build_text(tmp_path, SERVOS), "servo D9")
     await board.run("300ms")
     angles = [event["angle_deg"] for event in named(board, "servo") if event["pin"] == "D9"]

@@ -172,7 +172,7 @@ async def test_the_magnetometer_points_north(start: Start, tmp_path: Path, yaw: 
     "words",
     ["attitude 1 2", "attitude a b c", "attitude 1 2 3 over 2", "range far", "hcsr04 trig=D6", "aref 9"],
 )
-async def test_what_makes_no_sense_is_said(start: Start, words: str) -> None:
+async def test_what_makes_no_sense_is_reported(start: Start, words: str) -> None:
     board = await start(build("echo"))
     with pytest.raises(BoardError):
         await board.send_command(words)

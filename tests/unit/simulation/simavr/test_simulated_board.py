@@ -82,7 +82,7 @@ async def test_it_ends_with_its_parent(tmp_path: Path) -> None:
         await asyncio.sleep(0.01)
 
 
-async def test_a_killed_board_is_told(start: Start) -> None:
+async def test_a_killed_board_is_reported(start: Start) -> None:
     board = await start(build("echo"))
     waiting = asyncio.create_task(board.wait_for("pin"))
     await asyncio.sleep(0)

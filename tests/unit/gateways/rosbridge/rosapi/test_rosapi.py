@@ -207,7 +207,7 @@ async def test_details_of_types_hold_the_types_below(gateway: MemoryGraph) -> No
     assert dict(zip(array["fieldnames"], array["fieldarraylen"], strict=True))["K"] == 9
 
 
-async def test_an_unknown_type_is_told(gateway: MemoryGraph) -> None:
+async def test_an_unknown_type_is_reported(gateway: MemoryGraph) -> None:
     with pytest.raises(RostetherError, match="no_msgs"):
         await ask(api_of(gateway), "message_details", type="no_msgs/Nothing")
 
@@ -250,7 +250,7 @@ async def test_defaults_of_parameters(gateway: MemoryGraph) -> None:
 
 
 @pytest.mark.parametrize("value", ["", "plain", "{", "null", "[" * 100_000, "[" * 200 + "]" * 200])
-async def test_a_value_that_is_no_json_is_told(gateway: MemoryGraph, value: str) -> None:
+async def test_a_value_that_is_no_json_is_reported(gateway: MemoryGraph, value: str) -> None:
     with pytest.raises(SerializationError) as error:
         await ask(api_of(gateway), "set_param", name="/x", value=value)
     assert len(str(error.value)) < 300
