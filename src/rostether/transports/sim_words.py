@@ -19,10 +19,12 @@ SIM_WORDS = (
     "pin",
     "range",
     "servo",
+    "w5100",
     "watch",
+    "wheels",
 )
 _OF_SEVERAL_WORDS = ("adc", "attitude", "pin", "servo", "watch")
-_WITH_SETTINGS = ("adc", "fault", "hcsr04", "pin")
+_WITH_SETTINGS = ("adc", "fault", "hcsr04", "pin", "w5100", "wheels")
 
 
 def sim_words(options: Mapping[str, str]) -> tuple[str, ...]:

@@ -83,13 +83,8 @@ class Fleet:
 
     async def wheels(self) -> tuple[int, int]:
         """Return the duty of the left and the right motor, from -255 to 255."""
-        pins = await self.board.pins()
-        duties = [
-            round(float(each[3:]) * (255 if each.startswith("pwm") or each == "out1" else 0))
-            for each in (pins["D3"], pins["D9"])
-        ]
-        signs = [-1 if pins[each] == "out1" else 1 for each in ("D8", "D7")]
-        return duties[0] * signs[0], duties[1] * signs[1]
+        event = await self.board.ask("wheels", "wheels")
+        return round(event["left"] * 255), round(event["right"] * 255)
 
     def deaf_s(self) -> float:
         """Return the board's time when the chip went deaf first."""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 OLD_OPTIONS = {"--for": "--duration"}
 # Options that are commands of the simulator under the same name.
 _REPEATED_WORDS = ("adc", "pin", "servo", "watch", "guard")
-_SINGLE_WORDS = ("hcsr04", "range", "attitude", "fault", "network")
+_SINGLE_WORDS = ("hcsr04", "range", "attitude", "fault", "network", "w5100", "wheels")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +47,8 @@ class BoardOptions:
     servo: tuple[str, ...]
     fault: str | None
     network: str | None
+    w5100: str | None
+    wheels: str | None
     autoreset: bool
     guard: tuple[str, ...]
     seed: int
@@ -114,6 +116,16 @@ _board_options = option_group(
             "--network",
             metavar="HOST:PORT",
             help="Connect all TCP connections of the sketch to this address.",
+        ),
+        click.option(
+            "--w5100",
+            metavar="address=127.0.0.2,deaf=500",
+            help="The loopback address of the Ethernet shield, and when it goes deaf in a group.",
+        ),
+        click.option(
+            "--wheels",
+            metavar="left=D3/D8,right=D9/D7",
+            help="The pins for PWM and direction of two motors; the command `wheels` shows the odometry.",
         ),
         click.option(
             "--autoreset", is_flag=True, help="Reset the board whenever the port is opened, as USB boards do."

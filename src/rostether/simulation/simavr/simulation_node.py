@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 from collections.abc import Iterable
 from contextlib import aclosing
 from typing import Any
@@ -18,9 +19,10 @@ from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 STRING = "std_msgs/String"
+ODOMETRY = "nav_msgs/Odometry"
 
 # Every node of the graph may use these; others read memory, connect elsewhere or end the board.
-WORDS = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset"))
+WORDS = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
 # These have a value for each pin.
 _BY_PIN = ("adc", "pin")
 
@@ -39,12 +41,14 @@ class SimulationNode:
         self._servos: dict[str, float] = {}
         self._watched: set[str] = set()
         self._error = ""
+        self._has_wheels = asyncio.Event()
         for line in words:
             self._note(line)
 
     async def run(self) -> None:
         """Publish and obey until the board has ended or the task is cancelled. Raises GraphError."""
-        parts = [asyncio.create_task(each) for each in (self._publish(), self._obey(), self._follow_servos())]
+        works = (self._publish(), self._publish_odometry(), self._obey(), self._follow_servos())
+        parts = [asyncio.create_task(each) for each in works]
         try:
             done, _ = await asyncio.wait(parts, return_when=asyncio.FIRST_COMPLETED)
             for part in done:
@@ -81,6 +85,32 @@ class SimulationNode:
                 "error": self._error,
             }
         )
+
+    async def _publish_odometry(self) -> None:
+        """Publish where the wheels take the robot, once they have pins."""
+        await self._has_wheels.wait()
+        publisher = await self._graph.publisher("~odom", ODOMETRY)
+        while not self._board.has_ended:
+            if publisher.subscriber_count:
+                wheels = await self._board.ask("wheels", "wheels")
+                half_rad = wheels["heading_rad"] / 2
+                publisher.publish(
+                    header={"stamp": "now", "frame_id": "odom"},
+                    child_frame_id="base_link",
+                    pose={
+                        "pose": {
+                            "position": {"x": wheels["x_m"], "y": wheels["y_m"]},
+                            "orientation": {"z": math.sin(half_rad), "w": math.cos(half_rad)},
+                        }
+                    },
+                    twist={
+                        "twist": {
+                            "linear": {"x": wheels["speed_m_s"]},
+                            "angular": {"z": wheels["turn_rad_s"]},
+                        }
+                    },
+                )
+            await asyncio.sleep(PERIOD_S)
 
     async def _watch_servos(self, pins: dict[str, str]) -> None:
         """Have servo pulses reported on each pin that is an output; others cannot have a servo."""
@@ -122,6 +152,8 @@ class SimulationNode:
         word, _, rest = line.strip().partition(" ")
         if word not in WORDS or word == "reset":
             return
+        if word == "wheels":
+            self._has_wheels.set()
         if word not in _BY_PIN:
             self._words[word] = rest.strip()
             return

@@ -112,6 +112,9 @@ async def _use_node(graph: TypedGraph) -> None:
         state = json.loads((await anext(states)).data)
         assert (state["board"], state["mcu"], state["servos"]) == ("uno", "atmega328p", {})
         assert len(state["pins"]) == 20
+        command.publish(data="wheels left=D3/D8")
+        odometry = await anext(aiter(graph.messages("/volt_meter_simulation/odom")))
+        assert (odometry.child_frame_id, odometry.pose.pose.orientation.w) == ("base_link", 1)
         for line, is_done in told:
             command.publish(data=line)
             while not is_done(json.loads((await anext(states)).data)):

@@ -5,7 +5,7 @@
  *
  *     main -> pacing -> core (instructions)      commands <- stdin
  *                        |                        events  -> stdout
- *     uart <-> faults <-> link (pty, TCP)        pins, pulses, adc, sonar, network, canaries
+ *     uart <-> faults <-> link (pty, TCP)        pins, pulses, wheels, adc, sonar, network, canaries
  *                                                twi -> mpu9150, spi -> w5100 -> w5100_network
  */
 #ifndef BOARD_H
@@ -142,6 +142,12 @@ const char *pulses_watch_pwm(struct pin *pin, bool on);
 const char *pulses_watch_servo(struct pin *pin, bool on);
 bool pulses_report_servo(const struct pin *pin);
 void pulses_look(void);
+
+/* wheels.c: two motors, and where they take the robot. */
+void wheels_start(void);
+void wheels_move(void);
+void wheels_tell(void);
+const char *wheels_set(char *settings);
 
 /* adc.c: volts on analog inputs. */
 void adc_start(void);

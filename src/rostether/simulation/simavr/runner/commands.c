@@ -275,6 +275,12 @@ static const char *do_w5100(int count, char **words) {
     return count == 2 ? w5100_set(words[1]) : "a W5100 is set with address=127.0.0.2 and deaf=500";
 }
 
+static const char *do_wheels(int count, char **words) {
+    if (count > 1) return wheels_set(words[1]);
+    wheels_tell();
+    return NULL;
+}
+
 static const char *do_quit(int count, char **words) {
     (void)count, (void)words;
     board.quitting = true;
@@ -291,7 +297,7 @@ static const struct {
     {"pin", do_pin},         {"pins", do_pins},   {"power", do_power},       {"quit", do_quit},
     {"range", do_range},     {"reset", do_reset}, {"run", do_run},           {"send", do_send},
     {"servo", do_servo},     {"stack", do_stack}, {"unwatch", do_unwatch},   {"w5100", do_w5100},
-    {"watch", do_watch},
+    {"watch", do_watch},   {"wheels", do_wheels},
 };
 
 const char *command_perform(char *line) {
@@ -305,5 +311,5 @@ const char *command_perform(char *line) {
     for (size_t i = 0; i < sizeof vocabulary / sizeof *vocabulary; i++)
         if (strcmp(vocabulary[i].word, words[0]) == 0) return vocabulary[i].action(count, words);
     return "no such word; words are adc aref attitude autoreset cycles fault guard hcsr04 memory network pause pin pins power "
-           "quit range reset run send servo stack unwatch w5100 watch";
+           "quit range reset run send servo stack unwatch w5100 watch wheels";
 }

@@ -77,6 +77,7 @@ static void run_slice(void) {
         board.avr->cycle = end;
     uart_look();
     pulses_look();
+    wheels_move();
     canaries_look();
     link_flush();
     if (board.avr->cycle >= board.stop_at) stop();
