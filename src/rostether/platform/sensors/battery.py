@@ -94,7 +94,13 @@ async def publish_battery(
             text = f"below {alert_below:.0%}" if is_low else ""
             sensor.set_state("alert" if is_low else "ready", text)
 
-        await publish_readings(sensor, lambda: _readings(supply, description.rate_hz), publish, report)
+        await publish_readings(
+            sensor,
+            lambda: _readings(supply, description.rate_hz),
+            publish,
+            report,
+            hint="choose a folder of a battery with ~path",
+        )
 
 
 async def _readings(supply: Path | None, rate_hz: float) -> AsyncGenerator[dict[str, Any], None]:

@@ -18,6 +18,8 @@ from rostether.platform.sensors.registered_sensor import (
 
 MESSAGE_TYPE = "sensor_msgs/CompressedImage"
 
+_HINT = "plug the camera in, or choose another ~source, such as test"
+
 # How soon a picture appears after a program subscribes.
 _POLL_S = 0.1
 # A slow subscriber gets fewer pictures.
@@ -43,7 +45,7 @@ async def publish_pictures(
             sensor.publish(header=header, format="jpeg", data=picture)
             count += 1
 
-        await publish_readings(sensor, lambda: _while_wanted(sensor, source), publish, report)
+        await publish_readings(sensor, lambda: _while_wanted(sensor, source), publish, report, hint=_HINT)
 
 
 async def _while_wanted(

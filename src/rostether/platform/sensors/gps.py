@@ -39,7 +39,13 @@ async def publish_positions(
             else:
                 sensor.set_state("sleeping", f"no position yet; satellites: {position.satellites}")
 
-        await publish_readings(sensor, lambda: positions(address), publish, report)
+        await publish_readings(
+            sensor,
+            lambda: positions(address),
+            publish,
+            report,
+            hint="plug the receiver in, or choose another ~port",
+        )
 
 
 async def positions(address: Address) -> AsyncGenerator[Position, None]:

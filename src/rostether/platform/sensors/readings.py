@@ -45,10 +45,13 @@ async def publish_readings(
     open_source: Callable[[], AsyncGenerator[T, None]],
     publish: Callable[[T], None],
     report: Callable[[Level, str], None],
+    *,
+    hint: str,
 ) -> None:
     """Publish each reading until cancelled; `publish` also sets the state. Raises ConfigError of the source.
 
     `open_source` raises OSError or RostetherError for a device that fails; it is opened again each second.
+    `hint` tells the user what to do then.
     """
     loop = asyncio.get_running_loop()
     period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0
@@ -81,5 +84,5 @@ async def publish_readings(
         # One of several pictures may be damaged: its line would repeat all the time.
         if reason != failure and limiter.admit(reason, loop.time()) is not None:
             failure = reason
-            report(Level.ERROR, f"{sensor.description.id}: {reason}; trying again every second")
+            report(Level.ERROR, f"{sensor.description.id}: {reason}; {hint}; trying again every second")
         await asyncio.sleep(RETRY_S)

@@ -98,7 +98,11 @@ async def publish_system_load(
                 )
                 scaling = Scaling(alert_above=_ALERT_ABOVE.get(name, float("inf")))
                 readings = partial(_readings, read, rate_hz)
-                group.create_task(publish_values(graph, what, readings, scaling, report))
+                group.create_task(
+                    publish_values(
+                        graph, what, readings, scaling, report, hint="this machine may not report it"
+                    )
+                )
     except ExceptionGroup as failures:
         raise failures.exceptions[0] from None
 

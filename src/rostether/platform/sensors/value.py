@@ -40,6 +40,8 @@ async def publish_values(
     open_source: Callable[[], AsyncGenerator[float, None]],
     scaling: Scaling,
     report: Callable[[Level, str], None],
+    *,
+    hint: str = "choose another ~path or ~gpio",
 ) -> None:
     """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError."""
     async with registered_sensor(graph, description, report) as sensor:
@@ -56,4 +58,4 @@ async def publish_values(
             elif loop.time() >= alert_until_s:
                 sensor.set_state("ready")
 
-        await publish_readings(sensor, open_source, publish, report)
+        await publish_readings(sensor, open_source, publish, report, hint=hint)

@@ -107,6 +107,7 @@ async def test_test_pictures_differ() -> None:
 
 
 async def test_what_is_no_camera(tmp_path: Path) -> None:
+    pytest.importorskip("linuxpy")
     missing = V4l2Camera(tmp_path / "video0", PictureChange())
     with pytest.raises(FileNotFoundError):
         missing.check()
@@ -118,6 +119,7 @@ async def test_what_is_no_camera(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("package", ["PIL", "linuxpy.video"])
 def test_a_package_that_is_missing(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
+    pytest.importorskip("linuxpy")
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(ConfigError, match=r"run: .*rostether\[camera\]"):
         V4l2Camera(Path("/dev/video0"), PictureChange())

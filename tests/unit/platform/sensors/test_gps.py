@@ -18,6 +18,8 @@ from unit.platform.datagrams import running
 from unit.platform.sensors.shown_sensors import described, shown_sensors
 from waiting import until
 
+pytest.importorskip("pynmea2")
+
 FIX = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"
 NO_FIX = b"$GPGGA,123520,,,,,0,03,,,M,,M,,*62\r\n"
 OTHER = b"$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n"

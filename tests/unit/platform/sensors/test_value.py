@@ -51,7 +51,8 @@ async def test_a_file_that_goes_and_comes_back(tmp_path: Path) -> None:
             await shown.has_state(what.id, "ready")
             file.write_text("5")
             await shown.has_state(what.id, "alert above 10 V")
-    failed = f"{what.id}: {file}: No such file or directory; trying again every second"
+    reason = f"{file}: No such file or directory; choose another ~path or ~gpio"
+    failed = f"{what.id}: {reason}; trying again every second"
     texts = [each for each in shown.report.texts if "registered" not in each]
     assert texts == [failed, f"{what.id} works again"]
 
@@ -91,6 +92,7 @@ async def test_a_field_that_is_no_number(field: str, reason: str) -> None:
 
 
 async def test_a_gpio_line_that_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("gpiod")
     line = GpioLine("17", str(tmp_path / "gpiochip0"))
     with pytest.raises(BoardError, match="gpiochip0: line 17 cannot be read: No such file"):
         await anext(line.levels())
