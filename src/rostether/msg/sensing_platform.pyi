@@ -5,6 +5,21 @@ from typing import Any, Literal
 from rostether import rostime
 from rostether.serde.values import Message
 
+class Fleet(Message):
+    robots: list[RobotState]
+    def __init__(self, *, robots: Sequence[RobotState | Mapping[str, Any]] = ...) -> None: ...
+
+class RobotState(Message):
+    id: int
+    address: str
+    state: str
+    commanded_by: str
+    loss: float
+    signal_dbm: int
+    uses_unicast: bool
+    answered: rostime.Time
+    def __init__(self, *, id: int = ..., address: str = ..., state: str = ..., commanded_by: str = ..., loss: float = ..., signal_dbm: int = ..., uses_unicast: bool = ..., answered: rostime.Time | float | Literal["now"] = ...) -> None: ...
+
 class Sensor(Message):
     id: str
     name: str

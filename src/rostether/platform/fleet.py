@@ -63,12 +63,12 @@ class FleetSender:
         """Return the ids that several hosts share, with the hosts."""
         return self._channel.table.duplicate_ids()
 
-    async def query(self, duration_s: float = QUERY_S) -> None:
-        """Ask for statuses at the rate of commands."""
+    async def query(self, duration_s: float = QUERY_S, period_s: float = REPEAT_S) -> None:
+        """Ask for statuses, at the rate of commands unless `period_s` differs."""
         end_s = time.monotonic() + duration_s
         while time.monotonic() < end_s:
             self._send([self._commands.query()])
-            await asyncio.sleep(REPEAT_S)
+            await asyncio.sleep(period_s)
 
     async def drive(self, payload: bytes, duration_s: float = float("inf")) -> None:
         """Send a command for some time, then stop. Raises TransportError when the only robot refuses it."""

@@ -5,6 +5,7 @@ import { consolePanel } from "./console/console.ts";
 import { controlsPanel } from "./controls/controls.ts";
 import { diagnosticsPanel } from "./diagnostics/diagnostics.ts";
 import { drivePanel } from "./drive/drive.ts";
+import { fleetPanel } from "./fleet/fleet.ts";
 import { framesPanel } from "./frames/frames.ts";
 import { graphPanel } from "./graph/graph.ts";
 import { imagesPanel } from "./images/images.ts";
@@ -15,12 +16,15 @@ import { phonePanel } from "./phone/phone.ts";
 import { plotsPanel } from "./plots/plots.ts";
 import { recordingPanel } from "./recording/recording.ts";
 import { scenePanel } from "./scene/scene.ts";
+import { sensorsPanel } from "./sensors/sensors.ts";
 import { servicesPanel } from "./services/services.ts";
 import { simulationPanel } from "./simulation/simulation.ts";
 import { topicsPanel } from "./topics/topics.ts";
 
 export const panels: readonly Panel[] = [
   boardsPanel,
+  fleetPanel,
+  sensorsPanel,
   controlsPanel,
   drivePanel,
   plotsPanel,

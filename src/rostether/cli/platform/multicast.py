@@ -1,4 +1,4 @@
-"""The multicast bridge and its counterpart as roles."""
+"""The multicast bridge, its counterpart and the fleet's monitor as roles."""
 
 from __future__ import annotations
 
@@ -66,10 +66,32 @@ def multicast_topic_receiver(arguments: tuple[str, ...], ros2: str | None) -> No
     run_role("multicast_topic_receiver", arguments, _receive, ros2)
 
 
+@click.command(
+    "fleet-monitor",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role fleet-monitor _key_file:=fleet.key
+    rostether role fleet-monitor _interface:=wlan0 _key_file:=fleet.key
+    """,
+)
+@_arguments
+@ROS2_CHOICE
+def fleet_monitor(arguments: tuple[str, ...], ros2: str | None) -> None:
+    """Publish the state of each robot (`fleet`), and stop robots (service `fleet_stop`).
+
+    Parameters: ~multicast_group_addr (239.255.82.83), ~sending_port (11412), ~interface (names or
+    addresses), ~ttl (1), ~groups (all), ~key_file, ~unicast (addresses of robots that multicast does not
+    reach).
+    """
+    run_role("fleet_monitor", arguments, _monitor, ros2)
+
+
 async def _send(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
     from rostether.platform.command_link import SenderSettings
     from rostether.platform.multicast_bridge import BridgeSettings, send_topic
+    from rostether.platform.multicast_socket import GroupAddress
 
     parameters = Parameters(graph, "multicast_topic_bridge")
     framed = None
@@ -86,7 +108,7 @@ async def _send(graph: TypedGraph, _: Arguments) -> None:
         )
     settings = BridgeSettings(
         topic=await parameters.text("multicast_topic", "topic"),
-        address=await _address(parameters, "sending_port"),
+        address=await _address(parameters, GroupAddress(), "sending_port"),
         frequency_hz=await parameters.number(1000.0, "frequency"),
         framed=framed,
         input_timeout_s=await parameters.number(0.5, "input_timeout"),
@@ -98,6 +120,7 @@ async def _send(graph: TypedGraph, _: Arguments) -> None:
 async def _receive(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.command_link import ReceiverSettings
     from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
+    from rostether.platform.multicast_socket import GroupAddress
 
     parameters = Parameters(graph, "multicast_topic_receiver")
     type_name = await parameters.text("", "type")
@@ -111,7 +134,7 @@ async def _receive(graph: TypedGraph, _: Arguments) -> None:
     settings = ReceiverNodeSettings(
         type_name,
         topic=await parameters.text("multicast_topic", "topic"),
-        address=await _address(parameters, "receiving_port", "sending_port"),
+        address=await _address(parameters, GroupAddress(), "receiving_port", "sending_port"),
         sources=await parameters.words("sources"),
         framed=framed,
         has_key=framed is not None and any(framed.key),
@@ -119,12 +142,27 @@ async def _receive(graph: TypedGraph, _: Arguments) -> None:
     await receive_topic(graph, settings, reporter(graph))
 
 
-async def _address(parameters: Parameters, *port_names: str) -> GroupAddress:
-    from rostether.platform.multicast_socket import REFERENCE_GROUP, REFERENCE_PORT, GroupAddress
+async def _monitor(graph: TypedGraph, _: Arguments) -> None:
+    from rostether.platform.command_frame import ALL_GROUPS
+    from rostether.platform.command_link import SenderSettings
+    from rostether.platform.fleet import FleetSettings
+    from rostether.platform.fleet_monitor import FleetMonitor
+
+    parameters = Parameters(graph, "fleet_monitor")
+    settings = FleetSettings(
+        SenderSettings(await _group_mask(parameters) or ALL_GROUPS, key=await _key(parameters)),
+        await _address(parameters, FleetSettings().address, "sending_port"),
+        await parameters.words("unicast"),
+    )
+    await FleetMonitor(graph, settings, reporter(graph)).run()
+
+
+async def _address(parameters: Parameters, default: GroupAddress, *port_names: str) -> GroupAddress:
+    from rostether.platform.multicast_socket import GroupAddress
 
     return GroupAddress(
-        await parameters.text(REFERENCE_GROUP, *_ADDRESS_NAMES),
-        await parameters.whole(REFERENCE_PORT, 1, 65535, *port_names),
+        await parameters.text(default.group, *_ADDRESS_NAMES),
+        await parameters.whole(default.port, 1, 65535, *port_names),
         await parameters.words("interface"),
         await parameters.whole(1, 0, 255, "ttl"),
     )

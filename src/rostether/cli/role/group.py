@@ -60,6 +60,10 @@ ROLES = {
         "rostether.cli.platform.multicast:multicast_topic_receiver",
         "Publish messages that arrive from a multicast group.",
     ),
+    "fleet-monitor": VerbEntry(
+        "rostether.cli.platform.multicast:fleet_monitor",
+        "Publish the state of the fleet's robots, and stop them.",
+    ),
     "sensing-manager": VerbEntry(
         "rostether.cli.platform.sensing:sensing_manager", "Register sensors and publish their list."
     ),

@@ -1,9 +1,9 @@
 // A service that one tap calls: without a request a button, with one bool a switch.
 import { useSignal } from "@preact/signals";
 import type { Service } from "../../connection/protocol.ts";
-import { decoder, type Message } from "../../wire/decode.ts";
+import { callService } from "../../store/call_service.ts";
+import type { Message } from "../../wire/decode.ts";
 import { parseDefinition } from "../../wire/definition.ts";
-import { encoder } from "../../wire/encode.ts";
 import type { PanelContext } from "../panel.ts";
 import { isPlumbing } from "../services/plumbing.ts";
 import { brief } from "../topics/brief.ts";
@@ -34,11 +34,8 @@ export function ServiceControl({ context, service }: { context: PanelContext; se
   const field = tapOf(service);
   if (field === undefined) return null;
   const call = async (request: Message) => {
-    const { request: asked, response: answered } = service;
     try {
-      const payload = encoder(parseDefinition(asked.schemaName, asked.schema))(request);
-      const response = await context.robot.gateway.call(service.name, payload);
-      const message = decoder(parseDefinition(answered.schemaName, answered.schema))(response);
+      const message = await callService(context.robot, service, request);
       isProblem.value = message.success === false;
       answer.value = typeof message.message === "string" ? message.message : brief(message);
     } catch (error) {

@@ -1,0 +1,110 @@
+"""The node fleet_monitor: publishes the state of each robot that answers, and stops robots on request.
+
+fleet       (sensing_platform/Fleet, latched)
+fleet_stop  (sensing_platform/StopRobots: the id of a robot, 0 for all)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from rostether.graph.ports import Level
+from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.fleet import FleetSender, FleetSettings
+from rostether.platform.robot_table import Robot
+from rostether.rostime import Time
+from rostether.serde.values import Message
+
+# Fast enough for a display, and slow enough for the Wi-Fi of a large fleet.
+QUERY_PERIOD_S = 0.5
+
+# As many unanswered queries in a row as bad Wi-Fi does not lose.
+LOST_S = 3.0
+
+
+class FleetMonitor:
+    """The node; `run` until cancelled. Its queries command nothing."""
+
+    def __init__(
+        self, graph: TypedGraph, settings: FleetSettings, report: Callable[[Level, str], None]
+    ) -> None:
+        self._graph = graph
+        self._settings = settings
+        self._report = report
+        self._lost: set[tuple[int, str]] = set()
+        self._stopping = asyncio.Lock()
+
+    async def run(self) -> None:
+        """Publish until cancelled. Raises ConfigError, GraphError."""
+        queries = FleetSender(self._settings, self._report)
+        try:
+            publisher = await self._graph.publisher("fleet", "sensing_platform/Fleet", latch=True)
+            service = await self._graph.service_server(
+                "fleet_stop", "sensing_platform/StopRobots", self._stop
+            )
+            self._report(Level.INFO, f"asking the robots at {self._settings.address} for their state")
+            try:
+                while True:
+                    await queries.query(QUERY_PERIOD_S, QUERY_PERIOD_S)
+                    publisher.publish(robots=self._states(queries.robots, time.monotonic()))
+            finally:
+                await service.close()
+                await publisher.close()
+        finally:
+            queries.close()
+
+    async def _stop(self, request: Message) -> dict[str, list[int]]:
+        # One stop at a time: a second sender would make the robots refuse the first.
+        async with self._stopping:
+            sender = self._settings.sender
+            if request.robot:
+                sender = replace(sender, target=request.robot, to_groups=False)
+            stop = FleetSender(replace(self._settings, sender=sender), self._report)
+            try:
+                robots = await stop.stop()
+            finally:
+                stop.close()
+        confirmed = sorted({robot.status.robot_id for robot in robots})
+        who = f"robot {request.robot}" if request.robot else "all robots"
+        self._report(Level.INFO, f"stop sent to {who}; {len(confirmed)} confirmed it")
+        return {"confirmed": confirmed}
+
+    def _states(self, robots: list[Robot], now_s: float) -> list[dict[str, object]]:
+        """Return the robots; one that moved to another address is not lost at its old one."""
+        lost = {place(robot) for robot in robots if now_s - robot.answered_s > LOST_S}
+        here = {robot.status.robot_id for robot in robots if place(robot) not in lost}
+        for robot_id, host in sorted(lost - self._lost):
+            if robot_id not in here:
+                self._report(Level.WARN, f"robot {robot_id} ({host}) has not answered for {LOST_S:g} s")
+        for robot_id, host in sorted(self._lost - lost):
+            self._report(Level.INFO, f"robot {robot_id} ({host}) answers again")
+        self._lost = lost
+        clock = self._graph.now().to_ns()
+        return [
+            _state(robot, place(robot) in lost, clock - int((now_s - robot.answered_s) * 1e9))
+            for robot in robots
+            if place(robot) not in lost or robot.status.robot_id not in here
+        ]
+
+
+def place(robot: Robot) -> tuple[int, str]:
+    """Return what tells two robots of one id apart."""
+    return robot.status.robot_id, robot.address[0]
+
+
+def _state(robot: Robot, is_lost: bool, answered_ns: int) -> dict[str, object]:
+    status = robot.status
+    return {
+        "id": status.robot_id,
+        "address": robot.address[0],
+        "state": "lost" if is_lost else "moving" if status.is_moving else "stopped",
+        "commanded_by": "" if is_lost else status.holder,
+        "loss": math.nan if robot.loss is None else robot.loss,
+        "signal_dbm": status.signal_dbm or 0,
+        "uses_unicast": robot.needs_unicast,
+        "answered": Time.from_ns(max(0, answered_ns)),
+    }

@@ -1,0 +1,15 @@
+import type { Panel } from "../panel.ts";
+
+export const FLEET_TYPE = "sensing_platform/Fleet";
+
+export const fleetPanel: Panel = {
+  id: "fleet",
+  title: "fleet",
+  icon: "fleet",
+  isUseful: ({ topics }) => [...topics.values()].some((each) => each.typeName === FLEET_TYPE),
+  matches: ({ topics }) =>
+    [...topics.values()].some((each) => each.typeName === FLEET_TYPE && each.channelId !== undefined)
+      ? [{ key: "fleet", title: "Fleet", settings: {}, width: 2, order: 5 }]
+      : [],
+  load: () => import("./fleet_panel.tsx"),
+};
