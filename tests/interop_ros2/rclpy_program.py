@@ -12,6 +12,7 @@ import threading
 import time
 from typing import Any
 
+from rclpy.action.client import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -147,6 +148,27 @@ class Peer:
             return plain(future.result())
         finally:
             self.node.destroy_client(client)
+
+    def act(self, action: str, type: str, goal: dict[str, Any]) -> Any:  # noqa: A002
+        """Send a goal; return the feedback, the final status and the result."""
+        client: Any = ActionClient(self.node, find(type), action)
+        feedback: list[Any] = []
+        try:
+            if not client.wait_for_server(PATIENCE_S):
+                raise TimeoutError(f"nobody offers {action}")
+            sent = client.send_goal_async(
+                fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
+            )
+            wait_for(sent.done, f"{action} does not answer")
+            ended = sent.result().get_result_async()
+            wait_for(ended.done, f"{action} does not end")
+            return {
+                "feedback": feedback,
+                "status": ended.result().status,
+                "result": plain(ended.result().result),
+            }
+        finally:
+            client.destroy()
 
     def set_own_parameter(self, name: str, value: Any) -> None:
         self.node.set_parameters([Parameter(name, value=value)])

@@ -25,6 +25,8 @@ template <class Request, class Response, class Object>
 class ServiceServer;
 template <class Request, class Response>
 class ServiceClient;
+template <class Action, class Object, uint8_t ID_BYTES>
+class ActionServer;
 
 class NodeHandleBase_ : public FrameWriter {
  public:
@@ -69,6 +71,12 @@ class NodeHandleBase_ : public FrameWriter {
   bool serviceClient(ServiceClient<Request, Response>& client) {
     client.nh_ = this;
     return add(client, 2);
+  }
+  // Of ros/action_server.h.
+  template <class Action, class Object, uint8_t ID_BYTES>
+  bool advertiseAction(ActionServer<Action, Object, ID_BYTES>& server) {
+    server.nh_ = this;
+    return add(server, 4) && add(server.cancels_, 1);
   }
 
   // Tells the host of all topics and services.
@@ -130,6 +138,9 @@ class NodeHandleBase_ : public FrameWriter {
     written.write(*this);
     return finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
   }
+
+  // The longest message that can come in.
+  uint16_t largestMessage() const { return window_.largestPayload(); }
 
   // For drivers: whether the message read is one, and all of it; if so, what it points to is kept until they return.
   bool accept(const Reader& reader) {

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.used_master import used_master
@@ -17,6 +18,7 @@ from rostether.graph.ports import JoinGraph
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
+    from rostether.ros2.actions.board_graph import NativeSession
     from rostether.ros2.types.type_support import Ros2Types
 
 
@@ -55,13 +57,34 @@ async def served_graphs(
             joins.append(joining_ros1(used_environment))
             lines.append(used.line)
         if graph.ros2 is not None:
+            from rostether.ros2.actions.board_graph import BoardJoin
+
             access = await stack.enter_async_context(
                 ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files)
             )
-            joins.append(access.join)
+            boards = BoardJoin(access.join, access.types, partial(_native_session, graph, msg_paths))
+            stack.push_async_callback(boards.close)
+            joins.append(boards)
             types = access.types
             # Other nodes may bring any type; do not search folders for it in the event loop.
             await types.searched()
             lines.append(access.line)
         join = joins[0] if len(joins) == 1 else JointJoin(joins)
         yield ServedGraphs(join, used_environment, tuple(lines), types)
+
+
+@asynccontextmanager
+async def _native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> AsyncIterator[NativeSession]:
+    """Join the same ROS 2 graph with ROS 2's own types; boards have those of ROS 1."""
+    from rostether.ros2.actions.board_graph import NativeSession
+    from rostether.ros2.types.native_registry import NativeRegistry
+    from rostether.ros2.types.native_types import NativeTypes
+
+    assert graph.ros2 is not None
+    registry = NativeRegistry.from_environment(msg_paths)
+    types = NativeTypes(registry)
+    await types.searched()
+    # If this process has the router, it is the boards' session.
+    reach = ZenohReach(graph.zenoh.connect, (), "never")
+    async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
+        yield NativeSession(access.join, types, registry)

@@ -13,6 +13,6 @@ def joined_services(messages: Mapping[str, Ros2Message]) -> Iterator[Ros2Service
     for name, request in messages.items():
         service = name.removesuffix(REQUEST_SUFFIX)
         response = messages.get(service + RESPONSE_SUFFIX)
-        if service != name and request.kind == "srv" and response is not None:
+        if service != name and request.kind in ("srv", "action") and response is not None:
             short_name = request.name.removesuffix(REQUEST_SUFFIX)
-            yield Ros2Service(request.package, short_name, request, response)
+            yield Ros2Service(request.package, short_name, request, response, request.kind)

@@ -20,6 +20,9 @@ CANCEL_SERVICE: Final = "_action/cancel_goal"
 FEEDBACK_TOPIC: Final = "_action/feedback"
 STATUS_TOPIC: Final = "_action/status"
 
+# The messages of a definition, in its order.
+PARTS: Final = ("Goal", "Result", "Feedback")
+
 ID_BYTES: Final = 16
 STAMP: Final = struct.Struct("<iI")
 
@@ -66,11 +69,13 @@ class ActionTypes:
         """
         package, _, rest = name.partition("/")
         full_name = f"{package}/action/{rest.removeprefix('action/')}"
-        action = registry.definitions.action(full_name).action
+        goal, result, feedback = (f"{full_name}_{part}" for part in PARTS)
+        if not registry.definitions.has(goal):
+            registry.definitions.action(full_name)
         return cls(
-            short_name(action.goal.full_name),
-            short_name(action.result.full_name),
-            short_name(action.feedback.full_name),
+            short_name(goal),
+            short_name(result),
+            short_name(feedback),
             send_goal=registry.service_type(full_name + SEND_GOAL),
             get_result=registry.service_type(full_name + GET_RESULT),
             cancel=registry.service_type("action_msgs/srv/CancelGoal"),

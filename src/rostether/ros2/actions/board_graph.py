@@ -1,0 +1,218 @@
+"""Boards' nodes on a ROS 2 graph, on which the five topics of an action are one action of ROS 2.
+
+A board that subscribes to `count/goal` [package/CountActionGoal] serves the action `count`. These topics are
+not in the ROS 2 graph, whose nodes do not use them; everything else goes to the node itself.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias, cast
+
+from rostether.graph.ports import Graph, JoinGraph, Level, OnMessages, Publisher, Subscriber
+from rostether.msgdef.interface import MessageType
+from rostether.ros2.actions.board_action import BoardAction
+from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.native_types import NativeTypes
+from rostether.ros2.types.type_support import Ros2Types
+
+_GOAL: Final = ("/goal", "ActionGoal")
+_CANCEL: Final = ("/cancel", "actionlib_msgs/GoalID")
+_FEEDBACK: Final = ("/feedback", "ActionFeedback")
+_RESULT: Final = ("/result", "ActionResult")
+_STATUS: Final = ("/status", "actionlib_msgs/GoalStatusArray")
+
+
+@dataclass(frozen=True, slots=True)
+class NativeSession:
+    """A session on the same graph as the boards', with ROS 2's own types."""
+
+    join: JoinGraph
+    types: NativeTypes
+    registry: NativeRegistry
+
+
+OpenSession: TypeAlias = Callable[[], AbstractAsyncContextManager[NativeSession]]
+
+
+class BoardJoin:
+    """Joins boards to a ROS 2 graph; a `JoinGraph`. The session for actions is opened with the first one."""
+
+    def __init__(self, join: JoinGraph, types: Ros2Types, open_session: OpenSession) -> None:
+        self.types = types
+        self._join = join
+        self._open_session = open_session
+        self._stack = AsyncExitStack()
+        self._session: NativeSession | None = None
+        self._opening = asyncio.Lock()
+
+    async def __call__(
+        self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        """Join as `node_name`. Raises as `JoinGraph`."""
+        graph = await self._join(node_name, namespace=namespace, remappings=remappings)
+        return cast(Graph, _BoardGraph(graph, self))
+
+    async def session(self) -> NativeSession:
+        """Return the session for actions. Raises GraphError, ConfigError."""
+        async with self._opening:
+            if self._session is None:
+                self._session = await self._stack.enter_async_context(self._open_session())
+            return self._session
+
+    async def close(self) -> None:
+        """Close the session for actions. Idempotent."""
+        await self._stack.aclose()
+
+
+@dataclass(slots=True)
+class _Topics:
+    """The topics of one action: who receives cancels, and the action, once the board subscribes to goals."""
+
+    on_cancels: OnMessages | None = None
+    action: BoardAction | None = None
+    node: Graph | None = None
+
+    async def close(self) -> None:
+        """Offer the action no more."""
+        action, self.action = self.action, None
+        node, self.node = self.node, None
+        if action is not None:
+            await action.close()
+        if node is not None:
+            await node.close()
+
+
+class _BoardGraph:
+    """A board's node; what is not about topics of actions is the node's own."""
+
+    def __init__(self, graph: Graph, join: BoardJoin) -> None:
+        self._graph = graph
+        self._join = join
+        self._actions: dict[str, _Topics] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a member of the node."""
+        return getattr(self._graph, name)
+
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
+    ) -> Publisher:
+        """Advertise as `Graph.advertise`; an action receives its own topics."""
+        name = self._graph.resolve(topic)
+        for part, take in (
+            (_FEEDBACK, BoardAction.take_feedback),
+            (_RESULT, BoardAction.take_results),
+            (_STATUS, BoardAction.take_statuses),
+        ):
+            if _is(part, name, message_type):
+                return _ActionPublisher(name, message_type, self._topics(part, name), take)
+        return await self._graph.advertise(topic, message_type, latch=latch, queue_bytes=queue_bytes)
+
+    async def subscribe(
+        self, topic: str, message_type: MessageType, on_messages: OnMessages, **options: Any
+    ) -> Subscriber:
+        """Subscribe as `Graph.subscribe`; goals open an action. Raises DefinitionError, ConfigError too."""
+        name = self._graph.resolve(topic)
+        if _is(_CANCEL, name, message_type):
+            topics = self._topics(_CANCEL, name)
+            topics.on_cancels = on_messages
+            if topics.action is not None:
+                topics.action.on_cancels = on_messages
+            return _ActionSubscriber(name, topics)
+        if _is(_GOAL, name, message_type):
+            topics = self._topics(_GOAL, name)
+            await self._open(topics, name, message_type, on_messages)
+            return _ActionSubscriber(name, topics, is_goal=True)
+        return await self._graph.subscribe(topic, message_type, on_messages, **options)
+
+    async def close(self) -> None:
+        """Leave the graph with all actions. Idempotent."""
+        for topics in self._actions.values():
+            await topics.close()
+        await self._graph.close()
+
+    async def _open(
+        self, topics: _Topics, name: str, message_type: MessageType, on_goals: OnMessages
+    ) -> None:
+        session = await self._join.session()
+        action = BoardAction(
+            name.removesuffix(_GOAL[0]), message_type.name.removesuffix(_GOAL[1]), self._join.types
+        )
+        action.on_goals, action.on_cancels = on_goals, topics.on_cancels
+        await topics.close()
+        topics.node = await session.join(f"{self._graph.node_name.strip('/').replace('/', '_')}_actions")
+        try:
+            await action.open(topics.node, session.types, session.registry)
+        except BaseException:
+            await topics.close()
+            raise
+        topics.action = action
+        self._graph.log(Level.INFO, f"serves the action {action.action} [{action.action_type}]")
+
+    def _topics(self, part: tuple[str, str], name: str) -> _Topics:
+        return self._actions.setdefault(name.removesuffix(part[0]), _Topics())
+
+
+class _ActionPublisher:
+    """Gives what the board publishes to its action."""
+
+    subscriber_count = 1
+    dropped_count = 0
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: MessageType,
+        topics: _Topics,
+        take: Callable[[BoardAction, Sequence[bytes]], None],
+    ) -> None:
+        self.topic = topic
+        self.type = message_type
+        self._topics = topics
+        self._take = take
+
+    def publish_raw(self, payloads: Sequence[bytes]) -> bool:
+        """Hand the payloads over, if the action is offered."""
+        if self._topics.action is not None and payloads:
+            self._take(self._topics.action, payloads)
+        return True
+
+    async def drained(self, timeout_s: float) -> None:
+        """Return at once: nothing waits."""
+
+    async def close(self) -> None:
+        """Do nothing: the action ends with its subscription to goals."""
+
+
+class _ActionSubscriber:
+    """The board's subscription to goals or cancels."""
+
+    publisher_count = 1
+
+    def __init__(self, topic: str, topics: _Topics, *, is_goal: bool = False) -> None:
+        self.topic = topic
+        self._topics = topics
+        self._is_goal = is_goal
+
+    def pause(self) -> None:
+        """Do nothing: goals are few."""
+
+    def resume(self) -> None:
+        """Do nothing, as `pause`."""
+
+    async def close(self) -> None:
+        """End the action with its goals."""
+        if self._is_goal:
+            await self._topics.close()
+        else:
+            self._topics.on_cancels = None
+
+
+def _is(part: tuple[str, str], name: str, message_type: MessageType) -> bool:
+    """Return whether a topic is this part of an action."""
+    suffix, type_name = part
+    return name.endswith(suffix) and message_type.name.endswith(type_name)
