@@ -62,6 +62,7 @@ export class TfDisplay implements Display {
     this.dispose();
     for (const frame of this.tf.frames().slice(0, MAX_SHOWN)) {
       const group = new Group();
+      group.name = frame;
       const name = label(frame, this.lengthM * 0.3, this.color);
       name.position.z = this.lengthM * 0.35;
       group.add(axes(this.lengthM), name);

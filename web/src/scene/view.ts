@@ -65,6 +65,13 @@ export class SceneView {
     this.scene.up.set(0, 0, 1);
     this.camera.up.set(0, 0, 1);
     host.append(this.renderer.domElement);
+    // For tests: where the axes of a frame are drawn.
+    Object.assign(this.renderer.domElement, {
+      axesAt: (frame: string) => {
+        const found = this.scene.children.find((each) => each.name === frame);
+        return found && [...found.position.toArray(), ...found.quaternion.toArray()];
+      },
+    });
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.maxPolarAngle = Math.PI * 0.98;
     this.controls.addEventListener("change", () => this.markDirty());

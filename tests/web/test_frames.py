@@ -1,0 +1,76 @@
+"""Where the page draws frames, beside the numbers of Debian's tf2."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import rostether
+from interop.ros1_peers import ros_environment
+from web.browser import Browser
+from web.robot import Robot
+
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.robot]
+
+LOOKUPS = Path(__file__).parents[1] / "interop/peers/tf2_lookups.py"
+CHAIN = [("odom", "arm"), ("arm", "hand"), ("hand", "finger")]
+POSES = 10
+
+
+def random_pose(source: random.Random) -> list[float]:
+    turn = [source.gauss(0, 1) for _ in range(4)]
+    length = math.hypot(*turn)
+    return [source.uniform(-1, 1) for _ in range(3)] + [each / length for each in turn]
+
+
+async def test_ten_poses_are_drawn_where_tf2_has_them(robot: Robot, browser: Browser, tmp_path: Path) -> None:
+    source = random.Random(5)
+    steps = [[(*names, random_pose(source)) for names in CHAIN] for _ in range(POSES)]
+    script = {
+        "transforms": [
+            [parent, child, 100 + step, *pose, False]
+            for step, poses in enumerate(steps)
+            for parent, child, pose in poses
+        ],
+        "lookups": [["odom", "finger", 100 + step] for step in range(POSES)],
+    }
+    done = subprocess.run(
+        ["/usr/bin/python3", str(LOOKUPS)],
+        env=ros_environment("http://127.0.0.1:1", tmp_path),
+        input=json.dumps(script),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    page = await browser.do("open", url=robot.url + "#/scene")
+    drawn = "document.querySelector('.page-scene canvas')?.axesAt('finger')"
+    async with rostether.join("broadcaster", master=robot.master) as graph:
+        publisher = await graph.publisher("/tf", "tf2_msgs/TFMessage")
+        await browser.wait_for(page, "document.querySelector('.scene-side select') !== null")
+        await robot.wait_subscribed("/tf", wanted=True)
+        for poses, expected in zip(steps, json.loads(done.stdout), strict=True):
+            now = graph.now()
+            publisher.publish(transforms=[transform(*each, now) for each in poses])
+            # A rotation and its negative are the same.
+            near = (
+                f"((at, to) => at && [1, -1].some((sign) => at.every((each, index) => "
+                f"Math.abs((index < 3 ? each : sign * each) - to[index]) < 1e-6)))({drawn}, {expected})"
+            )
+            await browser.wait_for(page, near)
+
+
+def transform(parent: str, child: str, pose: list[float], stamp: object) -> dict[str, object]:
+    x, y, z, qx, qy, qz, qw = pose
+    return {
+        "header": {"frame_id": parent, "stamp": stamp},
+        "child_frame_id": child,
+        "transform": {
+            "translation": {"x": x, "y": y, "z": z},
+            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
+        },
+    }
