@@ -19,6 +19,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 
+from effort import effort
 from interop.ros1_peers import Ros1Peers, free_port
 from rostether.errors import GraphError
 from rostether.ros1.master.parameter_tree import ParameterTree
@@ -201,7 +202,7 @@ async def settled(side: Side) -> None:
             before = now
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(effort(1, thorough=3)))
 async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], seed: int) -> None:
     ours, theirs = sides
     sequence = Sequence(seed, replaces_nodes=True)

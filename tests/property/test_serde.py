@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from property.message_strategies import messages
 from rostether.errors import SerializationError
 from rostether.msgdef.registry import Registry
@@ -16,15 +17,15 @@ SERVICE_HALVES = [
     f"{service}{half}" for service in STORE.registry.services() for half in ("Request", "Response")
 ]
 TYPES = STORE.registry.messages() + SERVICE_HALVES
-QUICK = settings(
-    max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+SETTINGS = settings(
+    max_examples=effort(4, thorough=50),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 
 
 @pytest.mark.parametrize("name", TYPES)
-@settings(
-    max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
-)
+@SETTINGS
 @given(data=st.data())
 def test_decoding_undoes_encoding(name: str, data: st.DataObject) -> None:
     codec = STORE.codec(name)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rostether.codegen.library_source import client_library
-from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.firmware.elf import ElfFile
 
 # Flash and static RAM in bytes: avr-gcc 5.4, -Os -flto.
@@ -88,7 +88,9 @@ async def flash_sizes(board: str) -> list[FlashSize]:
     other = {wire: await _bare_bytes(board, uses_wire=wire) - bare_bytes for wire in (False, True)}
     sizes = []
     for name, (established_bytes, _) in ESTABLISHED[board].items():
-        built = await build_sketch(client_library() / "examples" / name, find_board(board))
+        # As other tests build them, so that each is compiled once.
+        sketch = client_library() / "examples" / name
+        built = await build_sketch(sketch, find_board(board), BuildOptions(warnings=True))
         flash_bytes = ElfFile.read(built.elf).flash_bytes
         sizes.append(FlashSize(name, flash_bytes, established_bytes, other[name in USES_WIRE]))
     return sizes
@@ -104,4 +106,5 @@ async def _bare_bytes(board: str, *, uses_wire: bool) -> int:
         sketch = Path(folder) / "bare" / "bare.ino"
         sketch.parent.mkdir()
         sketch.write_text(_BARE[uses_wire])
-        return ElfFile.read((await build_sketch(sketch, find_board(board))).elf).flash_bytes
+        built = await build_sketch(sketch, find_board(board), BuildOptions(warnings=True))
+        return ElfFile.read(built.elf).flash_bytes
