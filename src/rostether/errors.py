@@ -1,4 +1,4 @@
-"""All errors of rostether. The text of each says in one sentence what was wrong and what to do about it.
+"""All errors of rostether. Each text is one sentence: what was wrong, and what to do.
 
 RostetherError ├── InvalidNameError            a graph name, package name or type name that breaks the naming
 rules ├── ConfigError                 an option, link address, environment variable or file that makes no

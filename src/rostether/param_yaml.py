@@ -25,7 +25,7 @@ MAX_NESTING = 100
 MAX_FILE_CHARS = 16 << 20
 
 DOCUMENT_END = "...\n"
-# A key of a document that says into which namespace it is loaded.
+# The key of a document for the namespace that it is loaded into.
 NAMESPACE_KEY = "_ns"
 
 

@@ -37,7 +37,7 @@ class Board:
     is_kept: bool = False
     is_dismissed: bool = False
     grace_s: float | None = None
-    farewell: asyncio.TimerHandle | None = None
+    leave_timer: asyncio.TimerHandle | None = None
     leaving: asyncio.Task[None] | None = None
 
 
@@ -108,7 +108,7 @@ class BoardRegistry:
             grace_s = self._grace_s if board.grace_s is None else board.grace_s
             if is_stranger and not board.is_kept:
                 grace_s = 0.0
-            board.farewell = asyncio.get_running_loop().call_later(grace_s, self._part, board)
+            board.leave_timer = asyncio.get_running_loop().call_later(grace_s, self._part, board)
 
     def end(self, board: Board) -> None:
         """Remove a board at once because its node was shut down from outside; it may reconnect later."""
@@ -138,9 +138,9 @@ class BoardRegistry:
             self._leave(board)
 
     def _cancel_farewell(self, board: Board) -> None:
-        if board.farewell is not None:
-            board.farewell.cancel()
-            board.farewell = None
+        if board.leave_timer is not None:
+            board.leave_timer.cancel()
+            board.leave_timer = None
 
     def _leave(self, board: Board) -> None:
         self._cancel_farewell(board)

@@ -108,7 +108,7 @@ class Supervisor:
         self._tap = tap
         self._clock = asyncio.get_running_loop().time
         # Any device can connect, and connect again.
-        self._door = LimitedReporter(self._reporter, self._clock)
+        self._limited_reporter = LimitedReporter(self._reporter, self._clock)
         self._objects = BoardObjects()
         self._boards = BoardRegistry(settings.grace_s, self._clock, self._objects.node_left)
         self._health = HealthRound(
@@ -205,11 +205,13 @@ class Supervisor:
         self._reporter.line(Level.INFO, f"Waiting for boards on {listener.address}")
 
     async def _serve_peer(self, address: Address, transport: Transport) -> None:
-        self._door.line(Level.INFO, f"Connection from {transport.peer}")
+        self._limited_reporter.line(Level.INFO, f"Connection from {transport.peer}")
         if isinstance(transport, WebTransport):
             address = transport.address
         error = await self._serve(address, transport, identify_peer(transport.remote, transport.proof))
-        self._door.line(Level.INFO, str(error) if error is not None else f"{transport.peer} is closed")
+        self._limited_reporter.line(
+            Level.INFO, str(error) if error is not None else f"{transport.peer} is closed"
+        )
 
     async def _serve(
         self, address: Address, transport: Transport, identity: BoardIdentity
@@ -314,9 +316,9 @@ class Supervisor:
             # Another node shut its node down; `_watch` has reported it.
             return
         except RostetherError as error:
-            self._door.line(Level.ERROR, str(error))
+            self._limited_reporter.line(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
-            self._door.line(Level.ERROR, f"a link failed: {reason_of(error)}")
+            self._limited_reporter.line(Level.ERROR, f"a link failed: {reason_of(error)}")
 
 
 def _end_if_speechless(session: Session) -> None:

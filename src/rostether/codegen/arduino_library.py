@@ -29,7 +29,7 @@ _ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
 
 @dataclass(frozen=True, slots=True)
 class RenderedLibrary:
-    """The files of a library by their paths with slashes, and what is to be said about them.
+    """The files of a library by their paths with slashes, and what to report about them.
 
     `types` are the full names that have a header; `skipped` says a line for each package or include that
     could not be generated, and why; `warnings` what works here but may not elsewhere.

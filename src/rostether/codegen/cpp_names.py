@@ -101,7 +101,7 @@ def _new_name(field: Field, taken: set[str]) -> str:
 
 
 def is_variable_array(field: Field) -> bool:
-    """Return whether the field is an array whose length each message says."""
+    """Return whether the field is an array whose length is in each message."""
     return field.type.is_array and field.type.length is None
 
 

@@ -22,7 +22,7 @@ class MapTiles:
     """The tiles of one file. Its methods read the disk."""
 
     def __init__(self, path: Path) -> None:
-        """Open a file; raises ConfigError that says why it cannot be used."""
+        """Open a file; raises ConfigError with the reason why it cannot be used."""
         self._path = path
         try:
             with closing(self._connect()) as database:

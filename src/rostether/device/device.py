@@ -1,4 +1,4 @@
-"""The Device: a Python program, on a Raspberry Pi say, that joins ROS the way a microcontroller does."""
+"""The Device: a Python program, for example on a Raspberry Pi, that joins ROS like a microcontroller."""
 
 from __future__ import annotations
 

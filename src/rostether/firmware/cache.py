@@ -12,12 +12,13 @@ import json
 import os
 import shutil
 import stat
-import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from rostether.mechanisms.user_folders import Kind, user_folder
 
 # A core with its objects takes 1 MB for each board, a sketch some 300 KB.
 MAX_CACHE_BYTES = 256 * 1024 * 1024
@@ -28,19 +29,9 @@ PRUNE_INTERVAL_S = 3600.0
 RECENT_S = 3600.0
 
 
-def cache_folder(environ: Mapping[str, str] | None = None) -> Path:
-    """Return the folder for what we can make again: XDG_CACHE_HOME's, or what the system has for that."""
-    environ = os.environ if environ is None else environ
-    home = Path(environ.get("HOME") or Path.home())
-    if environ.get("XDG_CACHE_HOME"):
-        folder = Path(environ["XDG_CACHE_HOME"])
-    elif sys.platform == "darwin":
-        folder = home / "Library" / "Caches"
-    elif sys.platform == "win32":
-        folder = Path(environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
-    else:
-        folder = home / ".cache"
-    return folder / "rostether" / "firmware"
+def cache_folder() -> Path:
+    """Return the folder of what can be made again."""
+    return user_folder(Kind.CACHE) / "firmware"
 
 
 def digest(*parts: object) -> str:

@@ -1,4 +1,4 @@
-"""The compiler's programs, run as platform.txt's recipes say, several at once, unless nothing has changed."""
+"""Runs the compiler's programs by the recipes of platform.txt, several at once, if anything has changed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ROOMY = ("-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000", "-Wl,--defsym=__DATA_R
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """An object file, the files it was made of, and what the compiler said."""
+    """An object file, the files it was made of, and the output of the compiler."""
 
     object: Path
     files: tuple[Path, ...]

@@ -1,4 +1,4 @@
-"""What an ELF file says about memory: sections, symbols, bytes at an address, and the debugging information.
+"""The memory of an ELF file: sections, symbols, bytes at an address, and the debugging information.
 
 It reads files of 32 bits and little endian, as all supported microcontrollers have, with DWARF 2 to 5.
 This is the only module that imports pyelftools.

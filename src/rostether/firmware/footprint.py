@@ -23,7 +23,7 @@ from rostether.firmware.stack import StackEstimate, estimate_stack
 # What must be left beside the estimated stack: a second interrupt's registers, and code we read wrongly.
 MARGIN_BYTES = 64
 
-# More names for a group than these do not tell more.
+# More names than these would not make a group clearer.
 LARGEST_ITEMS = 5
 
 _OBJECT = 1
@@ -286,7 +286,7 @@ def _scope(name: str) -> str:
 
 
 def _plain(name: str) -> str:
-    """Return a name that says what a symbol of the compiler's own is."""
+    """Return a readable name for a symbol that the compiler made."""
     if name.startswith(("_GLOBAL__sub_I", "global constructors")):
         return "constructors of global objects"
     name = re.sub(r"^__vector_(\d+)$", r"interrupt \1", name)

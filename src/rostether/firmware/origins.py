@@ -27,7 +27,7 @@ _MESSAGE_NAME = re.compile(r"\b(\w+_msgs|\w+_srvs|tf|\w+_interfaces)::")
 
 @dataclass(frozen=True, slots=True)
 class Origins:
-    """Tells whose a file or a name is. `libraries` are names with the folders they stand in."""
+    """Finds the owner of a file or a name. `libraries` are names with their folders."""
 
     sketch_folder: Path | None = None
     libraries: Sequence[tuple[str, Path]] = ()
@@ -49,7 +49,7 @@ class Origins:
         return CORE if _CORE_FILE.search(file) else None
 
     def of_name(self, name: str) -> str | None:
-        """Return the group that a readable name of a function, a type or a table tells, if it does."""
+        """Return the group of a readable name of a function, a type or a table, if it shows one."""
         name = name.removeprefix("vtable for ").removeprefix("void ")
         if name.startswith(("ros::", "tf::Transform")):
             return NODE

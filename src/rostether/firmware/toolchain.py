@@ -45,7 +45,7 @@ class AvrToolchain:
 
     @cached_property
     def properties(self) -> dict[str, str]:
-        """What platform.txt says, with our flags where it leaves room for a user's."""
+        """The properties of platform.txt, with our flags in the places for a user's."""
         return parse_properties((self.core / "platform.txt").read_text(encoding="utf-8")) | {
             "compiler.path": f"{self.tools}/",
             "compiler.c.extra_flags": _DEBUG_FLAG,
@@ -109,7 +109,7 @@ def find_avr_toolchain(
 
 
 def find_arduino_cli(reason: str, environ: Mapping[str, str] | None = None) -> str:
-    """Return the path of arduino-cli; raises FirmwareError that says what it is needed for."""
+    """Return the path of arduino-cli; raises FirmwareError that names what needs it."""
     program = shutil.which("arduino-cli", path=(os.environ if environ is None else environ).get("PATH"))
     if program is None:
         raise FirmwareError(
@@ -119,7 +119,7 @@ def find_arduino_cli(reason: str, environ: Mapping[str, str] | None = None) -> s
 
 
 def _existing(patterns: tuple[str, ...]) -> list[Path]:
-    # Of several versions the newest, as far as names tell.
+    # Of several versions, the newest by name.
     return [
         Path(found)
         for pattern in patterns

@@ -36,7 +36,7 @@ class Typographic:
     plain: str
 
     def explain(self, path: str) -> str:
-        """Return a line in the compiler's form that says what to type."""
+        """Return a line in the compiler's form with what to type."""
         name = unicodedata.name(self.character, "").lower() or f"character U+{ord(self.character):04X}"
         shown = f"{self.character} " if self.character.isprintable() and not self.character.isspace() else ""
         return (

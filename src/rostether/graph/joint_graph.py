@@ -248,7 +248,7 @@ class JointGraph:
                 return await ask(graph)
             except passing as fault:
                 faults.append(fault)
-        # A graph that does not answer is no reason to say less than one that does.
+        # A graph that does not answer must not hide what the others answer.
         answered = (UnknownNameError, ServiceUnavailableError)
         raise next((fault for fault in faults if isinstance(fault, answered)), faults[0])
 

@@ -90,7 +90,7 @@ class MemoryPublisher:
             link.put([self._latched])
 
     def header_fields(self) -> dict[str, str]:
-        """Return what a TCPROS publisher would say of itself."""
+        """Return the header fields of a TCPROS publisher."""
         return {
             "topic": self.topic,
             "type": self.type.name,

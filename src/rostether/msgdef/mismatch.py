@@ -1,6 +1,6 @@
 """What a device means that announces a type with another md5sum than ours.
 
-A device only tells the md5sum. Its definition is found by trying: the types we know, earlier versions that
+A device only sends the md5sum. Its definition is found by trying: the types we know, earlier versions that
 we bring along, then ours with one change (a field or constant less, another width, another order, with or
 without Header), then the same in the messages below ours, then two changes at once.
 """

@@ -1,4 +1,4 @@
-"""What a .msg or .srv text says, as values: fields, constants, messages and services.
+"""The content of a .msg or .srv text, as values: fields, constants, messages and services.
 
 Type names are `package/Name`, as ROS 1 writes them.
 """

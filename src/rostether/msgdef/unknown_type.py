@@ -23,7 +23,7 @@ class KnownNames(Protocol):
 
 
 def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:
-    """Say why `package/short_name` is unknown and what to do."""
+    """Return why `package/short_name` is unknown and what to do."""
     wanted = f"{package}/{short_name}"
     packages = known.packages()
     if package not in packages:

@@ -19,7 +19,7 @@ _REMAP_ARGUMENT = re.compile(r"[~/A-Za-z_][A-Za-z0-9_/]*:=.*", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class Arguments:
-    """What a command line says: each remapping and parameter once, the last one given counts.
+    """The arguments of a command line: each remapping and parameter once, the last one counts.
 
     `remappings` are as written (`names.resolve.resolve_remappings` qualifies them), `private_params` are
     YAML values under their names without the underscore, `special` has keys like `__name`, and `rest` is
@@ -33,7 +33,7 @@ class Arguments:
 
 
 def parse_arguments(argv: Iterable[str]) -> Arguments:
-    """Sort the arguments as rospy does; one with an empty side (`a:=`) says nothing and is dropped.
+    """Sort the arguments as rospy does; one with an empty side (`a:=`) is dropped.
 
     Raises ConfigError for a value that is not YAML, a target that is no name, an unknown special key.
     """

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 # A longer script is generated; parsing it would hold up its start.
 _MAX_BYTES = 1 << 20
 
-# What Python says of statements and literals that only Python 2 has.
+# Python's errors for statements and literals that only Python 2 has.
 _OF_PYTHON_2 = re.compile(
     r"Missing parentheses in call to '(print|exec)'|multiple exception types must be parenthesized|"
     r"leading zeros in decimal integer literals|inconsistent use of tabs"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# What adapters are delivered with: every CP2102 says 0001. Two such boards would take each other's names.
+# Adapters are delivered with these: every CP2102 has 0001. Two such boards would take each other's names.
 _NO_SERIAL_NUMBERS = frozenset({"0001", "001", "1", "123456", "12345678", "123456789", "0123456789"})
 
 

@@ -42,7 +42,7 @@ class PortFinder:
         return self._path if Path(self._path).exists() else None
 
     def _find_elsewhere(self, identity: BoardIdentity) -> str | None:
-        """Return where the known board is, if that is another place than the path says."""
+        """Return where the known board is, if it is not at the path."""
         now_s, mark = self._clock(), folder_mark(str(Path(identity.port or self._path).parent))
         if mark != self._mark:
             self._mark, self._lists_until_s = mark, now_s + SETTLING_S

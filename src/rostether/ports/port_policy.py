@@ -16,7 +16,7 @@ class PortUse(Enum):
 
     # The user's file describes it: connect without detecting its speed.
     SERVE = auto()
-    # The user says that it is a board: ask until it answers.
+    # The user named it as a board: ask until it answers.
     EXPECT = auto()
     # A board, which may run any sketch: probe for rosserial.
     ASK = auto()

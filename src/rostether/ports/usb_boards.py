@@ -80,7 +80,7 @@ _CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303
 
 
 class Kind(Enum):
-    """What a USB id says about the device behind a port."""
+    """The device that a USB id stands for."""
 
     BOARD = auto()
     LIKELY_BOARD = auto()

@@ -1,4 +1,4 @@
-"""What a URDF says of a robot, as values: links, joints between them, and the tree they form."""
+"""The content of a URDF, as values: links, joints between them, and the tree they form."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOVED_BY_ONE_NUMBER = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, Joint
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How far a joint may go: radians or metres; `soft_*` of its safety controller, None where not said."""
+    """How far a joint may go: radians or metres; `soft_*` of its safety controller, None if not given."""
 
     lower: float = 0.0
     upper: float = 0.0
@@ -62,7 +62,7 @@ class Shape:
     """One geometry of a link: `kind` is box, cylinder, sphere or mesh.
 
     `size` is in metres: a box's edges, a cylinder's radius and length, a sphere's radius; a mesh's scale.
-    `color` is red, green, blue, alpha from 0 to 1; None where nothing is said.
+    `color` is red, green, blue, alpha from 0 to 1; None if not given.
     """
 
     kind: str

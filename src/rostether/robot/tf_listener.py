@@ -15,7 +15,7 @@ from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE, from
 from rostether.robot.transform import StampedTransform
 from rostether.serde.codec import Codec
 
-# What tf2 calls a publisher that has not said its name.
+# The name that tf2 gives to a publisher without one.
 UNKNOWN_AUTHORITY = "unknown_publisher"
 
 # Gets one message's transforms, the node they came from, and whether they are static.

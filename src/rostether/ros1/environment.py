@@ -74,7 +74,7 @@ class RosEnvironment:
     """The ROS 1 environment, validated.
 
     `master_uri_is_set`: the master was chosen, not the default; `advertised_host` goes into the URIs we
-    register; `listen_hosts` are the addresses our servers bind, `admission` says who may connect to them,
+    register; `listen_hosts` are the addresses our servers bind, `admission` decides who may connect to them,
     `limits` how much they may bring; `own_names` are names of this machine that the user gave; `namespace` is
     global.
     """

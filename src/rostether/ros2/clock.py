@@ -1,4 +1,4 @@
-"""ROS time on ROS 2: the wall clock, or what /clock says while the node's parameter use_sim_time is true."""
+"""ROS time on ROS 2: the wall clock, or the time of /clock while the parameter use_sim_time is true."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is at the ends of a graph's topics and services, in detail: what `ros2 topic info -v` tells."""
+"""The endpoints of a graph's topics and services in detail, as `ros2 topic info -v` shows them."""
 
 from __future__ import annotations
 

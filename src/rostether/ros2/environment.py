@@ -1,4 +1,4 @@
-"""What the ROS 2 environment variables say, as the middlewares themselves read them.
+"""The ROS 2 environment variables, read as the middlewares read them.
 
 Sources: ROS 2's own documentation of ROS_DOMAIN_ID and of the discovery range, and rmw_zenoh's of its
 ZENOH_* variables.
@@ -21,7 +21,7 @@ _DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 @dataclass(frozen=True, slots=True)
 class Ros2Environment:
-    """Where the ROS 2 graph is. Empty strings and None: nothing is said, the middleware's own way holds.
+    """Where the ROS 2 graph is. Empty strings and None: not set, so the middleware's default applies.
 
     `zenoh_overrides` are pairs of a zenoh configuration path and its value in JSON5.
     """

@@ -1,7 +1,7 @@
 """Estimates the offset and the rate of a board's clock, from the time answers it received and the stamps it
 sends.
 
-A board's time request says nothing of its clock (the established library leaves the value zero), but what it
+A board's time request does not show its clock (the established library leaves the value zero), but what it
 stamps does. Each time answer sets its clock; until the next one the clock runs freely:
 
     host time - stamp     an answer                    an answer
@@ -12,7 +12,7 @@ stamps does. Each time answer sets its clock; until the next one the clock runs 
 A stamp is as late as the message was under way, never early, so the lower edge is the clock: its height is
 the offset, worst at the end, its slope the drift. Both ends of an interval are compared, and the median over
 many of them rejects the intervals that a busy line has spoilt. Stamps that are not near the host's time
-(zero, or time since boot) tell nothing and are left out.
+(zero, or time since boot) show nothing and are left out.
 """
 
 from __future__ import annotations

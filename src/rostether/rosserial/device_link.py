@@ -94,7 +94,7 @@ class DeviceLink:
         self.start(0.0)
 
     def start(self, now_s: float) -> None:
-        """Boot, or boot again: unconfigured, clock at zero, nothing said until asked."""
+        """Boot, or boot again: unconfigured, clock at zero, silent until asked."""
         self._state = State.UNCONFIGURED
         self._decoder = FrameDecoder(
             self._config.version,

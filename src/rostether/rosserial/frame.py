@@ -29,7 +29,7 @@ from rostether.rosserial.topic_id import LAST_ID
 
 SYNC = 0xFF
 VERSIONS = (1, 2)
-# What the length field can say. Real boards stay below 1 kB; Linux devices send images in one frame.
+# The maximum of the length field. Real boards stay below 1 kB; Linux devices send images in one frame.
 MAX_PAYLOAD_BYTES = 0xFFFF
 
 _BYTES = tuple(bytes((value,)) for value in range(256))

@@ -13,7 +13,7 @@ from rostether.rosserial.packets import TopicInfo
 class HostLinkConfig:
     """Limits of a host link; the defaults suit every board known."""
 
-    # All that a frame can say: Linux devices send images in one frame.
+    # The maximum of a frame: Linux devices send images in one frame.
     max_payload_bytes: int = MAX_PAYLOAD_BYTES
     # The established library has at most 50; each costs a registration on the ROS side.
     max_endpoints: int = 256

@@ -1,4 +1,4 @@
-"""What a recorded line said, frame by frame, in order, for people."""
+"""The frames of a recorded line, in order, as text for people."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class Codec:
         """Return the ROS 1 serialization. Raises SerializationError naming the field that does not fit.
 
         Messages may have mappings, tuples or numpy arrays where messages and lists are meant. With `now`,
-        which tells the time, a time may be the word `now` or a number of seconds.
+        which returns the time, a time may be the word `now` or a number of seconds.
         """
         if isinstance(value, Message) and value._type == self.tree.name:
             try:

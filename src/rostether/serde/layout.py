@@ -49,7 +49,7 @@ class Layout:
         return self._tree.name
 
     def explain(self, payload: bytes) -> str:
-        """Say in one line, without a full stop, how a payload differs from the layout."""
+        """Return how a payload differs from the layout, in one line without a full stop."""
         walk = _Walk(payload)
         try:
             walk.over(self._tree, "")

@@ -96,7 +96,7 @@ class Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Member:
-    """One field of a struct; `type` is as the definition says it."""
+    """One field of a struct; `type` is spelled as in the definition."""
 
     name: str
     type: FieldType

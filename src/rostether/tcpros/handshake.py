@@ -1,6 +1,6 @@
 """Who may connect to what: the fields each side of a TCPROS connection sends first, and their check.
 
-The side that connects says what it wants; the other answers with its own fields, or with one field `error`
+The side that connects sends what it wants; the other answers with its own fields, or with one field `error`
 and the end of the connection. What the first header makes of a connection:
 
     field present            purpose          answered, then

@@ -61,7 +61,7 @@ class Greeting:
     async def exchange(self, transport: StreamTransport) -> Proof:
         """Greet over a fresh transport, which afterwards is as fresh as before; return what the peer has.
 
-        Raises TransportError or RemoteProtocolError, whose text says what the peer did.
+        Raises TransportError or RemoteProtocolError, whose text names what the peer did.
         """
         if self._context is not None:
             try:

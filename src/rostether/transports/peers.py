@@ -245,7 +245,7 @@ class PeerTable(Generic[PeerKey]):
         peer.deliver(data)
 
     def _has_spoken(self, key: PeerKey, candidate: _Candidate, data: bytes, entry: PeerEntry) -> bool:
-        """Return whether a sender has said a frame; ask it for one until then."""
+        """Return whether a sender has sent a frame; ask it for one until then."""
         candidate.data += data
         del candidate.data[:-_CANDIDATE_BYTES]
         # A datagram mostly begins with a frame, whatever came before it.

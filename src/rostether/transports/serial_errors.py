@@ -1,4 +1,4 @@
-"""Why a serial port cannot be opened, in words that say what to do."""
+"""The reasons why a serial port cannot be opened, each with the next step."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def find_holder(path: str) -> str | None:
 
 
 def explain_permission(path: str) -> str:
-    """Say who may open a port, and what to type."""
+    """Return who may open a port, and what to type."""
     group = group_of(path)
     if group is None:
         return f"no permission to open {path}: only root may use it; run: sudo chmod a+rw {path}"

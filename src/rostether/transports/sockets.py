@@ -14,7 +14,7 @@ from rostether.transports.address import LOOPBACK, show_endpoint
 
 # A name server that does not answer within this time will not.
 RESOLVE_LIMIT_S = 5.0
-# A board whose power went says nothing: probe after 5 s of silence, give up 3 probes of 2 s later.
+# A board without power does not close its connection: probe after 5 s of silence, 3 times in 6 s.
 _KEEPALIVE_IDLE_S = 5
 _KEEPALIVE_INTERVAL_S = 2
 _KEEPALIVE_PROBES = 3
@@ -89,7 +89,7 @@ async def _try_bind(host: str | None, port: int) -> None:
 
 
 def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> TransportOpenError:
-    """Say why we cannot listen there and what to type instead."""
+    """Return why an address cannot be listened on, and what to type instead."""
     shown_host = "" if host == LOOPBACK else host
     if error.errno == errno.EADDRINUSE:
         return TransportOpenError(
@@ -111,7 +111,7 @@ def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> Tra
 
 
 def explain_connect_error(place: str, error: OSError) -> TransportOpenError:
-    """Say why a peer cannot be reached."""
+    """Return why a peer cannot be reached."""
     if isinstance(error, ConnectionRefusedError):
         return TransportOpenError(f"no program listens on {place}; start it, or correct the port")
     if isinstance(error, socket.gaierror):

@@ -1,4 +1,4 @@
-"""Serial ports as people type them wrongly: what was meant, said at once instead of waiting for the port."""
+"""Finds the serial port that a mistyped name means, to report it instead of waiting for the port."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.transport import Receiver
 from rostether.transports.web_hello import WebHello, read_hello, read_progress
 
-# A page says at once which board it connects.
+# A page names its board at once.
 HELLO_LIMIT_S = 5.0
 # Pages report once a second. A busy one may be late; a board must count as away within 5 s.
 ALIVE_LIMIT_S = 4.0

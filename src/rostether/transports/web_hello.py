@@ -1,4 +1,4 @@
-"""What a web page says of the board that it connects: the text messages of `WS /serial`, sans I/O."""
+"""The description of a board that a web page connects: the text messages of `WS /serial`, sans I/O."""
 
 from __future__ import annotations
 

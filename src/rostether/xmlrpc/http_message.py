@@ -232,7 +232,7 @@ class HttpClientSide:
     def _finish(self) -> bytes:
         if self._status != 200:
             text = self._body[:200].decode("utf-8", "replace").strip().replace("\n", " ")
-            # A web page says nothing in one line.
+            # A web page does not fit into one line.
             reason = "" if not text or text.startswith("<") else f": {text}"
             raise HttpStatusError(f"HTTP status {self._status}{reason}")
         # Bytes beyond the answer were not asked for: they would be taken for the next answer.

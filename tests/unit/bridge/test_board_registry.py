@@ -149,7 +149,7 @@ async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
     board.session = new
     boards.lose(board, old)
     assert board.session is new
-    assert board.farewell is None
+    assert board.leave_timer is None
     assert not node.is_closed
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rostether.firmware import cache as cache_module
-from rostether.firmware.cache import BuildCache, cache_folder, digest, listing
+from rostether.firmware.cache import BuildCache, digest, listing
 
 
 @pytest.fixture
@@ -18,11 +18,6 @@ def cache(tmp_path: Path) -> BuildCache:
 def age(path: Path, seconds: float) -> None:
     then = time.time() - seconds
     os.utime(path, (then, then))
-
-
-def test_the_folder_is_where_the_system_wants_it(tmp_path: Path) -> None:
-    assert cache_folder({"XDG_CACHE_HOME": str(tmp_path)}) == tmp_path / "rostether" / "firmware"
-    assert cache_folder({"HOME": "/home/me"}).is_relative_to("/home/me")
 
 
 def test_a_record_is_good_until_a_file_changes(cache: BuildCache, tmp_path: Path) -> None:

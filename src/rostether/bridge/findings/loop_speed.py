@@ -1,8 +1,8 @@
 """How late a board's time requests are, which shows how slow its loop() is.
 
 A configured board requests the time when 2.5 s have passed (with our library 2.2 s), at its next
-nh.spinOnce(). A request that answers a topic request says nothing, unless it comes when the next one has been
-overdue anyway.
+nh.spinOnce(). A request that answers a topic request shows nothing, unless the next one has been overdue
+anyway.
 """
 
 from __future__ import annotations

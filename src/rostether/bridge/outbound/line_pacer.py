@@ -3,7 +3,7 @@
 The operating system would take seconds of a slow line's backlog at once, and a time answer would stand behind
 all of it. Here at most 20 ms of line time is on its way; the rest waits in the outbox, where order is ours.
 
-The baud rate alone does not tell a line's speed: boards with USB of their own ignore it. So a port that
+The baud rate alone does not give a line's speed: boards with USB of their own ignore it. So a port that
 holds nothing any more, before its line can have carried all, is taken to be twice as fast, and so on; one
 that still holds something is taken at its baud rate again. An adapter's own buffer looks like a fast line
 until it is full; the largest common one holds 0.1 s of 57600 baud.

@@ -2,7 +2,7 @@
 
 waits while another program uses it ──> opened ──> asked ──┬── a board: served until it is gone ──> again
    ^                                      │                └── none: closed and left alone
-   └────── said once, tried later <───────┘                       │
+   └────── reported, tried later <────────┘                       │
    └────── another program used it since (a new sketch?), or it was a board before <──┘
 """
 

@@ -57,7 +57,7 @@ class BoardOptions:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The board's surroundings as commands of the simulator."""
+        """The state around the board as commands of the simulator."""
         words = [f"{word} {value}" for word in _REPEATED_WORDS for value in getattr(self, word)]
         words += [f"{word} {value}" for word in _SINGLE_WORDS if (value := getattr(self, word)) is not None]
         return (*words, "autoreset on") if self.autoreset else tuple(words)

@@ -1,4 +1,4 @@
-"""`rostether msg` and `rostether srv`: what message and service definitions say, in rosmsg's form."""
+"""`rostether msg` and `rostether srv`: message and service definitions, in rosmsg's form."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def _is_interruption(error: BaseException | None) -> bool:
 
 
 def error_text(error: BaseException) -> str:
-    """Return what an error says in one line, and leave out the name of its class where the text is clear."""
+    """Return the text of an error as one line, without the name of its class if the text is clear."""
     error = first_error(error)
     text = fold_line(str(error))
     if isinstance(error, RostetherError) and text:
@@ -81,7 +81,7 @@ def _report_usage(error: click.ClickException) -> int:
     text = fold_line(error.format_message()).rstrip(".")
     for clicks, ours in _PLAINER.items():
         text = text.replace(clicks, ours)
-    # Rostether's usage errors say what to do; those of click only say what is wrong.
+    # Rostether's usage errors name the next step; those of click only name the problem.
     if context is not None and (type(error) is not click.UsageError or "unexpected extra" in text):
         text = f"{text}; see `{context.command_path} --help`"
     print_error(text)

@@ -10,7 +10,7 @@ For geometry_msgs/PointStamped it comes out as:
         if not isfinite(v3 + v4 + v5): raise not_finite
         return '{"header":{"seq":%d,"stamp":{"secs":%d,...},"frame_id":%s},"point":{"x":%r,...}}' % (...)
 
-A sum is finite only if all its numbers are. What JSON cannot say is left to the slow way.
+A sum is finite only if all its numbers are. What JSON cannot express is left to the slow way.
 """
 
 from __future__ import annotations

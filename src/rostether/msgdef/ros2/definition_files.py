@@ -38,7 +38,7 @@ _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 
 
 class Declared(Enum):
-    """What a package.xml says its definitions are."""
+    """The definitions that a package.xml lists."""
 
     ROS1 = auto()
     ROS2 = auto()

@@ -38,7 +38,7 @@ _BEFORE_CAPITALS = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 def derive(spec: MessageSpec, registry: Registry) -> Ros2Message:
     """Return the ROS 2 form of a ROS 1 message; messages below are named, not included.
 
-    Raises UnknownTypeError if a type below is missing, DefinitionError for what ROS 2 cannot say.
+    Raises UnknownTypeError if a type below is missing, DefinitionError for what ROS 2 cannot express.
     """
     dependencies(spec, registry.message)
     return _derived(spec, "msg", spec.name)
@@ -80,7 +80,7 @@ def _field(spec: MessageSpec, field: Field) -> Ros2Field:
 
 
 def _constant(constant: Constant) -> Ros2Constant | None:
-    """Return the constant in ROS 2's spelling, or None where ROS 2 has no way to say it."""
+    """Return the constant in ROS 2's spelling, or None if ROS 2 cannot express it."""
     name = "_".join(word for word in constant.name.upper().split("_") if word)
     if not is_constant_name(name):
         return None

@@ -1,4 +1,4 @@
-"""What a ROS 2 .msg, .srv or .action text says, as values.
+"""The content of a ROS 2 .msg, .srv or .action text, as values.
 
 Type names are `package/msg/Name` and `package/srv/Name`, as ROS 2 writes them; the halves of a service are
 `package/srv/Name_Request` and `package/srv/Name_Response`. The parts of an action are

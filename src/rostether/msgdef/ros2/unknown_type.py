@@ -45,7 +45,7 @@ def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
 
 
 def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:
-    """Say why `package/kind/short_name` is unknown and what to do."""
+    """Return why `package/kind/short_name` is unknown and what to do."""
     wanted = f"{package}/{kind}/{short_name}"
     packages = known.packages()
     if package not in packages:
@@ -58,7 +58,7 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
 
 
 def explain_only_idl(package: str, kind: Kind, short_name: str) -> str:
-    """Say that a type is there, but not in a form that we read."""
+    """Return that a type exists, but not in a form that we read."""
     return (
         f"{package}/{kind}/{short_name} is installed as .idl only, which rostether does not read;"
         f" write it as {short_name}.{kind} and give its folder with --msg-path DIR"

@@ -56,7 +56,7 @@ class Chunk:
 
 @dataclass(slots=True)
 class BagContent:
-    """What a bag holds; `damage` says why it had to be searched, and `whole_bytes` how far it is whole."""
+    """What a bag holds; `damage` is the reason for a search, and `whole_bytes` how far it is whole."""
 
     connections: dict[int, Connection] = field(default_factory=dict)
     chunks: list[Chunk] = field(default_factory=list)
@@ -175,7 +175,7 @@ def search(data: Buffer, position: int, damage: str, content: BagContent | None 
 
 
 def _packed_bytes(data: Buffer, position: int) -> int:
-    """Return how much the packed chunks from a position say that they hold."""
+    """Return the unpacked size in the heads of the packed chunks from a position on."""
     total = 0
     with contextlib.suppress(RecordingError):
         while position < len(data):

@@ -127,7 +127,7 @@ def encode_time(time_ns: int) -> bytes:
 
 
 def bag_header(index_position: int, connection_count: int, chunk_count: int) -> bytes:
-    """Return the first record of a file, padded; an index position of 0 says that there is no index yet."""
+    """Return the first record of a file, padded; an index position of 0 means that there is no index yet."""
     header = encode_fields(
         {
             b"op": bytes((OP_BAG,)),

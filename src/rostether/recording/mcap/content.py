@@ -68,7 +68,7 @@ class StoredChunk:
 
 @dataclass(slots=True)
 class McapContent:
-    """What a file holds; `damage` says why it had to be searched."""
+    """What a file holds; `damage` is the reason for a search."""
 
     profile: str = ""
     library: str = ""
@@ -263,7 +263,7 @@ def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: in
 
 
 def _packed_bytes(data: Buffer) -> int:
-    """Return how much the packed chunks say that they hold."""
+    """Return the unpacked size in the heads of the packed chunks."""
     total, position = 0, len(MAGIC)
     with contextlib.suppress(RecordingError):
         while position < len(data):

@@ -1,4 +1,4 @@
-"""Taking the records of MCAP files apart, with no trust in what they say of their lengths."""
+"""Decodes the records of MCAP files, and trusts none of their lengths."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ class McapReader:
 
     @property
     def profile(self) -> str:
-        """What its header says about its messages, such as `ros1`."""
+        """The profile in its header, such as `ros1`."""
         return self._content.profile
 
     @property

@@ -117,7 +117,7 @@ class ChunkIndex:
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """How much a file says that it holds; `counts` by channel number."""
+    """The statistics of a file; `counts` by channel number."""
 
     message_count: int
     schema_count: int

@@ -21,7 +21,7 @@ from rostether.ros2.types.type_support import Ros2Types
 
 @dataclass(slots=True)
 class Channel:
-    """One topic with one type in one file; `origin` is what the file says of it."""
+    """One topic with one type in one file; `origin` is its description in the file."""
 
     number: int
     topic: str

@@ -1,4 +1,4 @@
-"""metadata.yaml, which says what the files of a ROS 2 bag hold. Written in version 9, that of Jazzy.
+"""metadata.yaml, which lists the content of the files of a ROS 2 bag. Written in version 9, that of Jazzy.
 
 Source: rosbag2_storage's yaml.hpp.
 """

@@ -19,7 +19,7 @@ FIRST_RETRY_S = 0.1
 # Each retry to a publisher that is gone costs one refused connection; longer waits annoy users.
 MAX_RETRY_S = 5.0
 
-# Failures in a row before a word is said, after 0.7 s: a publisher that ends is unregistered by then.
+# Failures in a row before a report, after 0.7 s: a publisher that ends is unregistered by then.
 PATIENT_FAILURES = 4
 
 _log = logging.getLogger("rostether.ros1")

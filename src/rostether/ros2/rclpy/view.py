@@ -61,7 +61,7 @@ def take_snapshot(node: Any) -> Snapshot:
 def offered_types(node: Any, service: str) -> list[str]:
     """Return the types that servers offer a service as, in the executor's thread.
 
-    What rclpy says of a service without naming a node counts clients too.
+    What rclpy reports of a service without naming a node counts clients too.
     """
     types: set[str] = set()
     for name, namespace in node.get_node_names_and_namespaces():

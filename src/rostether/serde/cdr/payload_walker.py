@@ -1,4 +1,4 @@
-"""A slow walk over one payload: it says what does not fit and where, and turns big-endian CDR around."""
+"""A slow walk over one payload: it finds what does not fit and where, and swaps big-endian CDR."""
 
 from __future__ import annotations
 

@@ -9,11 +9,12 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rostether.errors import BoardError, first_error
 from rostether.mechanisms.program import run_program
+from rostether.mechanisms.user_folders import Kind, user_folder
 
 SOURCES = Path(__file__).parent / "runner"
 PACKAGES = "gcc libsimavr-dev libelf-dev"
@@ -25,14 +26,6 @@ _COMPILERS = ("cc", "gcc", "clang")
 _NAME = "rostether-simavr"
 
 
-def cache_folder(environ: Mapping[str, str] | None = None) -> Path:
-    """Return where the compiled runner is kept."""
-    environ = os.environ if environ is None else environ
-    home = Path(environ.get("HOME") or Path.home())
-    caches = Path(environ["XDG_CACHE_HOME"]) if environ.get("XDG_CACHE_HOME") else home / ".cache"
-    return caches / "rostether" / "simavr"
-
-
 async def build_runner() -> Path:
     """Return the runner's program, compiled now if it has not been.
 
@@ -40,7 +33,7 @@ async def build_runner() -> Path:
     """
     compiler = _find_compiler()
     sources = sorted(SOURCES.glob("*.c"))
-    program = cache_folder() / f"{_NAME}-{_key(compiler)}"
+    program = user_folder(Kind.CACHE) / "simavr" / f"{_NAME}-{_key(compiler)}"
     if program.exists():
         return program
     try:

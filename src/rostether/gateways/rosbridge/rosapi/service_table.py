@@ -1,6 +1,6 @@
 """The services of rosapi, row by row: name, type, what answers a request, and the response's fields.
 
-In ROS 2 requests for parameters also say whether they succeeded, and why not.
+In ROS 2, answers about parameters also have whether they succeeded, and why not.
 """
 
 from __future__ import annotations
