@@ -10,7 +10,7 @@ published there. A node that has the same mark in two graphs is in both. A name 
 
 from __future__ import annotations
 
-import secrets
+import os
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -85,4 +85,4 @@ def replace_names(names: set[str], new: set[str]) -> None:
 
 
 def _token() -> str:
-    return f"{time.time_ns():016x}{secrets.token_hex(4)}"
+    return f"{time.time_ns():016x}{os.urandom(4).hex()}"

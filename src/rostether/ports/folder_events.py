@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +22,9 @@ class FolderEvents:
     def __init__(self, folders: Sequence[str]) -> None:
         if sys.platform != "linux":
             raise OSError("inotify is Linux's")
+        # Most bridges are given their ports and watch no folder.
+        import ctypes
+
         self._folders = [os.fsencode(folder) for folder in folders]
         self._library = ctypes.CDLL(None, use_errno=True)
         self._descriptor: int = self._library.inotify_init1(_IN_NONBLOCK | _IN_CLOEXEC)

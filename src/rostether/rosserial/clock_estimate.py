@@ -18,7 +18,8 @@ many of them rejects the intervals that a busy line has spoilt. Stamps that are 
 from __future__ import annotations
 
 from collections import deque
-from statistics import median
+
+from rostether.mechanisms.median import median
 
 # A stamp further off is not the synchronised clock's: answers come every 2.5 s.
 SOUND_S = 5.0

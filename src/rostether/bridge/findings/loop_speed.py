@@ -8,9 +8,9 @@ anyway.
 from __future__ import annotations
 
 from collections import deque
-from statistics import median
 
 from rostether.bridge.findings.finding import Code, Finding, warning
+from rostether.mechanisms.median import median
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
 # Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms.
