@@ -217,7 +217,8 @@ class CommandReceiver:
             self.refusal = Refusal.HELD
             self._refused = max(self._refused, (frame.epoch_us, frame.sequence))
             return "another sender commands this robot"
-        if not is_stop and self._settings.kind not in (None, frame.kind):
+        # Frames that end motion have no payload, and so no type.
+        if Flags.ARMED in frame.flags and not is_stop and self._settings.kind not in (None, frame.kind):
             self.refusal = Refusal.OTHER_TYPE
             return f"the command is of another type: {frame.kind.hex()} begins its MD5 sum"
         return ""

@@ -133,6 +133,8 @@ def test_a_command_of_another_type(robot: CommandReceiver) -> None:
     assert robot.receive(other.command(b"", 0.0)[0], 0.0) is None
     assert "01020304" in robot.last_refusal
     assert robot.receive(other.stop(0.0)[0], 0.0) is not None
+    assert robot.receive(other.release(), 0.0) is not None
+    assert robot.deadline_s is None
 
 
 def test_the_sequence_ends_with_a_new_epoch() -> None:
