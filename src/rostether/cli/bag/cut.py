@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     "cut",
     cls=Verb,
     examples="""
-    rostether bag cut recordings -O seen.bag --from 14:02
-    rostether bag cut recordings -O seen.bag --from 14:02:30 --duration 10s --topic "/sensors/Robot3/*"
-    rostether bag cut monday.bag tuesday.bag -O night.bag --from 23:55 --duration 10m
+    rostether bag cut recordings -o seen.bag --from 14:02
+    rostether bag cut recordings -o seen.bag --from 14:02:30 --duration 10s --topic "/sensors/Robot3/*"
+    rostether bag cut monday.bag tuesday.bag -o night.bag --from 23:55 --duration 10m
     """,
 )
 @click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECORDING...")
 @click.option(
-    "-O",
+    "-o",
     "--output",
     "target",
     required=True,

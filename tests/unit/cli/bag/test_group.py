@@ -328,10 +328,10 @@ def test_cut_a_time_out_of_a_folder(bag: Path, tmp_path: Path, shell: Shell) -> 
     start = datetime.fromtimestamp(START_NS // NS_PER_S)
     target = tmp_path / "seen.mcap"
     printed = shell.output(
-        *("bag", "cut", str(bag.parent), "-O", str(target), "--duration", "5m", "-t", "/a"),
+        *("bag", "cut", str(bag.parent), "-o", str(target), "--duration", "5m", "-t", "/a"),
         *("--from", f"{start:%Y-%m-%d %H:%M:%S}"),
     )
     assert printed.startswith(f"{target}: 15 messages from 1 recordings, from ")
-    failed = shell.failure("bag", "cut", str(bag), "-O", str(target), "--from", "2020-01-01 10:00")
+    failed = shell.failure("bag", "cut", str(bag), "-o", str(target), "--from", "2020-01-01 10:00")
     assert "nothing was recorded at Jan 01 2020 10:00:00.00" in failed
     assert "the recordings reach from Nov 1" in failed
