@@ -120,6 +120,17 @@ def matching_lines(expected: tuple[str, ...], printed: str) -> list[str]:
     return found
 
 
+def lines_until(expected: tuple[str, ...], printed: str) -> list[str]:
+    """Return all lines up to the one in which the last of the expected ones was printed."""
+    position = 0
+    for line in expected:
+        match = _line_pattern(line).search(printed, position)
+        assert match is not None
+        position = match.end()
+    rest_of_line = printed[position:].partition("\n")[0]
+    return (printed[:position] + rest_of_line).splitlines() if expected else []
+
+
 def _line_pattern(line: str) -> re.Pattern[str]:
     parts, position = [], 0
     text = line.strip()

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.page import Step, argv, matching_lines, missing_lines, programs, steps
+from docs.page import Step, argv, lines_until, matching_lines, missing_lines, programs, steps
 from interop.machines import own_loopback
 from interop.ros1_peers import free_port
 from unit.firmware.sketches import users_cache
@@ -114,7 +114,8 @@ class Terminal:
                 time.sleep(0.02)
         if leave_running:
             assert process.poll() is None, f"`{command}` ended:\n{self._neutral(output)}"
-            return matching_lines(expected, printed)
+            lines = lines_until(expected, printed)
+            return lines if len(lines) <= MAX_WHOLE_LINES else matching_lines(expected, printed)
         try:
             ended = process.wait(0.5) is not None
         except subprocess.TimeoutExpired:

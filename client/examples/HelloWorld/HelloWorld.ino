@@ -10,6 +10,7 @@ ros::NodeHandle nh;
 
 std_msgs::String text;
 ros::Publisher chatter("chatter", &text);
+unsigned long sent_ms;
 
 void setup() {
   nh.initNode();
@@ -17,8 +18,10 @@ void setup() {
 }
 
 void loop() {
-  text.data = "hello world!";
-  chatter.publish(&text);
+  if (millis() - sent_ms >= 1000) {
+    sent_ms = millis();
+    text.data = "hello world!";
+    chatter.publish(&text);
+  }
   nh.spinOnce();  // talks with the host; call it often
-  delay(1000);
 }

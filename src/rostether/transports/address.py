@@ -181,6 +181,7 @@ _KNOWN_OPTIONS = {
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
 _HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
+_IPV4 = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3}){3}")
 _WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
 _YES = ("yes", "true", "on", "1")
 _NO = ("no", "false", "off", "0")
@@ -313,6 +314,13 @@ def _split_scheme(text: str, place: str) -> tuple[str, str]:
         )
     if _is_number(place):
         raise ConfigError(f"not a link address: {place!r}; to listen on that TCP port, write tcp://:{place}")
+    if _IPV4.fullmatch(place):
+        raise ConfigError(
+            f"not a link address: {place!r}; boards connect to this machine: write tcp://:11411, and "
+            f"give them this machine's address; to connect to a board, write tcp://{place}:PORT?connect=yes"
+        )
+    if place.lower() in _KNOWN_OPTIONS:
+        raise ConfigError(f"not a link address: {text!r}; see `rostether serve --help` for {place.lower()}:")
     raise ConfigError(f"not a link address: {text!r}; write a serial port with its path, /dev/{place}")
 
 

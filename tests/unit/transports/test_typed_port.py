@@ -53,3 +53,10 @@ def test_what_may_be_plugged_in_later_is_waited_for(address: str) -> None:
 def test_a_number_is_a_tcp_port() -> None:
     with pytest.raises(ConfigError, match=re.escape("to listen on that TCP port, write tcp://:11411")):
         parse_address("11411?name=x")
+
+
+def test_a_host_and_a_kind_of_link_are_explained() -> None:
+    with pytest.raises(ConfigError, match=re.escape("tcp://192.168.1.7:PORT?connect=yes")):
+        parse_address("192.168.1.7")
+    with pytest.raises(ConfigError, match=re.escape("see `rostether serve --help` for udp:")):
+        parse_address("udp")

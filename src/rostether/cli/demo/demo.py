@@ -158,7 +158,7 @@ async def _demo(environment: RosEnvironment, wanted: _Wanted, devices: DeviceBoo
                 else None,
                 ServedGraphs(join, used.environment, ()),
                 (),
-                reporter.line,
+                recent.warning if is_live else reporter.line,
             )
         )
         view = DemoView(supervisor.boards, clock)

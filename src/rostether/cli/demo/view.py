@@ -87,6 +87,11 @@ class RecentLines:
         if level >= Level.INFO:
             self.lines.append(f"{node}: {text}" if node else text)
 
+    def warning(self, level: Level, text: str) -> None:
+        """Keep one line of a part whose other lines the screen shows elsewhere."""
+        if level >= Level.WARN:
+            self.line(level, text)
+
 
 class DemoView:
     """Collects what the demo shows; a payload is decoded only when it is drawn."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rostether.cli.access.ros1_access import master_client
 from rostether.errors import UnknownNameError
+from rostether.graph.joint_marks import is_mark
 from rostether.mechanisms.text import did_you_mean
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
@@ -31,13 +32,14 @@ class TopicView:
 
 
 async def fetch_topics(environment: RosEnvironment) -> list[TopicView]:
-    """Return all topics, sorted by name. Raises MasterUnreachableError."""
+    """Return all topics that can carry messages, sorted by name. Raises MasterUnreachableError."""
     async with master_client(environment) as client:
         publishers, subscribers, _ = await client.system_state()
         types = await client.topic_types()
     return [
         TopicView(name, types.get(name, UNKNOWN_TYPE), publishers.get(name, []), subscribers.get(name, []))
         for name in sorted(publishers.keys() | subscribers.keys())
+        if not is_mark(name)
     ]
 
 

@@ -90,7 +90,9 @@ def test_recent_lines_leave_debug_out() -> None:
     recent = RecentLines()
     recent.line(Level.INFO, "shown", node="/board")
     recent.line(Level.DEBUG, "not shown")
-    assert list(recent.lines) == ["/board: shown"]
+    recent.warning(Level.INFO, "shown elsewhere")
+    recent.warning(Level.WARN, "the port is in use")
+    assert list(recent.lines) == ["/board: shown", "the port is in use"]
 
 
 def test_our_command_is_a_path_where_only_we_are_on_path(

@@ -4,6 +4,7 @@ import pytest
 
 from rostether.cli.topic.ros1_chosen_topic import choose_topic
 from rostether.cli.topic.ros1_view import TopicView
+from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.ros1.node.node import Ros1Graph
@@ -64,6 +65,11 @@ def test_list_for_scripts(board: Ros1Graph, shell: Shell) -> None:
         "subscribers": [],
     }
     assert records["/anything"]["type"] is None
+
+
+def test_marks_of_relays_and_joint_boards_are_not_listed(graph: LiveGraph, shell: Shell) -> None:
+    graph.do(graph.node("both").advertise(new_joint_mark(), MARK_TYPE))
+    assert "/rostether/" not in shell.output("topic", "list")
 
 
 def test_info(graph: LiveGraph, board: Ros1Graph, shell: Shell) -> None:
