@@ -10,19 +10,19 @@
 #include <ESP8266WiFi.h>
 #endif
 
-class EthernetUDP;
-
 namespace ros {
 
-// Whether sending needs a socket of its own: a W5100 or W5500 keeps the group's address where an answer's would go.
+// Whether answers need a socket of their own: in a group, a socket of a W5100 or W5500 sends only to the group.
 template <class NetworkUdp>
 struct AnswersApart {
   enum { value = 0 };
 };
+#if defined(ethernet_h_)  // Arduino's Ethernet library, which the sketch includes before
 template <>
 struct AnswersApart<EthernetUDP> {
   enum { value = 1 };
 };
+#endif
 template <bool apart>
 struct AnswersApartTag {};
 

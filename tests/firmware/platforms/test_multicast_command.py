@@ -23,6 +23,7 @@ from rostether.platform.command_link import (
     ReceiverSettings,
     SenderSettings,
 )
+from rostether.platform.multicast_socket import open_sender
 from rostether.platform.status_frame import Refusal, decode_status
 from rostether.platform.status_reporter import StatusReporter
 from unit.platform.datagrams import loopback_group
@@ -231,6 +232,28 @@ async def test_a_deaf_socket_is_opened_and_hears_again(robot: Path) -> None:
                 await sketch.line("drive 90 1")
                 await sketch.line("open")
     channel.close()
+
+
+async def test_bare_datagrams_are_obeyed_until_they_end(robot: Path) -> None:
+    group = loopback_group()
+    # Bytes of the reference's bridge; what is not this message moves nothing.
+    message = bytes.fromhex("0000000000000080000000000000f03f")
+    datagrams = (b"", bytes(15), bytes(17), bytes(100), message)
+
+    async def repeat() -> None:
+        with open_sender(group, "127.0.0.1") as sock:
+            while True:
+                for datagram in datagrams:
+                    sock.sendto(datagram, (group.group, group.port))
+                await asyncio.sleep(0.02)
+
+    async with running(robot, group.port, "bare") as sketch:
+        sending_all = asyncio.create_task(repeat())
+        await sketch.line("drive -0 1")
+        sending_all.cancel()
+        await sketch.line("halt")
+        await sketch.line("open")
+    assert set(sketch.lines) == {"halt", "open", "drive -0 1"}
 
 
 def test_flags_are_those_of_the_frame() -> None:

@@ -1,5 +1,6 @@
 // A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. Prints what it does, a line each:
 //   multicast_robot PORT [DEAF_AFTER]     drive DIRECTION SPEED, halt, open; its socket goes deaf after so many datagrams
+//   multicast_robot PORT bare             the same with ros::MulticastTopic
 // Robot 3 of group 1 line by line, without a network: a time in milliseconds and a datagram in hexadecimal on standard
 // input. Prints what each demands, and the status that answers it in hexadecimal:
 //   multicast_robot < LINES               0 nothing, 1 drive, 2 stop, 3 stop after silence; the status, or -
@@ -10,6 +11,7 @@
 #include <EthernetUdp.h>
 #include <arduino_control/ArduinoControl.h>
 #include <ros/multicast_command.h>
+#include <ros/multicast_topic.h>
 
 HardwareSerial Serial;
 EthernetClass Ethernet;
@@ -37,6 +39,17 @@ static void drive(const arduino_control::ArduinoControl& command) { printf("driv
 static void halt() { printf("halt\n"); }
 const ros::FleetKey KEY("30313233343536373839616263646566");
 static ros::MulticastCommand<arduino_control::ArduinoControl, DeafUdp> commands(&drive, &halt, KEY);
+
+static ros::MulticastTopic<arduino_control::ArduinoControl, DeafUdp> topic(&drive, &halt, 200);
+
+template <class Commands>
+static void obey(Commands& by, const char* port) {
+  by.begin(IPAddress(239, 255, 82, 83), static_cast<uint16_t>(atoi(port)));
+  for (;;) {
+    by.spinOnce();
+    delay(2);
+  }
+}
 
 static void obeyLines() {
   // The kind of arduino_control/ArduinoControl.
@@ -70,11 +83,8 @@ int main(int count, char** arguments) {
     obeyLines();
     return 0;
   }
+  if (count > 2 && strcmp(arguments[2], "bare") == 0) obey(topic, arguments[1]);
   if (count > 2) deaf_after = atoi(arguments[2]);
   commands.setRobot(3);
-  commands.begin(IPAddress(239, 255, 82, 83), static_cast<uint16_t>(atoi(arguments[1])));
-  for (;;) {
-    commands.spinOnce();
-    delay(2);
-  }
+  obey(commands, arguments[1]);
 }

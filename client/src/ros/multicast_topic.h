@@ -1,0 +1,86 @@
+// The messages of a topic from a multicast group, in bare datagrams: what rostether's multicast bridge sends without
+// `_framed`, and the reference's bridge always.
+//
+//   ros::MulticastTopic<arduino_control::ArduinoControl, EthernetUDP> commands(&drive, &halt);
+//   ...
+//   commands.begin(IPAddress(224, 0, 1, 1), 12345);
+//   ...
+//   commands.spinOnce();
+//
+// Every machine in the network can send such datagrams. Use ros::MulticastCommand where you can.
+#ifndef ROS_MULTICAST_TOPIC_H_
+#define ROS_MULTICAST_TOPIC_H_
+
+#include <Arduino.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ros/message.h"
+#include "ros/multicast_socket.h"
+
+namespace ros {
+
+// M is a generated message of at most PAYLOAD_BYTES. `halt` is called when no message has come for `timeout_ms`.
+template <class M, class NetworkUdp, uint16_t PAYLOAD_BYTES = 64>
+class MulticastTopic {
+ public:
+  typedef void (*Drive)(const M&);
+  typedef void (*Halt)();
+
+  MulticastTopic(Drive drive, Halt halt, uint16_t timeout_ms = 500)
+      : drive_(drive), halt_(halt), timeout_ms_(timeout_ms), obeyed_ms_(0), moving_(false) {}
+
+  // Stops the robot and joins the group. The network must be up.
+  void begin(const IPAddress& group, uint16_t port) {
+    halt_();
+    socket_.begin(static_cast<uint32_t>(group), port);
+  }
+
+  // Call it in each loop.
+  void spinOnce() {
+    for (uint8_t count = 0; count < MOST_DATAGRAMS && take(); ++count) {}
+    const uint32_t now_ms = millis();
+    const bool expired = moving_ && now_ms - obeyed_ms_ >= timeout_ms_;
+    if (expired) {
+      moving_ = false;
+      halt_();
+    }
+    socket_.watch(now_ms, expired);
+  }
+
+  bool isMoving() const { return moving_; }
+
+ private:
+  // More of them wait for the next loop.
+  static const uint8_t MOST_DATAGRAMS = 8;
+
+  bool take() {
+    // Aligned for the messages that stay in it.
+    union {
+      uint32_t aligned;
+      uint8_t bytes[PAYLOAD_BYTES];
+    } buffer;
+    const int size = socket_.next();
+    if (size <= 0) return false;
+    if (static_cast<size_t>(size) > sizeof buffer.bytes) return true;
+    const size_t length = static_cast<size_t>(size);
+    socket_.udp().read(buffer.bytes, length);
+    M message;
+    if (message.deserialize(buffer.bytes, length, sizeof buffer.bytes) < 0) return true;
+    obeyed_ms_ = millis();
+    moving_ = true;
+    drive_(message);
+    return true;
+  }
+
+  MulticastSocket<NetworkUdp> socket_;
+  Drive drive_;
+  Halt halt_;
+  uint16_t timeout_ms_;
+  uint32_t obeyed_ms_;
+  bool moving_;
+};
+
+}  // namespace ros
+
+#endif
