@@ -72,11 +72,9 @@ export class PhoneSensor {
         hasRoom: () => link.hasRoom,
         publish: (fields, measuredMs) => {
           const stamp = link.stamp(measuredMs);
-          if (run !== this.run || !stamp) return false;
+          if (run !== this.run || !stamp) return;
           const payload = this.encode({ header: { stamp, frame_id: frame }, ...fields });
-          const isSent = link.publish(channel, payload);
-          if (isSent) this.rate.add(performance.now(), payload.length);
-          return isSent;
+          if (link.publish(channel, payload)) this.rate.add(performance.now(), payload.length);
         },
         fail,
       });

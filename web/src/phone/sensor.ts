@@ -35,8 +35,8 @@ export interface SensorOutput {
   readonly settings: SensorSettings;
   /** Whether a message would leave soon; a large one that would not need not be made. */
   hasRoom(): boolean;
-  /** Publishes the fields beside the header, measured at a time of the page in milliseconds; false if it cannot. */
-  publish(fields: Record<string, unknown>, measuredMs: number): boolean;
+  /** Publishes the fields beside the header, measured at a time of the page in milliseconds. */
+  publish(fields: Record<string, unknown>, measuredMs: number): void;
   /** Reports what ends the sensor later. */
   fail(problem: Problem): void;
 }
