@@ -70,6 +70,8 @@ export const texts = {
     },
     noReport: (age: string) => `No report for ${age}`,
     connectedFor: (age: string) => `up ${age}`,
+    program: (flash: string, ram: string) => `Sketch: ${flash} flash, ${ram} RAM`,
+    ofLimit: (used: string, limit: string) => `${used} of ${limit}`,
     topics: (count: number) => (count === 1 ? "1 topic" : `${count} topics`),
     lost: (dropped: number, damaged: number) =>
       dropped + damaged === 0 ? "nothing lost" : `${dropped} dropped, ${damaged} damaged`,

@@ -18,6 +18,7 @@ from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.host_link_config import HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.store import TypeStore
+from rostether.transports.address import ProgramSize
 
 
 class BoardNode:
@@ -48,6 +49,8 @@ class BoardNode:
 
         # For diagnostics: a serial number or address, the same each time the board connects.
         self.hardware_id = ""
+        # None if the bridge does not know what the board runs.
+        self.program: ProgramSize | None = None
 
     def link_config(self) -> HostLinkConfig:
         """Return the limits of a connection to the board."""

@@ -231,6 +231,7 @@ class Supervisor:
         try:
             node = board.node or await self._give_node(address, board, device)
             node.hardware_id = hardware_id(address, transport.peer, identity)
+            node.program = address.program if isinstance(address, SerialAddress) else None
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress | WebAddress) else None
             if self._tap is not None:
                 transport = self._tap(transport)

@@ -51,16 +51,28 @@ class _Named:
 
 
 @dataclass(frozen=True, slots=True)
+class ProgramSize:
+    """What the program of a board takes of its memory; a limit is 0 if it is not known."""
+
+    flash_bytes: int
+    flash_limit_bytes: int
+    ram_bytes: int
+    ram_limit_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
 class SerialAddress(_Named):
     """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
 
-    `given` are the options in the address: they override devices.toml.
+    `given` are the options in the address: they override devices.toml. `program` is set if the board is known
+    to run it.
     """
 
     path: str
     baud: int = DEFAULT_BAUD
     reset: bool = True
     given: tuple[str, ...] = field(default=(), compare=False, kw_only=True)
+    program: ProgramSize | None = field(default=None, compare=False, kw_only=True)
 
     def __str__(self) -> str:
         return self.path

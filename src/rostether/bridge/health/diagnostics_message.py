@@ -70,6 +70,11 @@ class StatusWriter:
         yield "clock offset [ms]", _scaled(health.clock.offset_s(view.round_trip_s), 1e3, "+.1f")
         yield "clock drift [ppm]", _scaled(health.clock.drift_ppm, 1, "+.0f")
         yield "loop late [ms]", _scaled(late_s, 1e3, ".0f")
+        if (program := node.program) is not None:
+            yield "flash [bytes]", str(program.flash_bytes)
+            yield "flash limit [bytes]", str(program.flash_limit_bytes or UNKNOWN)
+            yield "RAM [bytes]", str(program.ram_bytes)
+            yield "RAM limit [bytes]", str(program.ram_limit_bytes or UNKNOWN)
         for name, endpoint in zip(names, view.endpoints, strict=True):
             yield f"{name} type", endpoint.type
             yield f"{name} [messages]", str(endpoint.message_count)

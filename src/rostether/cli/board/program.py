@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 
 from rostether.cli.shell.output import warn
-from rostether.errors import BoardError, SketchError
+from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
 from rostether.mechanisms.own_loop import in_own_loop
+from rostether.transports.address import ProgramSize
 
 _PROGRAM_SUFFIXES = (".elf", ".hex")
 
@@ -30,3 +32,23 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
         warn(error.diagnostics.rstrip())
         raise
     return built.elf
+
+
+def measure_program(path: Path, board: str) -> ProgramSize | None:
+    """Return what a program takes of a board's memory; None unless it is an ELF file. Reads the disk."""
+    from rostether.firmware.build import find_board
+    from rostether.firmware.elf import ElfFile
+
+    if path.suffix.lower() != ".elf":
+        return None
+    flash_limit_bytes = ram_limit_bytes = 0
+    # Without a toolchain, the sizes of the board's memory are not known.
+    with contextlib.suppress(ConfigError, FirmwareError):
+        memory = find_board(board)
+        flash_limit_bytes, ram_limit_bytes = memory.flash_bytes, memory.ram_bytes
+    try:
+        program = ElfFile.read(path)
+    except FirmwareError:
+        # The simulator reports what is wrong with it.
+        return None
+    return ProgramSize(program.flash_bytes, flash_limit_bytes, program.ram_bytes, ram_limit_bytes)

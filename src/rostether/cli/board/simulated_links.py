@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.board.qemu import MACHINES, start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
-from rostether.transports.address import Address, SerialAddress, SimAddress
+from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
@@ -60,16 +60,17 @@ async def simulated(
                 continue
             name = link.name or _name(Path(link.program), names)
             names.append(name)
+            size: ProgramSize | None = None
             if link.board in MACHINES:
                 place, report = await _start_qemu(link, reporter, stack)
             else:
-                board = await _start_avr(link, reporter, stack, msg_paths)
+                board, size = await _start_avr(link, reporter, stack, msg_paths)
                 place, report = board.address, _report(board, str(link), reporter, _hidden(link))
                 if join is not None:
                     joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
                     reports.append(asyncio.create_task(_be_node(board, link, joining, reporter)))
             reports.append(asyncio.get_running_loop().create_task(report))
-            opened.append(SerialAddress(place, name=name, ns=link.ns))
+            opened.append(SerialAddress(place, name=name, ns=link.ns, program=size))
         # The reports end first: a board that is ended on purpose has nothing to report.
         stack.push_async_callback(_end, reports)
         yield opened
@@ -77,9 +78,9 @@ async def simulated(
 
 async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
-) -> SimulatedBoard:
-    """Start a board that ends with the exit stack."""
-    from rostether.cli.board.program import find_program
+) -> tuple[SimulatedBoard, ProgramSize | None]:
+    """Start a board that ends with the exit stack; return it, and what its program takes."""
+    from rostether.cli.board.program import find_program, measure_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
@@ -88,13 +89,14 @@ async def _start_avr(
     preparing = f"preparing a simulated {link.board} for {link.program}; this takes longer the first time"
     with reported_when_long(partial(reporter.line, Level.INFO), preparing):
         program = await find_program(Path(link.program), link.board, msg_paths)
+        size = await asyncio.to_thread(measure_program, program, link.board)
         board = await stack.enter_async_context(
             await SimulatedBoard.start(
                 program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
             )
         )
     reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}")
-    return board
+    return board, size
 
 
 async def _be_node(

@@ -74,7 +74,7 @@ async def demo_board(
 
 @asynccontextmanager
 async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> AsyncIterator[DemoBoard]:
-    from rostether.cli.board.program import find_program
+    from rostether.cli.board.program import find_program, measure_program
     from rostether.firmware.toolchain import find_avr_toolchain
     from rostether.simulation.simavr.compile import missing_parts
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
@@ -86,6 +86,7 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
     building = "Building the sketch for a simulated Arduino Uno; only the first time takes some seconds."
     with reported_when_long(write_line, building, after_s=_LONG_BUILD_S):
         program = await find_program(SKETCH, UNO)
+        size = await asyncio.to_thread(measure_program, program, UNO)
         started = await SimulatedBoard.start(program, board=UNO, words=[_range_word(obstacle, loop.time())])
     async with started as board:
 
@@ -98,7 +99,7 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
                 moving.cancel()
                 await asyncio.gather(moving, return_exceptions=True)
 
-        link = SerialAddress(board.address, baud=_BAUD, name=name)
+        link = SerialAddress(board.address, baud=_BAUD, name=name, program=size)
         yield DemoBoard("Arduino Uno, simulated: a compiled AVR sketch", link, TOPICS, plug_in)
 
 

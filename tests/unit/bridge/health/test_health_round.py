@@ -13,6 +13,7 @@ from rostether.bridge.session import Session
 from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.packets import TopicInfo
+from rostether.transports.address import ProgramSize
 from rostether.transports.memory import memory_pair
 from unit.bridge.nodes import STORE, World, text, topic_info
 from unit.bridge.raw_board import RawBoard
@@ -61,6 +62,8 @@ def test_a_healthy_board_once_a_second() -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()
+        assert world.entry.node is not None
+        world.entry.node.program = ProgramSize(14532, 32256, 812, 0)
         wire = await world.connect(115200)
         board = SketchBoard(wire, turn=every(0.05, publish("range", stamped)))
         board.publisher("range", "sensor_msgs/Range").subscriber("led").plug_in()
@@ -82,6 +85,8 @@ def test_a_healthy_board_once_a_second() -> None:
         assert told["subscriber led [messages]"] == "0"
         assert float(told["round trip [ms]"]) < 20
         assert int(told["received [bytes/s]"]) > 500
+        assert told["flash [bytes]"] == "14532"
+        assert (told["RAM [bytes]"], told["RAM limit [bytes]"]) == ("812", "unknown")
         assert {"clock offset [ms]", "clock drift [ppm]", "sent [bytes]", "loop late [ms]"} <= told.keys()
         assert arrays[-1].header.stamp.to_ns() > arrays[0].header.stamp.to_ns()
         await board.unplug()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import pytest
 
 from loop_watch import FolderWatch
-from rostether.cli.board.program import find_program
+from rostether.cli.board.program import find_program, measure_program
 from rostether.errors import BoardError
 
 SKETCH = "void setup() {}\nvoid loop() {}\n"
@@ -51,3 +52,16 @@ async def test_a_real_build_lists_no_folder_on_the_event_loop(
     program = await find_program(sketch, "uno")
     assert watch.listed == []
     assert program.exists()
+    size = measure_program(program, "uno")
+    assert size is not None
+    assert (size.flash_limit_bytes, size.ram_limit_bytes) == (32256, 2048)
+    assert 0 < size.flash_bytes < 2000
+    # Without a board of that name, the program's size is known, and the memory is not.
+    assert measure_program(program, "none") == replace(size, flash_limit_bytes=0, ram_limit_bytes=0)
+
+
+def test_other_files_than_elf_have_no_known_size(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.elf"
+    broken.write_bytes(b"no program")
+    assert measure_program(broken, "uno") is None
+    assert measure_program(tmp_path / "program.hex", "uno") is None

@@ -57,11 +57,28 @@ export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number
           .filter(Boolean)
           .join(" · ")}
       </p>
+      <ProgramSize board={board} />
       <Findings findings={status.findings} level={status.level} />
       {isConnected && <LineFigures board={board} />}
       {status.endpoints.length > 0 && <Endpoints board={board} robot={robot} />}
     </section>
   );
+}
+
+/** What its sketch takes of its memory, where the robot knows the sketch. */
+function ProgramSize({ board }: { board: Board }) {
+  const bytes = (key: string) => numberOf(board.status.values, key);
+  const [flash, ram] = [bytes("flash [bytes]"), bytes("RAM [bytes]")];
+  if (flash === undefined || ram === undefined) return null;
+  return (
+    <p class="board-peer">
+      {t.program(ofLimit(flash, bytes("flash limit [bytes]")), ofLimit(ram, bytes("RAM limit [bytes]")))}
+    </p>
+  );
+}
+
+function ofLimit(used: number, limit: number | undefined): string {
+  return limit === undefined ? formatBytes(used) : t.ofLimit(formatBytes(used), formatBytes(limit));
 }
 
 function LineFigures({ board }: { board: Board }) {
