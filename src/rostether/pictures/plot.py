@@ -27,6 +27,7 @@ _GRID: Color = (226, 229, 234)
 _SIZE = 11.0
 
 # Pixels between marks, at least.
+_WIDTH, _HEIGHT = 900, 480
 _TICK_HEIGHT = 36.0
 _TICK_WIDTH = 90.0
 _LEGEND_ROW = 16.0
@@ -77,9 +78,7 @@ class _Frame:
         return self.bottom - axis.part(value) * (self.bottom - self.top)
 
 
-def draw_plot(
-    curves: Sequence[Curve], labels: Labels | None = None, *, width: int = 900, height: int = 480
-) -> Scene:
+def draw_plot(curves: Sequence[Curve], labels: Labels | None = None) -> Scene:
     """Draw the curves over the time in which they have values; title and legend add to the height."""
     labels = labels or Labels()
     times = [time_s for curve in curves for time_s, _ in curve.points]
@@ -90,7 +89,7 @@ def draw_plot(
         for is_right, group in sides.items()
         if group or not is_right
     }
-    count = max(2, int(height / _TICK_HEIGHT))
+    count = max(2, int(_HEIGHT / _TICK_HEIGHT))
     margins = {
         is_right: max((text_width(text, _SIZE) for _, text in axis.ticks(count)), default=0.0) + 8
         for is_right, axis in axes.items()
@@ -100,14 +99,14 @@ def draw_plot(
     top = legend_top + len(curves) * _LEGEND_ROW + (_LEGEND_ROW if has_units else 4)
     frame = _Frame(
         _MARGIN + margins[False],
-        width - _MARGIN - margins.get(True, 0.0),
+        _WIDTH - _MARGIN - margins.get(True, 0.0),
         top,
-        top + height - 3 * _MARGIN,
+        top + _HEIGHT - 3 * _MARGIN,
         across,
     )
-    scene = Scene(width, math.ceil(frame.bottom + 3 * _MARGIN))
+    scene = Scene(_WIDTH, math.ceil(frame.bottom + 3 * _MARGIN))
     if labels.title:
-        scene.text(width / 2, _MARGIN + _TITLE_SIZE * 0.5, labels.title, _TITLE_SIZE, _INK, Anchor.MIDDLE)
+        scene.text(_WIDTH / 2, _MARGIN + _TITLE_SIZE * 0.5, labels.title, _TITLE_SIZE, _INK, Anchor.MIDDLE)
     for is_right, axis in axes.items():
         _draw_scale(scene, frame, axis, sides[is_right], count, is_right=is_right)
     _draw_times(scene, frame, labels)

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
     from rostether.transports.transport import Transport
 
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 record_limit_option = click.option(
     "--record-limit",

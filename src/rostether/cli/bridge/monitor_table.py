@@ -18,7 +18,6 @@ _NAME_MAX = 40
 _WIDE = 100
 _ARROWS = {"publisher": "->", "subscriber": "<-", "service server": "=>", "service client": "<="}
 _STATE_STYLES: dict[str, Style] = {"connected": "green", "disconnected": "bold red", "gone": "bold red"}
-_WARN = 1
 _ERROR = 2
 
 

@@ -15,7 +15,6 @@ from rostether.mechanisms.text import fold_line
 
 EXIT_DONE = 0
 EXIT_FAILED = 1
-EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 # click's names for the types of our options, and plain names for them.
 _PLAINER = {

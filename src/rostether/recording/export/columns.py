@@ -22,7 +22,6 @@ from rostether.serde.type_tree import Array, Node, Stamp, Struct
 # Elements of an array that have columns of their own: a covariance has 36.
 MAX_SPREAD = 64
 
-_INDEX = re.compile(r"\[[^\]]*\]")
 _WHOLE = "[:]"
 
 

@@ -44,9 +44,6 @@ class _Weight(NamedTuple):
     values: int
 
 
-_NOTHING = _Weight(0, 0)
-
-
 def watch_key(name: str) -> str:
     """Return the form of a resolved name under which watchers are kept: with a trailing slash."""
     return "/" + "".join(f"{part}/" for part in _parts(name))

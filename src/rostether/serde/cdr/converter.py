@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import SerializationError
 from rostether.msgdef.ros2.spec import Ros2Message
-from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Record, Side, Slot
+from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Record, Side
 from rostether.serde.cdr.converter_source import ERRORS, LITTLE_ENDIAN, compile_conversion
 from rostether.serde.cdr.field_matching import Lookup, match_fields
 from rostether.serde.cdr.payload_walker import Misfit, PayloadWalker
@@ -19,10 +19,12 @@ class CdrConverter:
     """Converts payloads of one pair of types, both ways.
 
     CDR is what ROS 2's middlewares carry: four bytes of encapsulation, then XCDR version 1. We write little
-    endian, and read both byte orders; bytes behind the message are padding and not looked at.
+    endian, and read both byte orders; bytes behind the message are padding and not looked at. Fields that
+    ROS 2 does not have are dropped on the way there, and zero on the way back; fields that ROS 1 does not
+    have get the definition's default, or zero, on the way to ROS 2.
     """
 
-    __slots__ = ("_tree", "from_cdr", "only_in_ros1", "only_in_ros2", "ros1_name", "ros2_name", "to_cdr")
+    __slots__ = ("_tree", "from_cdr", "ros1_name", "ros2_name", "to_cdr")
 
     # Convert ROS 1 serialization to CDR. Raises SerializationError.
     to_cdr: Callable[[bytes], bytes]
@@ -33,11 +35,6 @@ class CdrConverter:
     def __init__(self, tree: Record, ros1_name: str, ros2_name: str) -> None:
         self.ros1_name = ros1_name
         self.ros2_name = ros2_name
-
-        # Fields that ROS 2 does not have: dropped on the way there, zero on the way back.
-        self.only_in_ros1 = tuple(_own(tree.ros1_slots, Side.ROS1))
-        # Fields that ROS 1 does not have: the definition's default, or zero, on the way to ROS 2.
-        self.only_in_ros2 = tuple(_own(tree.ros2_slots, Side.ROS2))
         self._tree = tree
         self.to_cdr = compile_conversion(tree, Side.ROS2, self._refuse_ros1)
         self.from_cdr = compile_conversion(tree, Side.ROS1, self._other_cdr)
@@ -88,8 +85,3 @@ def compile_message(ros1: Struct, ros2: Ros2Message, lookup: Lookup) -> CdrConve
     Raises TypeMismatchError if their fields do not fit, and what `lookup` raises.
     """
     return CdrConverter(match_fields(ros1, ros2, lookup), ros1.name, ros2.full_name)
-
-
-def _own(slots: Sequence[Slot], side: Side) -> list[str]:
-    names = [slot.ros1_name or slot.ros2_name for slot in slots if slot.side is side]
-    return [name for name in names if name != DUMMY_NAME]

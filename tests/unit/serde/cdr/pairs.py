@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rostether.msgdef.ros2.parse import parse_message
 from rostether.msgdef.ros2.spec import Ros2Message
+from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Side
 from rostether.serde.cdr.converter import CdrConverter, compile_message
 from rostether.serde.store import TypeStore
 from rostether.serde.type_tree import TypeTrees
@@ -36,6 +37,16 @@ class Pairs:
 def pair(ros1: str, ros2: str) -> CdrConverter:
     """Return the converter of two texts."""
     return Pairs({"M": ros1}, {"M": ros2}).converter()
+
+
+def own_fields(converter: CdrConverter) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the fields that only ROS 1 has, and those that only ROS 2 has."""
+    tree = converter._tree
+    slots = ((tree.ros1_slots, Side.ROS1), (tree.ros2_slots, Side.ROS2))
+    ros1, ros2 = (
+        [slot.ros1_name or slot.ros2_name for slot in each if slot.side is side] for each, side in slots
+    )
+    return tuple(ros1), tuple(name for name in ros2 if name != DUMMY_NAME)
 
 
 def _full(name: str, prefix: str) -> str:

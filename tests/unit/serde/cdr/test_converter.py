@@ -8,7 +8,7 @@ import pytest
 
 from rostether.errors import DefinitionError, SerializationError
 from rostether.serde.cdr import converter_source
-from unit.serde.cdr.pairs import Pairs, pair
+from unit.serde.cdr.pairs import Pairs, own_fields, pair
 
 HEAD = b"\0\1\0\0"
 
@@ -100,12 +100,12 @@ def test_padding_behind_cdr_is_no_part_of_it(name: str) -> None:
 
 def test_what_one_side_lacks() -> None:
     converter = pair("uint8 a\nuint16 gone\nstring lost", "uint8 a")
-    assert converter.only_in_ros1 == ("gone", "lost")
+    assert own_fields(converter)[0] == ("gone", "lost")
     assert converter.to_cdr(b"\7\1\1" + text(b"abc")) == HEAD + b"\7"
     assert converter.from_cdr(HEAD + b"\7") == b"\7\0\0" + u32(0)
 
     converter = pair("uint8 a", 'uint8 a\nfloat64 b 1.5\nstring c "hi"\nint16[] d [1, 2]\nbool e')
-    assert converter.only_in_ros2 == ("b", "c", "d", "e")
+    assert own_fields(converter)[1] == ("b", "c", "d", "e")
     cdr = converter.to_cdr(b"\7")
     assert cdr[4:] == (
         b"\7" + bytes(7) + struct.pack("<d", 1.5) + u32(3) + b"hi\0\0" + u32(2) + b"\1\0\2\0" + b"\0"
