@@ -13,6 +13,10 @@ VERBS = {
     ),
     "board": VerbEntry("rostether.cli.board.group:board", "Run sketches on simulated boards."),
     "doctor": VerbEntry("rostether.cli.bridge.doctor:doctor", "Diagnose why a board does not connect."),
+    "self-check": VerbEntry(
+        "rostether.cli.bridge.self_check:self_check",
+        "Show which optional parts work on this machine.",
+    ),
     "monitor": VerbEntry("rostether.cli.bridge.monitor:monitor", "Monitor all boards and their topics live."),
     "link": VerbEntry(
         "rostether.cli.link.group:link", "Record, show and replay the bytes on a board's line."

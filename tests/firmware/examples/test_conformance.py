@@ -1,6 +1,8 @@
-"""The C++ client on a simulated Uno passes the conformance kit, at the speed of a real board."""
+"""The C++ client on simulated boards passes the conformance kit, at the speed of real boards."""
 
 from __future__ import annotations
+
+import pytest
 
 from firmware.examples.stage import running_alone
 from rostether.conformance.case import Verdict
@@ -9,8 +11,9 @@ from rostether.conformance.run_cases import CASES, run_cases
 from rostether.transports.opening import open_transport
 
 
-async def test_the_library_passes_the_cases() -> None:
-    async with running_alone("Conformance") as board:
+@pytest.mark.parametrize("board_kind", ["uno", "leonardo"])
+async def test_the_library_passes_the_cases(board_kind: str) -> None:
+    async with running_alone("Conformance", board_kind) as board:
         client = CheckedClient(lambda: open_transport(board.address))
         try:
             await client.open()

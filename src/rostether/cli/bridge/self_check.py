@@ -1,0 +1,175 @@
+"""`rostether self-check`: which optional parts work on this machine, and how to get the others."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import BoardError, RostetherError
+from rostether.extras import install_command
+
+# Each extra: a module that it installs, the distribution that has it, and what it is for.
+_EXTRAS = (
+    ("zenoh", "zenoh", "eclipse-zenoh", "ROS 2 over zenoh"),
+    ("rclpy", "rclpy", "ros-rclpy", "ROS 2 over an installed rclpy"),
+    ("rosbridge", "cbor2", "cbor2", "CBOR for rosbridge"),
+    ("tls", "cryptography", "cryptography", "certificates for --tls auto"),
+    ("mdns", "zeroconf", "zeroconf", "boards on the network find the bridge"),
+    ("recording", "lz4", "lz4", "compressed recordings"),
+    ("parquet", "pyarrow", "pyarrow", "export to Parquet"),
+    ("pictures", "resvg_py", "resvg-py", "pictures as PNG"),
+    ("robot", "xacro", "xacro", "xacro files"),
+    ("uvloop", "uvloop", "uvloop", "a faster event loop"),
+)
+_BROWSERS = ("chromium", "google-chrome", "firefox", "xdg-open")
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One optional part: its name, what it is for, what was found (empty: nothing), and the next step."""
+
+    part: str
+    purpose: str
+    found: str = ""
+    next_step: str = ""
+
+
+@click.command("self-check", cls=Verb, examples="rostether self-check\nrostether self-check --json")
+@json_option
+def self_check(as_json: bool) -> None:
+    """Show which optional parts of rostether work on this machine, and how to get the others.
+
+    Connects to nothing and starts no program. To diagnose a board, use `rostether doctor`.
+    """
+    for each in findings():
+        if as_json:
+            write_json(
+                {
+                    "part": each.part,
+                    "purpose": each.purpose,
+                    "works": bool(each.found),
+                    "found": each.found or None,
+                    "next_step": each.next_step or None,
+                }
+            )
+        else:
+            write_line(
+                f"{'yes' if each.found else 'no':<4} {each.part:<16} {each.purpose:<40} {each.found}".rstrip()
+            )
+            if not each.found:
+                write_line(f"     {each.next_step}")
+
+
+def findings() -> Iterator[Finding]:
+    """Yield the findings, extras first."""
+    for extra, module, distribution, purpose in _EXTRAS:
+        yield _extra(extra, module, distribution, purpose)
+    yield _checked("avr-gcc", "sketches for AVR boards", _find_compiler)
+    yield _program(
+        "arduino-cli",
+        "sketches for other boards",
+        "install it: https://arduino.github.io/arduino-cli",
+    )
+    yield _program("avrdude", "flashing AVR boards", "on Debian and Ubuntu: sudo apt install avrdude")
+    yield _checked("simavr", "simulated AVR boards", _find_simavr)
+    yield _program(
+        "qemu-system-arm",
+        "simulated Cortex-M boards",
+        "on Debian and Ubuntu: sudo apt install qemu-system-arm",
+    )
+    yield _serial()
+    yield _browser()
+    if sys.platform == "linux":
+        works = Path("/run/systemd/system").is_dir()
+        yield Finding(
+            "systemd",
+            "start at boot",
+            "runs" if works else "",
+            "nothing to do, unless `rostether up` shall start at boot: use a Linux with systemd",
+        )
+    yield _checked("multicast", "robots of a fleet", _find_multicast)
+
+
+def _extra(extra: str, module: str, distribution: str, purpose: str) -> Finding:
+    if find_spec(module) is None:
+        return Finding(extra, purpose, next_step=f"run: {install_command(extra)}")
+    try:
+        return Finding(extra, purpose, f"{distribution} {importlib.metadata.version(distribution)}")
+    except importlib.metadata.PackageNotFoundError:
+        # Of a sourced ROS 2, or of the system.
+        return Finding(extra, purpose, f"{module}, not installed by pip")
+
+
+def _program(name: str, purpose: str, next_step: str) -> Finding:
+    return Finding(name, purpose, shutil.which(name) or "", next_step)
+
+
+def _checked(part: str, purpose: str, find: Callable[[], str]) -> Finding:
+    """Report what a search finds, or its error, which names the next step."""
+    try:
+        return Finding(part, purpose, find())
+    except (RostetherError, OSError) as error:
+        return Finding(part, purpose, next_step=str(error))
+
+
+def _find_compiler() -> str:
+    from rostether.firmware.toolchain import find_avr_toolchain
+
+    toolchain = find_avr_toolchain()
+    return f"{toolchain.tools}/avr-gcc, core {toolchain.core}"
+
+
+def _find_simavr() -> str:
+    from rostether.simulation.simavr.compile import missing_parts
+
+    if missing := missing_parts():
+        raise BoardError(missing)
+    return "libsimavr and a C compiler"
+
+
+def _find_multicast() -> str:
+    import socket
+
+    from rostether.platform.multicast_socket import REFERENCE_GROUP
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        # Joins the group on the route's interface; nothing is sent.
+        group = socket.inet_aton(REFERENCE_GROUP) + socket.inet_aton("0.0.0.0")  # noqa: S104 - any interface
+        probe.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+    return f"{REFERENCE_GROUP} can be joined"
+
+
+def _serial() -> Finding:
+    from rostether.transports.serial import list_ports
+    from rostether.transports.serial_errors import explain_permission
+
+    purpose = "boards on serial ports"
+    ports = list_ports()
+    if not ports:
+        return Finding("serial ports", purpose, next_step="no port found; connect a board with a USB cable")
+    denied = [port.path for port in ports if not os.access(port.path, os.R_OK | os.W_OK)]
+    if denied:
+        return Finding("serial ports", purpose, next_step=explain_permission(denied[0]))
+    return Finding("serial ports", purpose, ", ".join(port.path for port in ports[:4]))
+
+
+def _browser() -> Finding:
+    found = next((path for name in _BROWSERS if (path := shutil.which(name))), "")
+    if not found and sys.platform in ("darwin", "win32"):
+        found = "the system's"
+    return Finding(
+        "browser",
+        "the dashboard on this machine",
+        found,
+        "open the dashboard's address on a phone or another machine",
+    )
