@@ -22,24 +22,35 @@ bool wait_for(uint8_t flag) {
   return true;
 }
 
+void copy(IPAddress& from, uint8_t* to) {
+  for (uint8_t i = 0; i < 4; ++i) to[i] = from[i];
+}
+
 }  // namespace
 
 EthernetClass Ethernet;
 
-void EthernetClass::begin(uint8_t* mac, IPAddress ip) { begin(mac, ip, IPAddress(ip[0], ip[1], ip[2], 1)); }
+void EthernetClass::begin(uint8_t* mac, IPAddress ip) {
+  memcpy(mac_, mac, sizeof mac_);
+  for (uint8_t i = 0; i < 4; ++i) {
+    ip_[i] = dns_[i] = gateway_[i] = ip[i];
+    mask_[i] = 255;
+  }
+  dns_[3] = gateway_[3] = 1;
+  mask_[3] = 0;
+  is_chip_started_ = false;
+}
 void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress dns) {
-  begin(mac, ip, dns, IPAddress(ip[0], ip[1], ip[2], 1));
+  begin(mac, ip);
+  copy(dns, dns_);
 }
 void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress dns, IPAddress gateway) {
-  begin(mac, ip, dns, gateway, IPAddress(255, 255, 255, 0));
+  begin(mac, ip, dns);
+  copy(gateway, gateway_);
 }
 void EthernetClass::begin(uint8_t* mac, IPAddress ip, IPAddress dns, IPAddress gateway, IPAddress subnet) {
-  memcpy(mac_, mac, sizeof mac_);
-  ip_ = ip;
-  dns_ = dns;
-  gateway_ = gateway;
-  mask_ = subnet;
-  is_chip_started_ = false;
+  begin(mac, ip, dns, gateway);
+  copy(subnet, mask_);
 }
 
 int EthernetClient::connect(IPAddress ip, uint16_t port) {

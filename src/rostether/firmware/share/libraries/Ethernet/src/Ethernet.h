@@ -29,10 +29,10 @@ class EthernetClass {
   int maintain() { return 0; }
   EthernetLinkStatus linkStatus() { return LinkON; }
   EthernetHardwareStatus hardwareStatus() { return EthernetW5100; }
-  IPAddress localIP() { return ip_; }
-  IPAddress subnetMask() { return mask_; }
-  IPAddress gatewayIP() { return gateway_; }
-  IPAddress dnsServerIP() { return dns_; }
+  IPAddress localIP() { return IPAddress(ip_); }
+  IPAddress subnetMask() { return IPAddress(mask_); }
+  IPAddress gatewayIP() { return IPAddress(gateway_); }
+  IPAddress dnsServerIP() { return IPAddress(dns_); }
   // How long the chip waits for the hardware address of another machine, and how often it asks again.
   void setRetransmissionTimeout(uint16_t timeout_ms);
   void setRetransmissionCount(uint8_t count);
@@ -43,7 +43,8 @@ class EthernetClass {
  private:
   uint8_t mac_[6];
   bool is_chip_started_;
-  IPAddress ip_, dns_, gateway_, mask_;
+  // Not IPAddress: a sketch without UDP would have their constructors for nothing.
+  uint8_t ip_[4], dns_[4], gateway_[4], mask_[4];
 };
 
 extern EthernetClass Ethernet;

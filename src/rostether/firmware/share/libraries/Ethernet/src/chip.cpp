@@ -19,10 +19,7 @@ void EthernetClass::startChip() {
   is_chip_started_ = true;
   W5100.init();
   W5100.setMACAddress(mac_);
-  const IPAddress addresses[] = {ip_, gateway_, mask_};
-  uint8_t bytes[3][4];
-  for (uint8_t i = 0; i < 12; ++i) bytes[i / 4][i % 4] = addresses[i / 4][i % 4];
-  W5100.setIPAddress(bytes[0]);
-  W5100.setGatewayIp(bytes[1]);
-  W5100.setSubnetMask(bytes[2]);
+  W5100.setIPAddress(ip_);
+  W5100.setGatewayIp(gateway_);
+  W5100.setSubnetMask(mask_);
 }
