@@ -156,7 +156,7 @@ async def test_second_core_says_the_port_is_taken() -> None:
 async def test_demo_ends_by_itself_with_messages() -> None:
     uri = f"http://localhost:{free_port()}"
     async with started("demo", "--ros1", "--seconds", "2", ROS_MASTER_URI=uri) as demo:
-        text = await demo.finish(30)
+        text = await demo.finish()
     assert demo.process.returncode == 0
     assert "Setup publisher on ultrasound [sensor_msgs/Range]" in text
     last = next(line for line in reversed(text.splitlines()) if "discarded" in line)
