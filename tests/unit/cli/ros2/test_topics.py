@@ -205,10 +205,10 @@ def test_types_that_only_their_node_knows(world: ZenohWorld, shell: Shell, tmp_p
             in error
         )
         described, raw = tmp_path / "described", tmp_path / "raw"
-        shell.output("bag", "record", "-O", str(raw), "-l", "2", "--duration", "2", "/odd")
+        shell.output("bag", "record", "-O", str(raw), "-l", "2", "--duration", "60", "/odd")
         world.do(_describe_odd(world))
         assert shell.output("topic", "echo", "--once", "/odd").startswith("values:\n- 0.0\n- 0.0\n")
-        shell.output("bag", "record", "-O", str(described), "-l", "2", "--duration", "2", "/odd")
+        shell.output("bag", "record", "-O", str(described), "-l", "2", "--duration", "60", "/odd")
     finally:
         world.stop(talking)
         world.do(publisher.close())
