@@ -72,7 +72,8 @@ class CommandReceiver {
     else if (age < 0) refusal_ = OLDER;
     else if (flags & STOP_ALL) refusal_ = NONE;
     else if (age && held_) refusal_ = HELD;
-    else if (compare(frame + 24, reinterpret_cast<const uint8_t*>(&kind_), 4)) refusal_ = OTHER_TYPE;
+    // Frames that end motion have no payload, and so no type.
+    else if (flags & ARMED && compare(frame + 24, reinterpret_cast<const uint8_t*>(&kind_), 4)) refusal_ = OTHER_TYPE;
     else refusal_ = NONE;
     if (!refusal_) {
       if (age) {

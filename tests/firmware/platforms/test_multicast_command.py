@@ -123,6 +123,7 @@ def test_other_senders_are_refused_and_told_who_commands(robot: Path) -> None:
     to_robot = SenderSettings(3, to_groups=False, kind=KIND, key=KEY)
     first, second = CommandSender(to_robot, 1_000), CommandSender(to_robot, 2_000)
     other_type = CommandSender(replace(to_robot, kind=b"\1\2\3\4"), 3_000)
+    untyped = CommandSender(replace(to_robot, kind=bytes(4)), 4_000)
     held = second.command(b"x", 0.0)[0]
     series = [
         (10_000, first.command(b"x", 0.0)[0]),
@@ -135,6 +136,7 @@ def test_other_senders_are_refused_and_told_who_commands(robot: Path) -> None:
         (12_100, first.query()),
         (13_200, other_type.command(b"x", 0.0)[0]),
         (14_500, other_type.stop(1.0)[0]),
+        (15_900, untyped.release()),
     ]
     lines = actual(robot, series)
     assert [each[0] for each in lines] == [each[0] for each in expected(series)]
@@ -147,6 +149,7 @@ def test_other_senders_are_refused_and_told_who_commands(robot: Path) -> None:
         (1_000, Refusal.NONE, "", False),
         (3_000, Refusal.OTHER_TYPE, "", False),
         (3_000, Refusal.NONE, ADDRESS, False),
+        (4_000, Refusal.NONE, "", False),
     ]
     assert all(each.signal_dbm == -61 and each.robot_id == 3 for each in statuses)
 
