@@ -26,7 +26,8 @@ async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
                 assert await asyncio.wait_for(second.process.wait(), 60) == 1
                 await second.wait_for(" commands it; stop that sender, or: rostether fleet stop 3")
                 assert sum("robot 3 does not obey" in line for line in second.lines) == 1
-            assert not robots[2].is_still
+            # A robot stops while commands are late, which they may be on a busy machine.
+            await until(lambda: not robots[2].is_still)
             async with started("fleet", "list", "--json", *options) as listing:
                 assert await asyncio.wait_for(listing.process.wait(), 60) == 0
                 await until(lambda: listing.reader_done)
@@ -36,7 +37,7 @@ async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
             async with started("fleet", "doctor", *options) as doctor:
                 assert await asyncio.wait_for(doctor.process.wait(), 60) == 1
                 await doctor.wait_for("% of the datagrams are lost")
-            assert not any(robot.is_still for robot in robots)
+            await until(lambda: not any(robot.is_still for robot in robots))
             await first.stop(signal.SIGKILL)
         # Every robot stops by itself.
         await until(lambda: all(robot.is_still for robot in robots))
