@@ -144,7 +144,8 @@ class Terminal:
     def _neutral(self, output: Path) -> str:
         """Return what was printed, without the names and times of this machine and this run."""
         text = output.read_text(errors="replace").replace(str(self._home), "/home/me")
-        text = text.replace(str(REPOSITORY), "/home/me/rostether")
+        # A clone in / has the name of a folder that is in other paths too.
+        text = re.sub(rf"(?<![\w/.-]){re.escape(str(REPOSITORY))}(?![\w.-])", "/home/me/rostether", text)
         text = text.replace(self._master, "http://localhost:11311").replace(socket.gethostname(), "robot")
         text = text.replace(self._master.replace("localhost", "127.0.0.1"), "http://127.0.0.1:11311")
         for pattern, neutral in NEUTRAL.items():
