@@ -5,10 +5,13 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import threading
+import time
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 _T = TypeVar("_T")
+
+_SHORT_WAIT_S = 0.5
 
 
 class LoopThread:
@@ -47,7 +50,7 @@ class LoopThread:
             future = asyncio.run_coroutine_threadsafe(coroutine, loop)
             self._waiting.add(future)
         try:
-            return future.result(timeout_s)
+            return _result(future, timeout_s)
         except concurrent.futures.CancelledError:
             raise self._interrupted() from None
         except BaseException:
@@ -79,6 +82,21 @@ class LoopThread:
     def _run(self, loop: asyncio.AbstractEventLoop) -> None:
         asyncio.set_event_loop(loop)
         loop.run_forever()
+
+
+def _result(future: concurrent.futures.Future[_T], timeout_s: float | None) -> _T:
+    """Wait in short steps: a Ctrl-C just before a step, and on Windows any, is only seen after it."""
+    deadline_s = float("inf") if timeout_s is None else time.monotonic() + timeout_s
+    while True:
+        left_s = deadline_s - time.monotonic()
+        try:
+            return future.result(max(0.0, min(left_s, _SHORT_WAIT_S)))
+        except TimeoutError:
+            if future.done():
+                # Either its own error, or it ended just now.
+                return future.result()
+            if left_s <= _SHORT_WAIT_S:
+                raise
 
 
 async def run_in_thread(function: Callable[[], _T]) -> _T:

@@ -5,6 +5,7 @@ import threading
 
 import pytest
 
+from rostether.mechanisms import loop_thread
 from rostether.mechanisms.loop_thread import LoopThread, run_in_thread
 
 
@@ -27,6 +28,20 @@ def test_results_and_errors_come_back(loop: LoopThread) -> None:
 
 
 def test_a_limit(loop: LoopThread) -> None:
+    with pytest.raises(TimeoutError):
+        loop.call(asyncio.sleep(30), timeout_s=0.01)
+
+
+def test_calls_that_last_longer_than_one_wait(loop: LoopThread, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loop_thread, "_SHORT_WAIT_S", 0.001)
+
+    async def wait_and_fail() -> None:
+        await asyncio.sleep(0.02)
+        raise TimeoutError("its own")
+
+    assert loop.call(asyncio.sleep(0.02, "done")) == "done"
+    with pytest.raises(TimeoutError, match="its own"):
+        loop.call(wait_and_fail())
     with pytest.raises(TimeoutError):
         loop.call(asyncio.sleep(30), timeout_s=0.01)
 

@@ -63,7 +63,7 @@ def test_gives_the_hashes_of_every_installed_type(installed: bool) -> None:
             if not installed and name.partition("/")[0] not in definitions.packages():
                 continue
             if name.startswith("test_msgs/"):
-                # Some of its types are .idl files, which are not read, and actions themselves are on no graph.
+                # Some of its types are .idl files, which are not read; actions themselves are on no graph.
                 continue
             assert hash_of(name, definitions) == entry["hash_string"], name
             checked += 1
