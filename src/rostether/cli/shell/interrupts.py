@@ -1,4 +1,4 @@
-"""Ctrl-C between the start of a command and its event loop."""
+"""Ctrl-C outside of event loops: before the first of a command, and between two."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ def was_interrupted() -> bool:
     return _interrupted
 
 
-def _interrupt(_number: int, _frame: object) -> None:
+def note_interrupt() -> None:
+    """Have the next event loop end at once."""
     global _interrupted
     _interrupted = True
+
+
+def _interrupt(_number: int, _frame: object) -> None:
+    note_interrupt()
     raise KeyboardInterrupt

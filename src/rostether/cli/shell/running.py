@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import click
 
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_INTERRUPTED
-from rostether.cli.shell.interrupts import was_interrupted
+from rostether.cli.shell.interrupts import note_interrupt, was_interrupted
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.cli.shell.service_manager import reporting
 from rostether.errors import ConfigError
@@ -51,14 +51,19 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     ending.watch_start()
     try:
         with asyncio.Runner(loop_factory=loop_factory) as runner:
-            return runner.run(ending.run(reporting(main) if is_service else main))
+            result = runner.run(ending.run(reporting(main) if is_service else main))
     except (KeyboardInterrupt, asyncio.CancelledError):
         # Without an exit code, Ctrl-C came before our handlers were there, and asyncio's own cancelled all.
         raise click.exceptions.Exit(
             EXIT_INTERRUPTED if ending.exit_code is None else ending.exit_code
         ) from None
+    else:
+        if ending.exit_code is not None:
+            # Too late to end this part of a command, so it ends the next one.
+            note_interrupt()
+        return result
     finally:
-        ending.stop_alarm()
+        ending.stop()
 
 
 class _Ending:
@@ -68,6 +73,7 @@ class _Ending:
         self.exit_code: int | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._loop_answered = False
+        self._handler_before = signal.getsignal(signal.SIGINT)
         self._codes = {signal.SIGINT: EXIT_INTERRUPTED, signal.SIGTERM: terminated_code}
         # Windows has no SIGHUP. A closed terminal ends a command as SIGTERM does, unless it runs under nohup.
         if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
@@ -127,10 +133,13 @@ class _Ending:
     def _answer(self) -> None:
         self._loop_answered = True
 
-    def stop_alarm(self) -> None:
-        """Stop checking whether the loop is busy."""
+    def stop(self) -> None:
+        """Stop checking whether the loop is busy, and handle Ctrl-C as before."""
         if self.exit_code is not None and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0)
+        # ValueError in a thread, TypeError for a handler that is not of Python.
+        with contextlib.suppress(ValueError, TypeError):
+            signal.signal(signal.SIGINT, self._handler_before)
 
 
 def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop] | None:

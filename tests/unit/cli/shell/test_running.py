@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from typing import Any
 
 import click
@@ -202,6 +203,27 @@ def test_ctrl_c_that_a_clean_up_lost_ends_the_command(monkeypatch: pytest.Monkey
     finally:
         signal.signal(signal.SIGINT, before)
     assert caught.value.exit_code == EXIT_INTERRUPTED
+
+
+def test_ctrl_c_after_a_part_of_a_command_ends_the_next_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(interrupts, "_interrupted", False)
+    before = signal.getsignal(signal.SIGINT)
+    threads: list[asyncio.Future[None]] = []
+
+    def interrupt() -> None:
+        time.sleep(0.05)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    async def leave_a_thread() -> str:
+        # The loop waits for it when the coroutine has ended.
+        threads.append(asyncio.get_running_loop().run_in_executor(None, interrupt))
+        return "done"
+
+    assert run(leave_a_thread()) == "done"
+    with pytest.raises(click.exceptions.Exit) as ending:
+        run(asyncio.sleep(60))
+    assert ending.value.exit_code == EXIT_INTERRUPTED
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 @pytest.mark.parametrize("runs", ["", "sys.argv[1:] = ['msg', 'md5', 'std_msgs/Empty']; program.main()"])
