@@ -341,6 +341,8 @@ TABLES = {
 
 def main(names: list[str]) -> None:
     """Print the tables that the arguments name, all without any."""
+    if unknown := [name for name in names if name not in TABLES]:
+        sys.exit(f"no benchmark is named {unknown[0]}; the names are {', '.join(TABLES)}")
     console = Console()
     for name in names or TABLES:
         console.print(TABLES[name]())

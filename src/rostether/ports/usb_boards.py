@@ -80,7 +80,7 @@ _CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303
 
 
 class Kind(Enum):
-    """The device that a USB id stands for."""
+    """The device with a USB id."""
 
     BOARD = auto()
     LIKELY_BOARD = auto()

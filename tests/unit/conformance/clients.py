@@ -22,7 +22,7 @@ CONFIG = DeviceLinkConfig(input_buffer_bytes=280, output_buffer_bytes=300)
 
 @asynccontextmanager
 async def a_client(manipulator: Manipulator | None = None) -> AsyncIterator[CheckedClient]:
-    """Yield a client to check; each connection starts the program anew, as a board that is reset."""
+    """Yield a client to check; each connection starts the program again, as a reset does."""
     devices: list[Device] = []
 
     async def connect() -> MemoryTransport:

@@ -10,7 +10,7 @@ class EthernetUDP : public Stream {
 
   // Port 0 takes any, so that tests can run side by side.
   uint8_t begin(uint16_t port) { return open(IPAddress(127, 0, 0, 1), port); }
-  // Hears the group and, as a W5100, its own address.
+  // Receives datagrams to the group and, as a W5100 does, to its own address.
   uint8_t beginMulticast(IPAddress group, uint16_t port) {
     struct ip_mreq membership;
     membership.imr_multiaddr = socketAddress(group, port).sin_addr;

@@ -15,13 +15,13 @@ struct w5100_place {
     uint16_t port;
 };
 
-/* w5100.c: a datagram has come for a socket; false if it does not hear it, or has no room. */
+/* w5100.c: a datagram arrived for a socket; false if the socket does not receive it, or has no room. */
 bool w5100_deliver(int s, const struct w5100_place *from, const uint8_t *bytes, size_t count);
 
 /* w5100_network.c: NULL, or what is wrong; `group` is NULL for a socket without. */
 const char *network_udp_open(int s, uint16_t port, const uint8_t *group);
 void network_udp_close(int s);
-/* False if nobody has the address. */
+/* False if no machine has the address. */
 bool network_udp_send(int s, const uint8_t *bytes, size_t count, const struct w5100_place *to);
 
 #endif

@@ -19,7 +19,7 @@ enum EthernetHardwareStatus { EthernetNoHardware, EthernetW5100, EthernetW5200, 
 
 class EthernetClass {
  public:
-  // With an address, or with one from DHCP: then 1, or 0 when nobody offers one in time.
+  // With a given address, or with one from DHCP: returns 1, or 0 if no server offers one in time.
   int begin(uint8_t* mac, unsigned long timeout_ms = 60000, unsigned long response_timeout_ms = 4000);
   void begin(uint8_t* mac, IPAddress ip);
   void begin(uint8_t* mac, IPAddress ip, IPAddress dns);

@@ -19,7 +19,7 @@ class EthernetUDP : public UDP {
   virtual int beginPacket(IPAddress ip, uint16_t port);
   // Names are not resolved: returns 0 unless it is an address.
   virtual int beginPacket(const char* host, uint16_t port);
-  // 1, or 0 when nobody has the address. Waits for that.
+  // Waits until it is sent. Returns 1, or 0 if no machine has the address.
   virtual int endPacket();
   virtual size_t write(uint8_t byte) { return write(&byte, 1); }
   virtual size_t write(const uint8_t* bytes, size_t size);
