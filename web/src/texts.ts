@@ -151,6 +151,8 @@ export const texts = {
     fit: "Fit",
     top: "Top",
     front: "Front",
+    scale: (cellM: number) =>
+      cellM < 1 ? `Grid ${Number((cellM * 100).toPrecision(1))} cm` : `Grid ${cellM} m`,
     fixedFrame: "Fixed frame",
     automatic: (frame: string) => (frame ? `Automatic (${frame})` : "Automatic"),
     follow: "Camera follows",

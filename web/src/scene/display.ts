@@ -1,5 +1,6 @@
 // What draws the messages of one topic.
 import { type BufferGeometry, type Material, type Mesh, Object3D, Sprite } from "three";
+import type { Caption } from "./captions.ts";
 import type { Xyz, Xyzw } from "./messages.ts";
 import { normalized } from "./rigid.ts";
 
@@ -16,6 +17,8 @@ export interface Display {
   update(message: unknown): void;
   /** What to keep in place. Most displays have one thing, markers many. */
   placed(): Iterable<Placed>;
+  /** Names in what is placed, the most important first. */
+  readonly captions?: readonly Caption[];
   dispose(): void;
 }
 

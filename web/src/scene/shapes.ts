@@ -6,6 +6,7 @@ import {
   ConeGeometry,
   CylinderGeometry,
   Group,
+  LinearFilter,
   LineBasicMaterial,
   LineSegments,
   Mesh,
@@ -13,6 +14,7 @@ import {
   type Object3D,
   Sprite,
   SpriteMaterial,
+  SRGBColorSpace,
 } from "three";
 
 /** The three axes of a frame: red x, green y, blue z. */
@@ -48,22 +50,31 @@ export function arrow(lengthM: number, color: string, shaftM = lengthM * 0.06): 
 
 /** Text that always faces the viewer. `heightM` is the height of its line. */
 export function label(text: string, heightM: number, color: string): Sprite {
+  const map = textTexture(text, 48, color);
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false }));
+  const { width, height } = map.image as HTMLCanvasElement;
+  sprite.scale.set((heightM * width) / height, heightM, 1);
+  sprite.renderOrder = 10;
+  return sprite;
+}
+
+/** Text as a picture; `lineHeightPx` is its height. */
+export function textTexture(text: string, lineHeightPx: number, color: string): CanvasTexture {
   const canvas = document.createElement("canvas");
-  const pixels = 48;
-  const font = `${pixels * 0.7}px system-ui, sans-serif`;
+  const font = `${lineHeightPx * 0.7}px system-ui, sans-serif`;
   const context = canvas.getContext("2d") as CanvasRenderingContext2D;
   context.font = font;
   canvas.width = Math.ceil(context.measureText(text.slice(0, 200)).width) + 8;
-  canvas.height = pixels;
+  canvas.height = lineHeightPx;
   context.font = font;
   context.fillStyle = color;
   context.textBaseline = "middle";
-  context.fillText(text.slice(0, 200), 4, pixels / 2);
-  const material = new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false });
-  const sprite = new Sprite(material);
-  sprite.scale.set((heightM * canvas.width) / pixels, heightM, 1);
-  sprite.renderOrder = 10;
-  return sprite;
+  context.fillText(text.slice(0, 200), 4, lineHeightPx / 2);
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  texture.generateMipmaps = false;
+  texture.minFilter = LinearFilter;
+  return texture;
 }
 
 /** Points with room for a growing number of them; draws the first `count`. */

@@ -1,7 +1,8 @@
 // The frames of tf: axes with their names, and a line to each parent.
 import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments } from "three";
+import { Caption } from "./captions.ts";
 import { type Display, disposeTree, type Placed } from "./display.ts";
-import { axes, label } from "./shapes.ts";
+import { axes } from "./shapes.ts";
 import type { TfBuffer } from "./tf_buffer.ts";
 
 /** A humanoid has some 100 frames; more labels than this cannot be read. */
@@ -12,6 +13,7 @@ const MIN_AXIS_M = 0.01;
 const AXIS_PART = 0.3;
 
 export class TfDisplay implements Display {
+  readonly captions: Caption[] = [];
   private readonly tf: TfBuffer;
   private readonly color: string;
   private readonly shown = new Map<string, Group>();
@@ -26,7 +28,7 @@ export class TfDisplay implements Display {
 
   update(): void {}
 
-  /** Fits the axes and names to a robot of this size. */
+  /** Fits the axes to a robot of this size. */
   fit(sizeM: number): void {
     const lengthM = Math.max(MIN_AXIS_M, Math.min(MAX_AXIS_M, sizeM * AXIS_PART));
     if (lengthM === this.lengthM) return;
@@ -55,6 +57,7 @@ export class TfDisplay implements Display {
     for (const each of [...this.shown.values(), ...this.parents.values()]) disposeTree(each);
     this.shown.clear();
     this.parents.clear();
+    this.captions.length = 0;
   }
 
   private rebuild(): void {
@@ -63,9 +66,9 @@ export class TfDisplay implements Display {
     for (const frame of this.tf.frames().slice(0, MAX_SHOWN)) {
       const group = new Group();
       group.name = frame;
-      const name = label(frame, this.lengthM * 0.3, this.color);
-      name.position.z = this.lengthM * 0.35;
-      group.add(axes(this.lengthM), name);
+      const caption = new Caption(frame, this.color);
+      this.captions.push(caption);
+      group.add(axes(this.lengthM), caption);
       this.shown.set(frame, group);
       if (!this.tf.edges.has(frame)) continue;
       const geometry = new BufferGeometry();

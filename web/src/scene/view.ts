@@ -4,16 +4,20 @@ import {
   Box3,
   Color,
   DirectionalLight,
-  GridHelper,
+  MathUtils,
   Object3D,
   PerspectiveCamera,
   Scene,
+  Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type FrameTask, frameTask } from "../store/frames.ts";
+import { distanceToFit } from "./camera_fit.ts";
+import { arrangeCaptions } from "./captions.ts";
 import type { Display, Placed } from "./display.ts";
+import { cellFor, Ground } from "./ground.ts";
 import type { Transform, Vec3 } from "./rigid.ts";
 import { frameName, type TfBuffer } from "./tf_buffer.ts";
 
@@ -21,9 +25,12 @@ import { frameName, type TfBuffer } from "./tf_buffer.ts";
 const MIN_FRAME_MS = 30;
 // Without a graphics card a picture takes the processor some 35 ms: five a second leave most of a core to others.
 const MIN_SOFTWARE_FRAME_MS = 180;
-// The ground's lines are 1 m apart, for small robots 10 cm.
-const SMALL_ROBOT_M = 1;
-const SMALL_GRID = 0.1;
+const DIRECTIONS = {
+  corner: new Vector3(0.75, -0.75, 0.55),
+  // A little to the side, because from straight above no direction is up.
+  top: new Vector3(-0.0001, 0, 1),
+  front: new Vector3(1, 0, 0.1),
+};
 
 export interface Placement {
   readonly transform: Transform | undefined;
@@ -49,8 +56,7 @@ export class SceneView {
   private readonly resizes: ResizeObserver;
   private readonly drawn = new Map<string, Set<Object3D>>();
   private readonly followedAt = new Vector3();
-  private grid = new GridHelper();
-  private gridScale = 1;
+  private readonly ground = new Ground();
   private lastDrawMs = 0;
   private isChanged = true;
   private hasMoved = false;
@@ -83,13 +89,13 @@ export class SceneView {
     });
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(3, -4, 8);
-    this.scene.add(sun, new AmbientLight(0xffffff, 1.1));
+    this.scene.add(sun, new AmbientLight(0xffffff, 1.1), this.ground.lines);
     this.frame = frameTask(() => this.drawSoon());
     this.resizes = new ResizeObserver(() => this.resize());
     this.resizes.observe(host);
     this.applyTheme();
-    this.lookFrom(2.5);
     this.resize();
+    this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 0.5)));
   }
 
   /** Take the colours from the page's style again, after dark and light were switched. */
@@ -98,32 +104,29 @@ export class SceneView {
     const color = (name: string, fallback: string) =>
       new Color(style.getPropertyValue(name).trim() || fallback);
     this.scene.background = color("--scene-background", "#14171c");
-    this.grid.removeFromParent();
-    this.grid.dispose();
-    const lines = color("--scene-grid", "#3a404a");
-    this.grid = new GridHelper(20, 20, lines, lines);
-    this.grid.rotation.x = Math.PI / 2;
-    this.grid.scale.setScalar(this.gridScale);
-    this.scene.add(this.grid);
+    this.ground.setColor(color("--scene-grid", "#3a404a"));
     this.markDirty();
   }
 
-  /** Stand so far from what the camera looks at that a robot of this size fills the picture. */
-  lookFrom(
-    distanceM: number,
-    direction: "corner" | "top" | "front" | "side" = "corner",
-    target: Vec3 = this.followedAt.toArray(),
-  ): void {
-    const way = {
-      corner: new Vector3(0.75, -0.75, 0.55),
-      top: new Vector3(-0.0001, 0, 1),
-      front: new Vector3(1, 0, 0.1),
-      side: new Vector3(0, -1, 0.1),
-    }[direction];
-    this.controls.target.set(...target);
-    this.camera.position
-      .copy(way.normalize().multiplyScalar(distanceM / Math.min(1, this.camera.aspect)))
-      .add(this.controls.target);
+  /** Look at what the camera looks at from another side. */
+  lookFrom(direction: keyof typeof DIRECTIONS): void {
+    this.standAt(direction, this.camera.position.distanceTo(this.controls.target));
+  }
+
+  /** Look at the whole of a box, and lay the ground below it; returns the side of the ground's cells in metres. */
+  fit(box: Box3): number {
+    const halfAngle = MathUtils.degToRad(this.camera.fov) / 2;
+    box.getCenter(this.controls.target);
+    this.standAt("corner", distanceToFit(box, DIRECTIONS.corner, halfAngle, this.camera.aspect));
+    const size = box.getSize(new Vector3());
+    const cellM = cellFor(Math.max(size.x, size.y, size.z));
+    this.ground.lay(cellM, this.controls.target.x, this.controls.target.y);
+    return cellM;
+  }
+
+  private standAt(direction: keyof typeof DIRECTIONS, distanceM: number): void {
+    const way = DIRECTIONS[direction].clone().normalize();
+    this.camera.position.copy(way.multiplyScalar(distanceM)).add(this.controls.target);
     this.controls.update();
     this.markDirty();
   }
@@ -135,10 +138,6 @@ export class SceneView {
       onMove();
     };
     this.controls.addEventListener("start", listener);
-  }
-
-  get distanceM(): number {
-    return this.camera.position.distanceTo(this.controls.target);
   }
 
   add(key: string, display: Display): void {
@@ -181,19 +180,13 @@ export class SceneView {
     return Math.abs(x) < 1 && Math.abs(y) < 1;
   }
 
-  /** Fits the ground's lines to a robot of this size. */
-  fitGrid(sizeM: number): void {
-    this.gridScale = sizeM < SMALL_ROBOT_M ? SMALL_GRID : 1;
-    this.grid.scale.setScalar(this.gridScale);
-    this.markDirty();
-  }
-
   dispose(): void {
     for (const key of [...this.displays.keys()]) this.remove(key);
     clearTimeout(this.timer);
     this.frame.dispose();
     this.resizes.disconnect();
     this.controls.dispose();
+    this.ground.dispose();
     this.renderer.dispose();
     // Browsers keep only some 16 contexts alive, and wait for garbage collection otherwise.
     this.renderer.forceContextLoss();
@@ -226,6 +219,8 @@ export class SceneView {
     this.follow();
     if (!this.isChanged && !this.hasMoved) return;
     this.isChanged = this.hasMoved = false;
+    const captions = [...this.displays.values()].flatMap((display) => display.captions ?? []);
+    arrangeCaptions(captions, this.camera, this.renderer.getSize(new Vector2()));
     this.renderer.render(this.scene, this.camera);
   }
 

@@ -25,6 +25,9 @@ function ScenePanel({ context }: { context: PanelContext }) {
     <div class={context.isCard ? "scene scene-card" : "scene"}>
       <div class="scene-picture" ref={host}>
         {failure.value && <p class="empty-line">{failure.value}</p>}
+        {stage.value && stage.value.cellM.value > 0 && (
+          <p class="scene-scale">{texts.scene.scale(stage.value.cellM.value)}</p>
+        )}
       </div>
       {stage.value && (context.isCard ? <CardNotes stage={stage.value} /> : <SideBar stage={stage.value} />)}
     </div>
@@ -55,14 +58,10 @@ function SideBar({ stage }: { stage: SceneStage }) {
         <button type="button" class="button" onClick={() => stage.fit()}>
           {texts.scene.fit}
         </button>
-        <button type="button" class="button" onClick={() => stage.view.lookFrom(stage.view.distanceM, "top")}>
+        <button type="button" class="button" onClick={() => stage.view.lookFrom("top")}>
           {texts.scene.top}
         </button>
-        <button
-          type="button"
-          class="button"
-          onClick={() => stage.view.lookFrom(stage.view.distanceM, "front")}
-        >
+        <button type="button" class="button" onClick={() => stage.view.lookFrom("front")}>
           {texts.scene.front}
         </button>
         <button

@@ -1,6 +1,6 @@
 // Keeps the 3D view equal to what is on the graph and what the user chose.
 import { effect, type Signal, signal } from "@preact/signals";
-import { Vector3 } from "three";
+import { Box3, Vector3 } from "three";
 import type { Display, DisplayContext, Placed } from "../../scene/display.ts";
 import type { DisplayType } from "../../scene/display_types.ts";
 import { DISPLAYS } from "../../scene/displays.ts";
@@ -23,8 +23,10 @@ const MARKER_TYPES = ["visualization_msgs/Marker", "visualization_msgs/MarkerArr
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
 /** The first transforms come one after another: the camera fits itself for so many half seconds. */
 const FIT_TICKS = 3;
-/** The longest side of what the camera fits itself to. */
-const MAX_SIZE_M = 30;
+/** The camera does not fit itself to frames that are farther from the origin. */
+const MAX_DISTANCE_M = 15;
+/** Room around the frames of a robot whose shape is not known, for sensors and names. */
+const MARGIN_M = 0.15;
 /** Frames older than this while others move are named. */
 const STALE_FRAME_MS = 3000;
 
@@ -85,6 +87,8 @@ export class SceneStage {
   readonly rows: Signal<Row[]> = signal([]);
   readonly frames: Signal<string[]> = signal([]);
   readonly fixedFrame = signal("");
+  /** The side of the ground's cells. */
+  readonly cellM = signal(0);
   readonly view: SceneView;
   private readonly tf: TfBuffer;
   private readonly context: PanelContext;
@@ -95,6 +99,8 @@ export class SceneStage {
   private readonly updates = frameTask(() => this.runPending());
   private model: RobotModel | undefined;
   private treeVersion = -1;
+  /** The box around the origin and all places of frames. */
+  private readonly visited = new Box3();
   private ticksToFit = 0;
   private hasMoved = false;
 
@@ -114,6 +120,7 @@ export class SceneStage {
           this.view.displays.get(ROBOT)?.update(message);
       });
     });
+    this.forgetVisited();
     this.view.onFirstMove(() => {
       this.hasMoved = true;
     });
@@ -167,11 +174,11 @@ export class SceneStage {
 
   /** Move the camera so that everything is in the picture. */
   fit(): void {
-    const { center, sizeM } = this.extent();
-    this.view.lookFrom(sizeM * 1.9 + 0.1, "corner", center);
-    this.view.fitGrid(sizeM);
+    const box = this.extent();
+    this.cellM.value = this.view.fit(box);
+    const { x, y, z } = box.getSize(new Vector3());
     const frames = this.view.displays.get(FRAMES);
-    if (frames instanceof TfDisplay) frames.fit(sizeM);
+    if (frames instanceof TfDisplay) frames.fit(Math.max(x, y, z));
   }
 
   dispose(): void {
@@ -180,29 +187,26 @@ export class SceneStage {
     this.view.dispose();
   }
 
-  /** The box around all frames and the robot: its middle, and its longest side, bounded. */
-  private extent(): { center: Vec3; sizeM: number } {
-    const box = this.view.boundsOf(ROBOT);
-    const leastM = box.isEmpty() ? 0.5 : 0.1;
-    box.expandByPoint(new Vector3());
-    for (const frame of this.tf.frames()) {
-      const found = this.tf.lookup(this.view.fixedFrame, frame);
-      if (typeof found !== "string") box.expandByPoint(new Vector3(...found.transform.translation));
-    }
-    const { x, y, z } = box.getSize(new Vector3());
-    const sizeM = Math.min(Math.max(x, y, z, leastM), MAX_SIZE_M);
-    return { center: box.getCenter(new Vector3()).toArray(), sizeM };
+  /** The box around the robot, its frames and where they have been since the tree of frames changed. */
+  private extent(): Box3 {
+    const robot = this.view.boundsOf(ROBOT);
+    const marginM = robot.isEmpty() ? MARGIN_M : 0.02;
+    for (const place of this.framePlaces()) this.visited.expandByPoint(new Vector3(...place));
+    return this.visited.clone().union(robot).expandByScalar(marginM);
   }
 
-  /** Whether a robot drove out of the picture; not one beyond the largest picture. */
-  private hasLeftPicture(): boolean {
-    if (this.settings.followedFrame) return false;
-    return this.tf.frames().some((frame) => {
+  /** Where the frames are in the fixed frame, without those that are too far away for one picture. */
+  private framePlaces(): Vec3[] {
+    return this.tf.frames().flatMap((frame) => {
       const found = this.tf.lookup(this.view.fixedFrame, frame);
-      if (typeof found === "string") return false;
-      const { translation } = found.transform;
-      return Math.hypot(...translation) < MAX_SIZE_M / 2 && !this.view.shows(translation);
+      if (typeof found === "string" || Math.hypot(...found.transform.translation) > MAX_DISTANCE_M) return [];
+      return [found.transform.translation];
     });
+  }
+
+  /** Whether a robot drove out of the picture. */
+  private hasLeftPicture(): boolean {
+    return !this.settings.followedFrame && this.framePlaces().some((place) => !this.view.shows(place));
   }
 
   private drawable(): string[] {
@@ -311,7 +315,12 @@ export class SceneStage {
     if (chosen === this.view.fixedFrame) return;
     this.view.fixedFrame = chosen;
     this.fixedFrame.value = chosen;
+    this.forgetVisited();
     this.view.markDirty();
+  }
+
+  private forgetVisited(): void {
+    this.visited.makeEmpty().expandByPoint(new Vector3());
   }
 
   private firstMessageFrame(): string {
@@ -323,6 +332,7 @@ export class SceneStage {
   private refreshRows(): void {
     if (this.treeVersion !== this.tf.treeVersion) {
       this.treeVersion = this.tf.treeVersion;
+      this.forgetVisited();
       this.frames.value = this.tf.frames();
       this.chooseFixedFrame();
       this.ticksToFit = FIT_TICKS;

@@ -1,0 +1,38 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Box3, MathUtils, PerspectiveCamera, Vector3 } from "three";
+import { distanceToFit } from "../src/scene/camera_fit.ts";
+import { cellFor } from "../src/scene/ground.ts";
+
+const BOXES = {
+  arm: new Box3(new Vector3(-0.1, -0.1, 0), new Vector3(0.1, 0.1, 0.4)),
+  corridor: new Box3(new Vector3(0, -0.2, 0), new Vector3(12, 0.2, 0.3)),
+};
+
+for (const [name, box] of Object.entries(BOXES))
+  for (const aspect of [2.2, 0.5])
+    test(`the camera shows the whole ${name} in a picture of ${aspect}:1 and fills it`, () => {
+      const camera = new PerspectiveCamera(50, aspect, 0.01, 100);
+      camera.up.set(0, 0, 1);
+      const toCamera = new Vector3(0.75, -0.75, 0.55).normalize();
+      const center = box.getCenter(new Vector3());
+      const distance = distanceToFit(box, toCamera, MathUtils.degToRad(25), aspect);
+      camera.position.copy(toCamera).multiplyScalar(distance).add(center);
+      camera.lookAt(center);
+      camera.updateMatrixWorld();
+      let farthest = 0;
+      for (const x of [box.min.x, box.max.x])
+        for (const y of [box.min.y, box.max.y])
+          for (const z of [box.min.z, box.max.z]) {
+            const seen = new Vector3(x, y, z).project(camera);
+            farthest = Math.max(farthest, Math.abs(seen.x), Math.abs(seen.y));
+          }
+      assert.ok(Math.abs(farthest - 0.8) < 1e-6, `${farthest}`);
+    });
+
+test("the ground's cells are 1, 2 or 5 times a power of ten", () => {
+  assert.deepEqual(
+    [0.3, 0.5, 1, 2.4, 26, 50].map((size) => cellFor(size)),
+    [0.05, 0.1, 0.2, 0.2, 5, 10],
+  );
+});
