@@ -48,6 +48,10 @@ class Machines:
         """Return the address of a machine; each knows the others by name."""
         return "127.0.0.1" if name == "localhost" else f"10.77.0.{self._names.index(name) + 1}"
 
+    def switch(self, command: str) -> None:
+        """Change the switch (`switch`) or one of its ports (`to_NAME`): the words after `ip link set`."""
+        subprocess.run([*self._enter, "ip", "link", "set", *command.split()], check=True)
+
     def on(self, name: str) -> tuple[str, ...]:
         """Return what a command begins with that runs on a machine."""
         return (*self._enter, "nsenter", f"--net=/run/netns/{name}")

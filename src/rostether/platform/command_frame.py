@@ -5,7 +5,7 @@ Numbers are little-endian, as on the boards:
     bytes   field
     0-1     magic "rC"
     2       version, 1
-    3       flags: 1 armed, 2 stop, 4 release, 8 the target is a mask of groups, 16 query
+    3       flags: 1 armed, 2 stop, 4 release, 8 the target is a mask of groups, 16 query, 32 forward
     4-7     target: a robot's id, or a mask of groups (bit 0 is group 0)
     8-15    epoch: when the sender started, in microseconds since 1970
     16-19   sequence: 1 for the sender's first frame of the epoch
@@ -47,6 +47,7 @@ HEADER_BYTES = _HEADER.size
 class Flags(IntFlag):
     """What a frame asks for. A query asks for the robot's status and changes nothing.
 
+    With FORWARD, it also asks the robot to send the query in the payload to another robot (`forwarding`).
     A frame without ARMED, STOP and QUERY stops the robot and only keeps the sender known.
     """
 
@@ -55,6 +56,7 @@ class Flags(IntFlag):
     RELEASE = 4
     TO_GROUPS = 8
     QUERY = 16
+    FORWARD = 32
 
 
 @dataclass(frozen=True, slots=True)

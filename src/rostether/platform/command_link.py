@@ -54,6 +54,11 @@ class CommandSender:
         self._copied_s = float("-inf")
 
     @property
+    def sequence(self) -> int:
+        """The sequence of the last frame, 0 before the first."""
+        return self._sequence
+
+    @property
     def due_s(self) -> float | None:
         """When to call `repeat` next; None: not before the next command."""
         return self._due_s
@@ -101,6 +106,10 @@ class CommandSender:
     def query(self) -> bytes:
         """Return a datagram that asks for a status and commands nothing."""
         return self._frame(Flags.QUERY)
+
+    def forward(self, payload: bytes) -> bytes:
+        """Return a query that also asks the robot to send another one (`forwarding.encode_forward`)."""
+        return self._frame(Flags.QUERY | Flags.FORWARD, payload)
 
     def _end_motion(self, flags: Flags, now_s: float) -> list[bytes]:
         self._payload = None

@@ -59,10 +59,6 @@ class FleetSender:
         """Return the robots that have answered, by id and host."""
         return [robot for _, robot in sorted(self._channel.table.robots.items())]
 
-    def duplicate_ids(self) -> dict[int, list[str]]:
-        """Return the ids that several hosts share, with the hosts."""
-        return self._channel.table.duplicate_ids()
-
     async def query(self, duration_s: float = QUERY_S, period_s: float = REPEAT_S) -> None:
         """Ask for statuses, at the rate of commands unless `period_s` differs."""
         end_s = time.monotonic() + duration_s
@@ -83,7 +79,7 @@ class FleetSender:
                 self._check_refusals()
                 if not reported and not self.robots and now_s - began_s > _ANSWER_S:
                     reported = True
-                    self._report(Level.WARN, self.silence_text())
+                    self._report(Level.WARN, silence_text(self._settings))
         finally:
             # Not `stop`: that would stop robots that another sender commands, and that refused this one.
             await self._repeat(self._commands.halt(time.monotonic()))
@@ -104,15 +100,6 @@ class FleetSender:
         if self._has_commanded:
             self._send([self._commands.release() for _ in range(_RELEASES)])
         self._channel.close()
-
-    def silence_text(self) -> str:
-        """Return what to do when no robot answers."""
-        sender = self._settings.sender
-        who = "no robot" if sender.to_groups else f"robot {sender.target} does not"
-        return (
-            f"{who} answer{'s' if sender.to_groups else ''} at {self._settings.address}; check the key, the "
-            "interface (--interface), and whether the access point passes multicast (--unicast ADDRESS)"
-        )
 
     async def _repeat(self, datagrams: list[bytes]) -> None:
         self._send(datagrams)
@@ -138,3 +125,13 @@ class FleetSender:
     def _send(self, datagrams: list[bytes]) -> None:
         for datagram in datagrams:
             self._channel.send(datagram)
+
+
+def silence_text(settings: FleetSettings) -> str:
+    """Return what to do when no robot answers."""
+    sender = settings.sender
+    who = "no robot" if sender.to_groups else f"robot {sender.target} does not"
+    return (
+        f"{who} answer{'s' if sender.to_groups else ''} at {settings.address}; check the key, the "
+        "interface (--interface), and whether the access point passes multicast (--unicast ADDRESS)"
+    )

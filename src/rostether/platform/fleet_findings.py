@@ -1,4 +1,4 @@
-"""What is wrong with a fleet, from the robots' answers and this machine's disk."""
+"""What is wrong with a fleet: the findings of an examination, and of this machine's disk."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rostether.platform.command_channel import duplicate_text
-from rostether.platform.robot_table import MAX_LOSS, Robot
+from rostether.platform.fleet_examination import Examination
+from rostether.platform.fleet_survey import ClockOffset, Place
+from rostether.platform.igmp_querier import QUERY_INTERVAL_S
+from rostether.platform.robot_table import MAX_LOSS, Robot, hosts_of_duplicate_ids
 
 # Below, Wi-Fi falls back to its slowest rates and loses multicast first.
 WEAK_SIGNAL_DBM = -75
@@ -14,27 +17,42 @@ WEAK_SIGNAL_DBM = -75
 # A recording of one camera fills this in some minutes.
 _LEAST_FREE_BYTES = 500_000_000
 
+# In this time, a robot at 1 m/s moves 0.1 m: positions of two robots then no longer match.
+_MAX_CLOCK_DIFFERENCE_S = 0.1
+
+# Lines stay readable; the others have the same fault.
+_MAX_LISTED = 5
+
 
 @dataclass(frozen=True, slots=True)
 class FleetFinding:
-    """One line of the report; `what` is what was examined."""
+    """One line of the report; `what` is what was examined. `is_well` is None if it could not be checked."""
 
-    is_well: bool
+    is_well: bool | None
     what: str
     text: str
 
 
-def fleet_findings(
-    robots: Sequence[Robot], duplicate_ids: Mapping[int, list[str]], silence_text: str
-) -> list[FleetFinding]:
-    """Return a finding for each robot and each id that two robots have; `silence_text` is for no robot."""
+def fleet_findings(found: Examination, silence_text: str) -> list[FleetFinding]:
+    """Return the findings, robots first; `silence_text` is for a fleet that does not answer."""
+    robots = found.by_unicast | found.by_multicast
+    findings = [_robot_finding(place, robots[place], found) for place in sorted(robots)]
     if not robots:
-        return [FleetFinding(False, "fleet", silence_text)]
-    doubled = [
-        FleetFinding(False, "ids", duplicate_text(robot_id, hosts))
-        for robot_id, hosts in duplicate_ids.items()
+        findings.append(FleetFinding(False, "fleet", silence_text))
+    findings += [
+        FleetFinding(False, "unicast", f"no robot answers at {host}; check its address and the key")
+        for host in found.silent_hosts
+        if not any(place[1] == host for place in robots)
     ]
-    return [*map(_robot_finding, robots), *doubled]
+    findings += [
+        FleetFinding(False, "ids", duplicate_text(robot_id, hosts))
+        for robot_id, hosts in hosts_of_duplicate_ids(robots).items()
+    ]
+    findings += _pair_findings(found.pairs)
+    findings += _clock_findings(found.clocks)
+    if found.listened_s:
+        findings.append(_querier_finding(found))
+    return findings
 
 
 def disk_finding(path: str, free_bytes: int, total_bytes: int) -> FleetFinding:
@@ -45,15 +63,92 @@ def disk_finding(path: str, free_bytes: int, total_bytes: int) -> FleetFinding:
     return FleetFinding(True, "disk", text)
 
 
-def _robot_finding(robot: Robot) -> FleetFinding:
-    status, faults = robot.status, []
-    if robot.loss is not None and robot.loss > MAX_LOSS:
+def _robot_finding(place: Place, robot: Robot, found: Examination) -> FleetFinding:
+    status, host, faults = robot.status, place[1], []
+    by_unicast = found.by_unicast.get(place)
+    if place not in found.by_multicast and found.asks_group:
         faults.append(
-            f"{robot.loss:.0%} of the datagrams are lost; turn off Wi-Fi power saving on the robot, or send "
-            f"to it by --unicast {robot.address[0]}"
+            "unicast arrives, multicast does not; turn off multicast filtering (or IGMP snooping) in the "
+            f"access point and the switches, or send to it by --unicast {host}"
+        )
+    elif robot.loss is not None and robot.loss > MAX_LOSS:
+        unicast = by_unicast.loss if by_unicast is not None else None
+        compared = "" if unicast is None else f" of multicast, and {unicast:.0%} of unicast,"
+        faults.append(
+            f"{robot.loss:.0%}{compared or ' of the datagrams'} are lost; turn off Wi-Fi power saving on the "
+            f"robot, or send to it by --unicast {host}"
         )
     if status.signal_dbm is not None and status.signal_dbm < WEAK_SIGNAL_DBM:
         faults.append(f"the Wi-Fi signal of {status.signal_dbm} dBm is weak; move the access point closer")
+    if status.host is not None and status.host.free_bytes < _LEAST_FREE_BYTES:
+        faults.append(
+            f"only {status.host.free_bytes / 1e9:.1f} GB are free on its disk; delete old recordings there"
+        )
     loss = "not measured" if robot.loss is None else f"{robot.loss:.0%}"
-    text = "; ".join(faults) or f"answers from {robot.address[0]}; loss: {loss}"
+    text = "; ".join(faults) or f"answers from {host}; loss: {loss}"
     return FleetFinding(not faults, f"robot {status.robot_id}", text)
+
+
+def _pair_findings(pairs: Sequence[tuple[Place, Place, bool]]) -> list[FleetFinding]:
+    """Return whether robots reach each other: a fault that the base station does not have itself."""
+    if not pairs:
+        return []
+    apart = [
+        f"robot {first[0]} does not reach robot {second[0]}" for first, second, is_ok in pairs if not is_ok
+    ]
+    if not apart:
+        return [FleetFinding(True, "robot to robot", "each robot reaches the next one")]
+    text = (
+        f"{_listed(apart)}; turn off client isolation (AP isolation) in the access point, or the robots "
+        "cannot share topics without the base station"
+    )
+    return [FleetFinding(False, "robot to robot", text)]
+
+
+def _clock_findings(clocks: Mapping[Place, ClockOffset]) -> list[FleetFinding]:
+    """Compare the clocks of the robots and of this machine."""
+    if not clocks:
+        return []
+    offsets = {f"robot {place[0]} ({place[1]})": clocks[place] for place in sorted(clocks)}
+    offsets["this machine"] = ClockOffset(0.0, 0.0)
+    ahead = max(offsets, key=lambda name: offsets[name].offset_s)
+    behind = min(offsets, key=lambda name: offsets[name].offset_s)
+    difference_s = offsets[ahead].offset_s - offsets[behind].offset_s
+    error_s = offsets[ahead].error_s + offsets[behind].error_s
+    if difference_s - error_s <= _MAX_CLOCK_DIFFERENCE_S:
+        text = (
+            f"the clocks of the robots and of this machine differ by at most {difference_s + error_s:.3f} s"
+        )
+        return [FleetFinding(True, "clocks", text)]
+    text = (
+        f"the clock of {ahead} is {difference_s:.1f} s ahead of that of {behind}; synchronize all machines, "
+        "for example with chrony"
+    )
+    return [FleetFinding(False, "clocks", text)]
+
+
+def _querier_finding(found: Examination) -> FleetFinding:
+    if found.hears_querier is None:
+        return FleetFinding(
+            None, "IGMP querier", "only root may listen for it: run the same command with sudo"
+        )
+    if found.hears_querier:
+        return FleetFinding(True, "IGMP querier", "switches and access points know who is in a group")
+    if found.listened_s < QUERY_INTERVAL_S:
+        return FleetFinding(
+            None,
+            "IGMP querier",
+            f"none in {found.listened_s:g} s; it may be silent for 125 s: listen with "
+            f"--duration {QUERY_INTERVAL_S:g}",
+        )
+    return FleetFinding(
+        False,
+        "IGMP querier",
+        f"none in {found.listened_s:g} s; switches with IGMP snooping forget robots after 2 to 4 minutes. "
+        "Turn on the querier of the access point or a switch, or turn off snooping",
+    )
+
+
+def _listed(texts: Sequence[str]) -> str:
+    more = len(texts) - _MAX_LISTED
+    return ", ".join(texts[:_MAX_LISTED]) + (f" and {more} more" if more > 0 else "")

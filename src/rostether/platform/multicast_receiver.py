@@ -10,15 +10,26 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, RemoteProtocolError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.platform.command_frame import Flags
 from rostether.platform.command_link import CommandReceiver, ReceiverSettings
-from rostether.platform.multicast_socket import GroupAddress, join_group, open_receiver, open_sender
+from rostether.platform.forwarding import decode_forward
+from rostether.platform.host_state import read_host
+from rostether.platform.multicast_socket import (
+    GroupAddress,
+    join_group,
+    open_receiver,
+    open_sender,
+    open_unicast,
+)
 from rostether.platform.robot_table import SocketAddress
 from rostether.platform.signal_strength import read_signal_dbm
+from rostether.platform.status_frame import MAGIC as STATUS_MAGIC
+from rostether.platform.status_frame import HostState
 from rostether.platform.status_reporter import StatusReporter
 from rostether.serde.layout import Layout
 from rostether.transports.allow_list import AllowList, check_networks
@@ -51,7 +62,10 @@ class ReceiverNodeSettings:
 
 
 async def receive_topic(
-    graph: TypedGraph, settings: ReceiverNodeSettings, report: Callable[[Level, str], None]
+    graph: TypedGraph,
+    settings: ReceiverNodeSettings,
+    report: Callable[[Level, str], None],
+    read_host: Callable[[], HostState] = read_host,
 ) -> None:
     """Publish received messages until cancelled. Raises ConfigError, UnknownTypeError, GraphError."""
     address = settings.address.checked()
@@ -65,7 +79,7 @@ async def receive_topic(
     except OSError as error:
         raise ConfigError(f"cannot receive at {address}: {error.strerror or error}") from None
     layout = graph.store.layout(settings.type_name)
-    receiver = _Receiver(sock, publisher, layout, AllowList(sources), settings, report)
+    receiver = _Receiver(sock, publisher, layout, AllowList(sources), settings, report, read_host)
     report(Level.INFO, f"receiving {settings.type_name} from {address} as {publisher.topic}")
     try:
         await receiver.keep_joined()
@@ -84,7 +98,9 @@ class _Receiver:
         sources: AllowList,
         settings: ReceiverNodeSettings,
         report: Callable[[Level, str], None],
+        read_host: Callable[[], HostState],
     ) -> None:
+        self._read_host = read_host
         self._sock = sock
         self._publisher = publisher
         self._layout = layout
@@ -98,11 +114,13 @@ class _Receiver:
         self._sockets = [sock]
         if settings.framed is not None:
             self._commands = CommandReceiver(settings.framed)
+            self._key = settings.framed.key if settings.has_key else None
             self._reporter = StatusReporter(settings.framed.robot_id, settings.framed.key)
             # Statuses have their own port, so that a sender's unicast reaches only this robot.
-            self._sockets.append(
-                open_sender(replace(self._address, group=_NO_GROUP[self._address.family]), "")
-            )
+            self._own = open_sender(replace(self._address, group=_NO_GROUP[self._address.family]), "")
+            self._sockets.append(self._own)
+            if (unicast := open_unicast(self._address)) is not None:
+                self._sockets.append(unicast)
         for each in self._sockets:
             asyncio.get_running_loop().add_reader(each, self._read, each)
 
@@ -133,10 +151,10 @@ class _Receiver:
             host = str(source[0])
             if not self._sources.allows(host):
                 self._refuse(f"a datagram from {host}: allow it with _sources:={host}")
-            elif self._commands is not None:
-                self._obey(self._commands, datagram, source)
-            else:
+            elif self._commands is None:
                 self._publish(datagram, host)
+            elif not datagram.startswith(STATUS_MAGIC):
+                self._obey(self._commands, datagram, source)
 
     def close(self) -> None:
         """Close the sockets and end the watchdog, after a last stop for a robot that moves."""
@@ -166,6 +184,8 @@ class _Receiver:
         if commands.refused_count > refused_count and "not newer" not in commands.last_refusal:
             self._refuse(f"a command from {host}: {commands.last_refusal}")
         self._answer(commands, source)
+        if commands.last_frame is not None and Flags.FORWARD in commands.last_frame.flags:
+            self._forward(commands.last_frame.payload, host)
         if frame is None:
             return
         if commands.is_moving:
@@ -177,11 +197,28 @@ class _Receiver:
     def _answer(self, commands: CommandReceiver, source: SocketAddress) -> None:
         text = str(replace(self._address, group=source[0], port=source[1]))
         status = self._reporter.answer(
-            commands, text, self._last_s, partial(read_signal_dbm, self._address.interfaces)
+            commands,
+            text,
+            self._last_s,
+            partial(read_signal_dbm, self._address.interfaces),
+            self._read_host,
         )
         if status is not None:
             with contextlib.suppress(OSError):
-                self._sockets[-1].sendto(status, source)
+                self._own.sendto(status, source)
+
+    def _forward(self, payload: bytes, host: str) -> None:
+        """Send a query to another robot for a sender that has the key; its answer is ignored."""
+        if self._key is None:
+            return
+        try:
+            address, port, query = decode_forward(payload, self._key)
+        except RemoteProtocolError as error:
+            self._refuse(f"a query from {host}: {error}")
+            return
+        # The other robot may have an address of another kind, or none that this machine knows a way to.
+        with contextlib.suppress(OSError):
+            self._own.sendto(query, (address, port))
 
     def _watch(self, commands: CommandReceiver) -> None:
         if self._watchdog is not None:

@@ -17,6 +17,9 @@ REFERENCE_PORT = 12345
 # The maximum payload of UDP over IPv4.
 MAX_DATAGRAM_BYTES = 65_507
 
+# IP_MULTICAST_ALL and IPV6_MULTICAST_ALL of Linux, which the module socket does not have.
+_MULTICAST_ALL = {socket.AF_INET: (socket.IPPROTO_IP, 49), socket.AF_INET6: (socket.IPPROTO_IPV6, 29)}
+
 
 @dataclass(frozen=True, slots=True)
 class GroupAddress:
@@ -90,6 +93,27 @@ def open_receiver(address: GroupAddress) -> socket.socket:
     except OSError:
         sock.close()
         raise
+    return sock
+
+
+def open_unicast(address: GroupAddress) -> socket.socket | None:
+    """Return a socket that receives unicast at the group's port, None where that is not possible or needed.
+
+    Of several robots on one machine, the last one receives it. On Windows, the group's socket receives it.
+    """
+    if not address.is_multicast or sys.platform == "win32":
+        return None
+    sock = socket.socket(address.family, socket.SOCK_DGRAM)
+    try:
+        sock.setblocking(False)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if sys.platform == "linux":
+            # Without this, the socket also receives the groups that other sockets have joined.
+            sock.setsockopt(*_MULTICAST_ALL[address.family], 0)
+        sock.bind(("", address.port))
+    except OSError:
+        sock.close()
+        return None
     return sock
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -92,7 +93,12 @@ class RobotTable:
 
     def duplicate_ids(self) -> dict[int, list[str]]:
         """Return the ids that several hosts share, with the hosts."""
-        hosts: dict[int, list[str]] = {}
-        for robot_id, host in sorted(self.robots):
-            hosts.setdefault(robot_id, []).append(host)
-        return {robot_id: found for robot_id, found in hosts.items() if len(found) > 1}
+        return hosts_of_duplicate_ids(self.robots)
+
+
+def hosts_of_duplicate_ids(places: Iterable[tuple[int, str]]) -> dict[int, list[str]]:
+    """Return the ids that several hosts share, with the hosts, from pairs of both."""
+    hosts: dict[int, list[str]] = {}
+    for robot_id, host in sorted(places):
+        hosts.setdefault(robot_id, []).append(host)
+    return {robot_id: found for robot_id, found in hosts.items() if len(found) > 1}

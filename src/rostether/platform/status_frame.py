@@ -15,6 +15,8 @@ Numbers are little-endian:
     29      signal strength in dBm, signed; 0 is unknown
     30-31   length of the holder's address in bytes
     32-     address of the sender that commands the robot, as text; empty if there is none
+    next 8  the robot's clock, in microseconds since 1970 (not from boards)
+    next 8  the free space of its disk in bytes (not from boards)
     last 8  SipHash-2-4 of all bytes before it, under the fleet's key
 """
 
@@ -33,7 +35,9 @@ from rostether.platform.siphash import TAG_BYTES, siphash_2_4
 MAX_HOLDER_BYTES = 80
 
 _HEADER = struct.Struct("<2sBBIQIIIBbH")
-_MAGIC = b"rS"
+_HOST = struct.Struct("<QQ")
+MAGIC = b"rS"
+_LEAST_BYTES = _HEADER.size + TAG_BYTES
 _VERSION = 1
 _MOVES = 1
 _LAST_U32 = 0xFFFF_FFFF
@@ -49,8 +53,19 @@ class Refusal(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class HostState:
+    """The clock of a robot's computer, and the free space of its disk."""
+
+    clock_us: int
+    free_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
 class RobotStatus:
-    """One status; the fields are those of the module's table. `signal_dbm` is None if it is unknown."""
+    """One status; the fields are those of the module's table.
+
+    `signal_dbm` is None if it is unknown, `host` if the robot is a board.
+    """
 
     robot_id: int
     epoch_us: int
@@ -61,13 +76,14 @@ class RobotStatus:
     refusal: Refusal = Refusal.NONE
     signal_dbm: int | None = None
     holder: str = ""
+    host: HostState | None = None
 
     def encode(self, key: bytes = NO_KEY) -> bytes:
         """Return the datagram; counts restart from 0 after 2^32."""
         holder = self.holder.encode("ascii", "replace")[:MAX_HOLDER_BYTES]
         body = (
             _HEADER.pack(
-                _MAGIC,
+                MAGIC,
                 _VERSION,
                 _MOVES if self.is_moving else 0,
                 self.robot_id,
@@ -81,19 +97,22 @@ class RobotStatus:
             )
             + holder
         )
+        if self.host is not None:
+            body += _HOST.pack(self.host.clock_us, self.host.free_bytes)
         return body + siphash_2_4(key, body)
 
 
 def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
     """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
-    if not _HEADER.size + TAG_BYTES <= len(datagram) <= _HEADER.size + MAX_HOLDER_BYTES + TAG_BYTES:
+    if not _LEAST_BYTES <= len(datagram) <= _LEAST_BYTES + MAX_HOLDER_BYTES + _HOST.size:
         raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")
     header = _HEADER.unpack_from(datagram)
     magic, version, state, robot_id, epoch_us, sequence, received, lost, refusal, signal, length = header
-    if magic != _MAGIC or version != _VERSION:
+    if magic != MAGIC or version != _VERSION:
         raise RemoteProtocolError("the datagram is not a status of version 1")
     body, tag = datagram[:-TAG_BYTES], datagram[-TAG_BYTES:]
-    if length != len(body) - _HEADER.size:
+    holder, rest = body[_HEADER.size :][:length], body[_HEADER.size + length :]
+    if len(holder) != length or len(rest) not in (0, _HOST.size):
         raise RemoteProtocolError(f"the status announces {length} bytes and has another length")
     if not hmac.compare_digest(siphash_2_4(key, body), tag):
         raise RemoteProtocolError("the status's tag is wrong: it is damaged, or made with another key")
@@ -108,5 +127,6 @@ def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
         bool(state & _MOVES),
         Refusal(refusal),
         signal or None,
-        body[_HEADER.size :].decode("ascii", "replace"),
+        holder.decode("ascii", "replace"),
+        HostState(*_HOST.unpack(rest)) if rest else None,
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rostether.platform.command_frame import NO_KEY, CommandFrame, Flags
 from rostether.platform.command_link import CommandReceiver
-from rostether.platform.status_frame import RobotStatus
+from rostether.platform.status_frame import HostState, RobotStatus
 
 STATUS_PERIOD_S = 1.0
 
@@ -46,6 +46,7 @@ class StatusReporter:
         address: str,
         now_s: float,
         read_signal_dbm: Callable[[], int | None] = lambda: None,
+        read_host: Callable[[], HostState | None] = lambda: None,
     ) -> bytes | None:
         """Return the status for the sender of the last frame of `receiver`, if it is due.
 
@@ -67,6 +68,7 @@ class StatusReporter:
             receiver.refusal,
             read_signal_dbm(),
             holder.address if holder else "",
+            read_host(),
         ).encode(self._key)
 
     def _count(self, frame: CommandFrame, address: str) -> _Sender | None:

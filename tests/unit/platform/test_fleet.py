@@ -5,7 +5,7 @@ import pytest
 from rostether.errors import ConfigError
 from rostether.platform.command_frame import Flags, decode_frame
 from rostether.platform.command_link import SenderSettings
-from rostether.platform.fleet import FleetSender, FleetSettings
+from rostether.platform.fleet import FleetSender, FleetSettings, silence_text
 from rostether.platform.multicast_socket import GroupAddress
 from unit.platform.datagrams import PlainReceiver, loopback_group
 from unit.platform.typed_nodes import Lines
@@ -40,7 +40,9 @@ async def test_queries_change_nothing_and_a_drive_ends_with_a_halt_and_a_release
     receiver.close()
     # The robot does not confirm the stop: there are three rounds.
     assert flags().count(Flags.STOP) == 30
-    assert stopper.silence_text().startswith(f"robot 7 does not answer at {address}; check the key")
+    assert silence_text(FleetSettings(ONE_ROBOT, address)).startswith(
+        f"robot 7 does not answer at {address}; check the key"
+    )
 
 
 def test_addresses_that_are_wrong() -> None:

@@ -1,30 +1,71 @@
 from __future__ import annotations
 
-from rostether.platform.fleet_findings import disk_finding, fleet_findings
+from dataclasses import replace
+
+from rostether.platform.fleet_examination import Examination
+from rostether.platform.fleet_findings import FleetFinding, disk_finding, fleet_findings
+from rostether.platform.fleet_survey import ClockOffset, Place
 from rostether.platform.robot_table import Robot
-from rostether.platform.status_frame import RobotStatus
+from rostether.platform.status_frame import HostState, RobotStatus
+
+SILENCE = "no robot answers"
 
 
-def robot(number: int, loss: float | None, signal_dbm: int | None = None) -> Robot:
-    return Robot(RobotStatus(number, 1, 1, signal_dbm=signal_dbm), (f"10.0.0.{number}", 5), 0.0, loss)
+def robots(*found: tuple[int, float | None, int | None]) -> dict[Place, Robot]:
+    """Return robots by id, loss and signal."""
+    return {
+        (number, f"10.0.0.{number}"): Robot(
+            RobotStatus(number, 1, 1, signal_dbm=signal_dbm, host=HostState(0, 10**9)),
+            (f"10.0.0.{number}", 5),
+            0.0,
+            loss,
+        )
+        for number, loss, signal_dbm in found
+    }
+
+
+def problems(found: Examination) -> list[FleetFinding]:
+    return [each for each in fleet_findings(found, SILENCE) if each.is_well is False]
 
 
 def test_each_robot_has_a_finding() -> None:
-    robots = [robot(1, None), robot(2, 0.05, -60), robot(3, 0.3, -80)]
-    findings = fleet_findings(robots, {2: ["10.0.0.2", "10.0.0.9"]}, "no robot answers")
+    fleet = robots((1, None, None), (2, 0.05, -60), (3, 0.3, -80))
+    findings = fleet_findings(Examination(True, fleet, robots((3, 0.02, None))), SILENCE)
     assert [(each.is_well, each.what) for each in findings] == [
         (True, "robot 1"),
         (True, "robot 2"),
         (False, "robot 3"),
-        (False, "ids"),
     ]
-    assert "30% of the datagrams are lost" in findings[2].text
+    assert findings[2].text.startswith("30% of multicast, and 2% of unicast, are lost")
     assert "-80 dBm is weak" in findings[2].text
-    assert "2 robots have the id 2: 10.0.0.2, 10.0.0.9" in findings[3].text
 
 
 def test_a_fleet_that_does_not_answer_and_a_full_disk() -> None:
-    (silent,) = fleet_findings([], {}, "no robot answers")
-    assert (silent.is_well, silent.text) == (False, "no robot answers")
+    (silent,) = fleet_findings(Examination(True), SILENCE)
+    assert (silent.is_well, silent.text) == (False, SILENCE)
     assert disk_finding("here", 5_000_000_000, 9_000_000_000).is_well
     assert not disk_finding("here", 1_000_000, 9_000_000_000).is_well
+
+
+def test_clocks_are_compared_beyond_the_error_of_their_measurement() -> None:
+    ahead, behind = ClockOffset(0.06, 0.001), ClockOffset(-0.06, 0.001)
+    found = Examination(True, robots((1, 0.0, None)), clocks={(1, "a"): ahead, (2, "b"): behind})
+    (finding,) = problems(found)
+    assert finding.text.startswith("the clock of robot 1 (a) is 0.1 s ahead of that of robot 2 (b)")
+    found.clocks[1, "a"] = replace(ahead, error_s=0.05)
+    assert not problems(found)
+
+
+def test_a_querier_is_missing_only_after_the_longest_interval() -> None:
+    found = Examination(True, robots((1, 0.0, None)), hears_querier=False, listened_s=129.0)
+    assert not problems(found)
+    found.listened_s = 130.0
+    assert [each.what for each in problems(found)] == ["IGMP querier"]
+    found.hears_querier = None
+    assert "with sudo" in fleet_findings(found, SILENCE)[-1].text
+
+
+def test_many_pairs_of_robots_are_not_all_listed() -> None:
+    pairs = [((number, "a"), (number + 1, "b"), False) for number in range(1, 9)]
+    (finding,) = problems(Examination(True, robots((1, 0.0, None)), pairs=pairs))
+    assert "robot 5 does not reach robot 6 and 3 more; turn off client isolation" in finding.text

@@ -14,7 +14,7 @@ from rostether.platform.command_link import (
 )
 from rostether.platform.robot_table import RobotTable
 from rostether.platform.signal_strength import read_signal_dbm
-from rostether.platform.status_frame import Refusal, RobotStatus, decode_status
+from rostether.platform.status_frame import HostState, Refusal, RobotStatus, decode_status
 from rostether.platform.status_reporter import StatusReporter
 
 KEY = b"0123456789abcdef"
@@ -33,9 +33,10 @@ class Robot:
         return None if answer is None else decode_status(answer, KEY)
 
 
-def test_a_status_is_whole_or_refused() -> None:
-    datagram = STATUS.encode(KEY)
-    assert decode_status(datagram, KEY) == STATUS
+@pytest.mark.parametrize("status", [STATUS, replace(STATUS, host=HostState(1_700_000_000_000_000, 5))])
+def test_a_status_is_whole_or_refused(status: RobotStatus) -> None:
+    datagram = status.encode(KEY)
+    assert decode_status(datagram, KEY) == status
     for index in range(len(datagram)):
         damaged = bytearray(datagram)
         damaged[index] ^= 1

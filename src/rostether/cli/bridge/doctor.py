@@ -70,12 +70,12 @@ def doctor(
     if there is a problem.
     """
     if fleet:
-        if (port, seconds, ros2) != (None, None, None):
-            raise click.UsageError("with --fleet, doctor examines no board: leave out PORT and other options")
+        if (port, ros2) != (None, None):
+            raise click.UsageError("with --fleet, doctor examines no board: leave out PORT and --ros2")
         from rostether.cli.platform.fleet_doctor import examine_fleet
         from rostether.cli.platform.fleet_options import fleet_settings
 
-        return run(examine_fleet(fleet_settings(key_file=key_file), as_json=as_json))
+        return run(examine_fleet(fleet_settings(key_file=key_file), seconds or 1.0, as_json=as_json))
     if key_file is not None:
         raise click.UsageError("--key-file needs --fleet")
     if ros2 is not None:

@@ -128,7 +128,7 @@ def stop(robot: int | None, fleet: FleetSettings) -> int:
 
 
 async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> int:
-    from rostether.platform.fleet import FleetSender
+    from rostether.platform.fleet import FleetSender, silence_text
 
     sender = FleetSender(settings, _report)
     try:
@@ -141,7 +141,7 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
     if not as_json:
         _write_table([_cells(each, detailed) for each in sender.robots], detailed)
     if not sender.robots:
-        warn(sender.silence_text())
+        warn(silence_text(settings))
     return EXIT_DONE if sender.robots else EXIT_FAILED
 
 
@@ -160,7 +160,7 @@ async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> 
 
 
 async def _stop(settings: FleetSettings) -> int:
-    from rostether.platform.fleet import FleetSender
+    from rostether.platform.fleet import FleetSender, silence_text
 
     sender = FleetSender(settings, _report)
     try:
@@ -170,7 +170,7 @@ async def _stop(settings: FleetSettings) -> int:
     for robot in robots:
         write_line(f"robot {robot.status.robot_id} at {robot.address[0]} has stopped")
     if not robots:
-        warn(sender.silence_text())
+        warn(silence_text(settings))
     return EXIT_DONE if robots else EXIT_FAILED
 
 

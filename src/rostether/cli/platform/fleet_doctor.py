@@ -18,34 +18,48 @@ if TYPE_CHECKING:
     from rostether.platform.fleet import FleetSettings
 
 
-@click.command("doctor", cls=Verb, examples="rostether fleet doctor --interface wlan0 --key-file fleet.key")
+@click.command(
+    "doctor",
+    cls=Verb,
+    examples="""
+    rostether fleet doctor --interface wlan0 --key-file fleet.key
+    sudo rostether fleet doctor --duration 130 --key-file fleet.key   also listens for the IGMP querier
+    """,
+)
+@click.option(
+    "--duration",
+    "listen_s",
+    type=click.FloatRange(min=1.0, max=3600.0),
+    default=1.0,
+    metavar="SECONDS",
+    help="Listen for an IGMP querier for this time (default: while the robots are asked).",
+)
 @json_option
 @fleet_options()
-def doctor(as_json: bool, fleet: FleetSettings) -> int:
-    """Measure the loss and the signal of each robot, and find ids that two robots have.
+def doctor(listen_s: float, as_json: bool, fleet: FleetSettings) -> int:
+    """Find out why robots do not obey: networks, ids, clocks and disks.
 
-    It commands no robot. The exit code is 0 if all robots that answer are healthy, 1 if there is a problem.
+    It measures the loss and the signal of each robot, and compares multicast with unicast. It finds robots
+    that do not reach each other, ids that two robots have, clocks that differ, full disks, and (with root)
+    networks without an IGMP querier. It commands no robot. The exit code is 1 if there is a problem.
     """
-    return run(examine_fleet(fleet, as_json=as_json))
+    return run(examine_fleet(fleet, listen_s, as_json=as_json))
 
 
-async def examine_fleet(settings: FleetSettings, *, as_json: bool) -> int:
+async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bool) -> int:
     """Print the findings; return the exit code. Raises ConfigError."""
-    from rostether.platform.fleet import FleetSender
+    from rostether.platform.fleet import silence_text
+    from rostether.platform.fleet_examination import examine
     from rostether.platform.fleet_findings import disk_finding, fleet_findings
 
-    sender = FleetSender(settings, lambda _, text: warn(text))
-    try:
-        await sender.query()
-    finally:
-        sender.close()
-    findings = fleet_findings(sender.robots, sender.duplicate_ids(), sender.silence_text())
+    found = await examine(settings, lambda _, text: warn(text), listen_s)
+    findings = fleet_findings(found, silence_text(settings))
     disk = shutil.disk_usage(".")
     findings.append(disk_finding("this folder", disk.free, disk.total))
     for finding in findings:
         if as_json:
             write_json({"ok": finding.is_well, "what": finding.what, "text": finding.text})
         else:
-            word = "ok" if finding.is_well else "PROBLEM"
+            word = {True: "ok", False: "PROBLEM", None: "not checked"}[finding.is_well]
             write_line(f"{word}: {finding.what}: {finding.text}", paint_finding)
-    return EXIT_DONE if all(each.is_well for each in findings) else EXIT_FAILED
+    return EXIT_FAILED if any(each.is_well is False for each in findings) else EXIT_DONE

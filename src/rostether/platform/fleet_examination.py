@@ -1,0 +1,154 @@
+"""Measures what `rostether doctor --fleet` reports: losses, clocks, robots that do not reach each other."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from rostether.graph.ports import Level
+from rostether.platform.command_channel import MAX_UNICAST
+from rostether.platform.command_frame import NO_KEY
+from rostether.platform.command_link import CommandSender, SenderSettings
+from rostether.platform.datagram_sender import DatagramSender
+from rostether.platform.fleet import QUERY_S, FleetSettings
+from rostether.platform.fleet_survey import ClockOffset, Place, Survey
+from rostether.platform.forwarding import encode_forward
+from rostether.platform.igmp_querier import hears_querier
+from rostether.platform.multicast_socket import GroupAddress
+from rostether.platform.robot_table import Robot
+
+# Enough for ten queries and answers, of which few are lost on Wi-Fi that works.
+_UNICAST_S = 1.0
+# A query that a robot forwards is sent as often, and at these intervals.
+_FORWARDED = 5
+_FORWARD_PERIOD_S = 0.05
+# Statuses come at least every 250 ms.
+_CONFIRM_S = 1.0
+
+
+@dataclass(slots=True)
+class Examination:
+    """What was measured. Robots are identified by id and host.
+
+    `asks_group` is False for a fleet without multicast. `silent_hosts` are addresses that were given and do
+    not answer. `pairs` are robots, and whether the first reaches the second. `hears_querier` is None if this
+    machine may not listen; `listened_s` is 0 if the fleet needs no querier.
+    """
+
+    asks_group: bool
+    by_multicast: dict[Place, Robot] = field(default_factory=dict)
+    by_unicast: dict[Place, Robot] = field(default_factory=dict)
+    silent_hosts: list[str] = field(default_factory=list)
+    clocks: dict[Place, ClockOffset] = field(default_factory=dict)
+    pairs: list[tuple[Place, Place, bool]] = field(default_factory=list)
+    hears_querier: bool | None = None
+    listened_s: float = 0.0
+
+
+async def examine(
+    settings: FleetSettings, report: Callable[[Level, str], None], listen_s: float
+) -> Examination:
+    """Measure for about five seconds, and listen for a querier for at least `listen_s`.
+
+    Raises ConfigError for an address that is wrong.
+    """
+    address = settings.address
+    found = Examination(address.is_multicast)
+    # IPv6 has another protocol for this, MLD.
+    if address.is_multicast and address.family is socket.AF_INET:
+        found.listened_s = max(listen_s, QUERY_S + _UNICAST_S)
+    querier = asyncio.create_task(hears_querier(address.interfaces, found.listened_s))
+    try:
+        group = Survey(settings.sender, address, report)
+        await group.run(QUERY_S)
+        found.by_multicast, found.clocks = group.robots, group.clocks
+        await _ask_by_unicast(found, settings, group.robots, report)
+        if settings.sender.key != NO_KEY:
+            found.pairs = await _ask_neighbors(settings.sender, found.by_unicast, report)
+        found.hears_querier = await querier
+    finally:
+        querier.cancel()
+    return found
+
+
+async def _ask_by_unicast(
+    found: Examination,
+    settings: FleetSettings,
+    robots: dict[Place, Robot],
+    report: Callable[[Level, str], None],
+) -> None:
+    """Ask the robots that answered, and the addresses that were given."""
+    ports = dict.fromkeys(settings.unicast, settings.address.port)
+    ports |= {robot.address[0]: robot.address[1] for robot in robots.values()}
+    surveys = {
+        host: Survey(settings.sender, GroupAddress(host, port), report)
+        for host, port in list(ports.items())[:MAX_UNICAST]
+    }
+    await asyncio.gather(*[survey.run(_UNICAST_S) for survey in surveys.values()])
+    for host, survey in surveys.items():
+        found.by_unicast |= survey.robots
+        for place, clock in survey.clocks.items():
+            known = found.clocks.get(place)
+            if known is None or clock.error_s < known.error_s:
+                found.clocks[place] = clock
+        if not survey.robots:
+            found.silent_hosts.append(host)
+
+
+async def _ask_neighbors(
+    sender: SenderSettings, robots: dict[Place, Robot], report: Callable[[Level, str], None]
+) -> list[tuple[Place, Place, bool]]:
+    """Let each robot send to the next one, the last to the first. Boards cannot forward."""
+    # A link-local IPv6 address (with %) has another scope on each machine.
+    able = sorted(
+        (place, robot)
+        for place, robot in robots.items()
+        if robot.status.host is not None and "%" not in place[1]
+    )
+    if len(able) < 2:
+        return []
+    ring = list(zip(able, [*able[1:], able[0]], strict=True))
+    epoch_us = time.time_ns() // 1000
+    reached = await asyncio.gather(
+        *[
+            # Each pair has an epoch of its own: a robot counts the frames of an epoch.
+            _reaches(sender, first, second, epoch_us + index, report)
+            for index, ((_, first), (_, second)) in enumerate(ring)
+        ]
+    )
+    return [
+        (first, second, is_reached)
+        for ((first, _), (second, _)), is_reached in zip(ring, reached, strict=True)
+        if is_reached is not None
+    ]
+
+
+async def _reaches(
+    sender: SenderSettings,
+    first: Robot,
+    second: Robot,
+    epoch_us: int,
+    report: Callable[[Level, str], None],
+) -> bool | None:
+    """Return whether the first robot reaches the second one; None if the second does not answer us now."""
+    host, port = second.address[:2]
+    to_first = replace(sender, target=first.status.robot_id, to_groups=False)
+    to_second = replace(sender, target=second.status.robot_id, to_groups=False)
+    outer, inner = CommandSender(to_first, epoch_us), CommandSender(to_second, epoch_us)
+    by = DatagramSender(GroupAddress(first.address[0], first.address[1]), report)
+    try:
+        for _ in range(_FORWARDED):
+            by.send(outer.forward(encode_forward(host, port, inner.query())))
+            await asyncio.sleep(_FORWARD_PERIOD_S)
+    finally:
+        by.close()
+    survey = Survey(to_second, GroupAddress(host, port), report, inner)
+    await survey.run(_CONFIRM_S, until_answered=True)
+    for robot in survey.robots.values():
+        status = robot.status
+        # The status counts from the first frame that arrived, directly or through the other robot.
+        return status.sequence - status.received_count - status.lost_count + 1 <= _FORWARDED
+    return None

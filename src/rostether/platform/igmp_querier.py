@@ -1,0 +1,66 @@
+"""Listens for an IGMP querier (RFC 3376): without one, switches forget who is in a group."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+
+# A querier asks all machines at least this often (RFC 3376, 8.2: 125 s), and may be a little late.
+QUERY_INTERVAL_S = 130.0
+
+_MEMBERSHIP_QUERY = 0x11
+_MAX_BYTES = 2048
+_BURST = 100
+
+
+async def hears_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | None:
+    """Return whether an IGMP query arrives in this time, at one of the interfaces if there are any.
+
+    None: the system does not allow it (it needs root, or CAP_NET_RAW).
+    """
+    heard = asyncio.Event()
+    sockets: list[socket.socket] = []
+    loop = asyncio.get_running_loop()
+    try:
+        try:
+            sockets.extend(_open(each) for each in interfaces or ("",))
+        except OSError:
+            return None
+        for sock in sockets:
+            loop.add_reader(sock, _read, sock, heard)
+        try:
+            async with asyncio.timeout(duration_s):
+                await heard.wait()
+        except TimeoutError:
+            return False
+        return True
+    finally:
+        for sock in sockets:
+            loop.remove_reader(sock)
+            sock.close()
+
+
+def _open(interface: str) -> socket.socket:
+    sock = socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_IGMP)
+    sock.setblocking(False)
+    try:
+        # An interface that is given by its address has no name to bind to: queries on all interfaces count.
+        if interface and interface.count(".") != 3 and sys.platform == "linux":
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, interface.encode())
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def _read(sock: socket.socket, heard: asyncio.Event) -> None:
+    for _ in range(_BURST):
+        try:
+            packet = sock.recv(_MAX_BYTES)
+        except OSError:
+            return
+        # The IP header, whose length is in 4-byte words, comes first.
+        igmp = packet[4 * (packet[0] & 0x0F) :] if packet else b""
+        if igmp and igmp[0] == _MEMBERSHIP_QUERY:
+            heard.set()
