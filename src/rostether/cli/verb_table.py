@@ -11,16 +11,14 @@ VERBS = {
         "rostether.cli.bridge.serial_node:serial_node",
         "Connect one board, with the arguments of serial_node.py.",
     ),
-    "board": VerbEntry("rostether.cli.board.group:board", "Run sketches on simulated boards."),
+    "board": VerbEntry("rostether.cli.groups:board", "Run sketches on simulated boards."),
     "doctor": VerbEntry("rostether.cli.bridge.doctor:doctor", "Diagnose why a board does not connect."),
     "self-check": VerbEntry(
         "rostether.cli.bridge.self_check:self_check",
         "Show which optional parts work on this machine.",
     ),
     "monitor": VerbEntry("rostether.cli.bridge.monitor:monitor", "Monitor all boards and their topics live."),
-    "link": VerbEntry(
-        "rostether.cli.link.group:link", "Record, show and replay the bytes on a board's line."
-    ),
+    "link": VerbEntry("rostether.cli.groups:link", "Record, show and replay the bytes on a board's line."),
     "conformance": VerbEntry(
         "rostether.cli.link.conformance:conformance",
         "Check whether a client library speaks the wire protocol.",
@@ -30,15 +28,15 @@ VERBS = {
         "rostether.cli.bridge.relay:relay", "Relay topics and services between ROS 1 and ROS 2."
     ),
     "core": VerbEntry("rostether.cli.bridge.core:core", "Run a ROS master, like roscore."),
-    "topic": VerbEntry("rostether.cli.topic.group:topic", "List, print, publish and measure topics."),
-    "node": VerbEntry("rostether.cli.node.group:node", "List, show, ping and stop nodes."),
-    "service": VerbEntry("rostether.cli.service.group:service", "List, show and call services."),
+    "topic": VerbEntry("rostether.cli.groups:topic", "List, print, publish and measure topics."),
+    "node": VerbEntry("rostether.cli.groups:node", "List, show, ping and stop nodes."),
+    "service": VerbEntry("rostether.cli.groups:service", "List, show and call services."),
     "sensor": VerbEntry("rostether.cli.platform.sensor:sensor", "List, show and rename sensors."),
     "fleet": VerbEntry("rostether.cli.platform.fleet:fleet", "List, drive and stop many robots."),
-    "tf": VerbEntry("rostether.cli.robot.tf:tf", "Show and publish transforms between frames."),
+    "tf": VerbEntry("rostether.cli.groups:tf", "Show and publish transforms between frames."),
     "urdf": VerbEntry("rostether.cli.robot.urdf:urdf", "Check and show robot descriptions."),
-    "xacro": VerbEntry("rostether.cli.robot.xacro:xacro", "Expand a xacro file."),
-    "param": VerbEntry("rostether.cli.param.group:param", "Read and write parameters."),
+    "xacro": VerbEntry("rostether.cli.robot.urdf:xacro", "Expand a xacro file."),
+    "param": VerbEntry("rostether.cli.groups:param", "Read and write parameters."),
     "msg": VerbEntry("rostether.cli.msg.group:msg", "Show message definitions."),
     "srv": VerbEntry("rostether.cli.msg.group:srv", "Show service definitions."),
     "interface": VerbEntry(
@@ -56,7 +54,7 @@ VERBS = {
     ),
     "pkg": VerbEntry("rostether.cli.launch.pkg:pkg", "Create, list and find packages."),
     "role": VerbEntry("rostether.cli.role.group:role", "Run a standard ROS node that launch files start."),
-    "bag": VerbEntry("rostether.cli.bag.group:bag", "Record, replay and inspect bags."),
+    "bag": VerbEntry("rostether.cli.groups:bag", "Record, replay and inspect bags."),
     "export": VerbEntry("rostether.cli.bag.export:export", "Export a recording to CSV or Parquet."),
     "dashboard": VerbEntry("rostether.cli.dashboard.dashboard:dashboard", "Show the robot in a browser."),
     "foxglove": VerbEntry("rostether.cli.gateway.foxglove:foxglove", "Connect Foxglove to the graph."),
@@ -68,14 +66,14 @@ VERBS = {
     ),
     "plot": VerbEntry("rostether.cli.plot.plot:plot", "Plot topic values over time, live or to a file."),
     "firmware": VerbEntry(
-        "rostether.cli.firmware.group:firmware", "Build, measure and flash sketches; generate their library."
+        "rostether.cli.groups:firmware", "Build, measure and flash sketches; generate their library."
     ),
     "new": VerbEntry("rostether.cli.firmware.new:new", "Write a new sketch."),
     "flash": VerbEntry(
         "rostether.cli.launch.flash:flash", "Build and flash a sketch, and connect the board."
     ),
     "env": VerbEntry(
-        "rostether.cli.launch.env:env", "Type roslaunch, rostopic and other ROS 1 commands as before."
+        "rostether.cli.launch.shims:env", "Type roslaunch, rostopic and other ROS 1 commands as before."
     ),
     "completion": VerbEntry("rostether.cli.shell.completion:completion", "Print shell completion code."),
 }

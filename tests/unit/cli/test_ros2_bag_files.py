@@ -11,7 +11,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin
 
 from programs import running
-from rostether.cli.bag.recording_graph import recording_types
+from rostether.cli.bag.recording_files import recording_types
 from rostether.errors import RecordingError
 from rostether.graph.ports import Publisher
 from rostether.msgdef.registry import Registry

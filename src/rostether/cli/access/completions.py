@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.middleware import chosen_middleware
+from rostether.cli.access.graph_options import GraphOptions, chosen_middleware
 from rostether.errors import RostetherError
 
 if TYPE_CHECKING:

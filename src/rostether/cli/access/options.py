@@ -1,4 +1,4 @@
-"""Options that several commands share."""
+"""Options that several commands share, and the refusal of options of the other ROS."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import Function
+from rostether.cli.shell.option_group import Function, ignored_options
 
 msg_path_option = click.option(
     "--msg-path",
@@ -16,6 +16,18 @@ msg_path_option = click.option(
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="Search this folder for packages, .msg and .srv files before ROS_PACKAGE_PATH; may be repeated.",
+)
+
+
+daemon_habits = ignored_options("--spin-time", no_daemon="--no-daemon")
+qos_habits = ignored_options(
+    "--qos-profile",
+    "--qos-depth",
+    "--qos-history",
+    "--qos-reliability",
+    "--qos-liveliness",
+    "--spin-time",
+    no_daemon="--no-daemon",
 )
 
 
@@ -36,3 +48,32 @@ listen_option = click.option(
     metavar="ADDRESS",
     help="Listen at this address for other machines; 0.0.0.0 for all addresses (default: loopback only).",
 )
+
+
+def refuse_ros1_only(**given: object) -> None:
+    """Raise UsageError for an option that was given and works on ROS 1 only."""
+    _refuse(given, "works on ROS 1 only; leave it out or add --ros1")
+
+
+def refuse_ros2_only(**given: object) -> None:
+    """Raise UsageError for an option that was given and works on ROS 2 only."""
+    _refuse(given, "works on ROS 2 only; leave it out or add --ros2")
+
+
+def _refuse(given: dict[str, object], why: str) -> None:
+    for name, value in given.items():
+        if value:
+            raise click.UsageError(f"{_spelled(name)} {why}")
+
+
+def _spelled(name: str) -> str:
+    context = click.get_current_context(silent=True)
+    for parameter in context.command.params if context is not None else ():
+        if parameter.name == name:
+            return max(parameter.opts, key=len) if isinstance(parameter, click.Option) else name.upper()
+    return name
+
+
+def not_on_ros2(command: str, instead: str) -> click.UsageError:
+    """Return the error for a command that does not exist on ROS 2."""
+    return click.UsageError(f"`{command}` works on ROS 1 only: {instead}")

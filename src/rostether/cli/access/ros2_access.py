@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.graph_options import ZenohReach
-from rostether.cli.access.middleware import Middleware
+from rostether.cli.access.graph_options import Middleware, ZenohReach
 from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.graph.ports import Graph, JoinGraph

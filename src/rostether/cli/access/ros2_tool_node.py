@@ -8,8 +8,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from rostether.cli.access.graph_options import GraphOptions, ZenohReach
-from rostether.cli.access.middleware import Middleware
+from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.shell.output import warn

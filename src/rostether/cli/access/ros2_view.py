@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 
 TOPIC_KINDS = (EndpointKind.PUBLISHER, EndpointKind.SUBSCRIPTION)
@@ -54,3 +55,31 @@ class GraphView:
                 types.setdefault(end.name, set()).add(end.type)
         for name in sorted(types):
             yield name, sorted(types[name])
+
+
+def as_snapshot(view: GraphView) -> Snapshot:
+    """Return all nodes, topics and services of a view, including hidden ones."""
+    return Snapshot(
+        tuple(sorted(set(view.nodes))),
+        {
+            name: TopicEntry(
+                name,
+                ", ".join(view.types(TOPIC_KINDS, name)),
+                _nodes(view, EndpointKind.PUBLISHER, name),
+                _nodes(view, EndpointKind.SUBSCRIPTION, name),
+            )
+            for name in view.names(TOPIC_KINDS, with_hidden=True)
+        },
+        {
+            name: ServiceEntry(
+                name,
+                _nodes(view, EndpointKind.SERVER, name),
+                ", ".join(view.types(SERVICE_KINDS, name)),
+            )
+            for name in view.names([EndpointKind.SERVER], with_hidden=True)
+        },
+    )
+
+
+def _nodes(view: GraphView, kind: EndpointKind, name: str) -> tuple[str, ...]:
+    return tuple(sorted({end.node_name for end in view.of(kind, name)}))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,14 +13,19 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.used_master import used_master
+from rostether.errors import GraphError, MasterUnreachableError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
-from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.environment import RosEnvironment, format_uri
+from rostether.ros1.node.master_client import MasterClient
 
 if TYPE_CHECKING:
     from rostether.ros2.actions.board_graph import NativeSession
     from rostether.ros2.types.type_support import Ros2Types
+
+# A master on loopback answers within milliseconds; a starting one gets this long before its port counts as
+# used by another program.
+_ANSWER_LIMIT_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,3 +94,59 @@ async def _native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asy
     reach = ZenohReach(graph.zenoh.connect, (), "never")
     async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
         yield NativeSession(access.join, types, registry)
+
+
+@dataclass(frozen=True, slots=True)
+class UsedMaster:
+    """The environment to join with, a line for users about its master, and whether we started that master."""
+
+    environment: RosEnvironment
+    line: str
+    is_ours: bool = False
+
+
+@asynccontextmanager
+async def used_master(
+    environment: RosEnvironment, *, is_chosen: bool = False, port: int | None = None
+) -> AsyncIterator[UsedMaster]:
+    """Find the master to use; if there is none, run one until the end of the block.
+
+    `is_chosen` is true if the user named it (`--master`); `port` is the port of a new one (`--master-port`).
+    Raises GraphError if another program uses the port.
+    """
+    if is_chosen or (environment.master_uri_is_set and not environment.master.is_loopback):
+        yield UsedMaster(environment, f"Using the ROS master at {environment.master_uri}")
+        return
+    if port is not None:
+        environment = replace(environment, master_uri=format_uri("localhost", port))
+    if await master_answers(environment):
+        yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
+        return
+    from rostether.ros1.roscore import Roscore
+
+    try:
+        core = await Roscore.start(environment, port=environment.master.port)
+    except GraphError:
+        # Another program took the port in the meantime; join it if it is a master.
+        if not await master_answers(environment):
+            raise
+        yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
+        return
+    try:
+        line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
+        yield UsedMaster(environment, line, is_ours=True)
+    finally:
+        await core.close()
+
+
+async def master_answers(environment: RosEnvironment) -> bool:
+    """Return whether a ROS master answers at the environment's URI."""
+    client = MasterClient(environment.master_uri, "/rostether")
+    try:
+        async with asyncio.timeout(_ANSWER_LIMIT_S):
+            await client.get_pid()
+    except (MasterUnreachableError, TimeoutError):
+        return False
+    finally:
+        await client.close()
+    return True

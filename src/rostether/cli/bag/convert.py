@@ -7,8 +7,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.bag.recording_files import asked_form, format_option, storage_option
-from rostether.cli.bag.recording_graph import recording_types
+from rostether.cli.bag.recording_files import asked_form, format_option, recording_types, storage_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 

@@ -16,7 +16,7 @@ from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_o
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.progress import show
-from rostether.cli.bag.recording_graph import recording_graph
+from rostether.cli.bag.recording_files import recording_graph
 from rostether.cli.shell.keys import typed_keys
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line

@@ -18,8 +18,14 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.figures import MEGABYTE, size_text
 from rostether.cli.bag.progress import ProgressLine
-from rostether.cli.bag.recording_files import NewFiles, Packing, asked_form, format_option, storage_option
-from rostether.cli.bag.recording_graph import recording_graph
+from rostether.cli.bag.recording_files import (
+    NewFiles,
+    Packing,
+    asked_form,
+    format_option,
+    recording_graph,
+    storage_option,
+)
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run

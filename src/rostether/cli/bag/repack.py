@@ -1,16 +1,57 @@
-"""`rostether bag compress` and `decompress`: rewrite recordings in place."""
+"""`rostether bag compress`, `decompress` and `reindex`: rewrite recordings in place."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
 from rostether.cli.bag.figures import size_text
-from rostether.cli.bag.places import new_place, place_options
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def place_options(function: Function) -> Function:
+    """Add --output-dir, --force and --quiet."""
+    for option in (
+        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
+        click.option("-f", "--force", is_flag=True, help="Overwrite an older NAME.orig.bag."),
+        click.option(
+            "--output-dir",
+            metavar="DIR",
+            type=click.Path(path_type=Path, file_okay=False),
+            help="Write to DIR instead.",
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path, Path | None]:
+    """Return the path of the new recording, and that of the old one if it is moved. Raises ConfigError."""
+    name = path.name.removesuffix(".active")
+    if output_dir is not None:
+        try:
+            output_dir.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ConfigError(
+                f"cannot create the folder {output_dir}: {error.strerror or error}; choose another folder"
+            ) from None
+        return output_dir / name, None
+    output = path.parent / name
+    stem, _, suffix = name.rpartition(".")
+    backup = path.with_name(f"{name}.orig" if path.is_dir() else f"{stem}.orig.{suffix}")
+    if backup.exists() and not force:
+        raise ConfigError(f"{backup} already exists; -f overwrites it")
+    if output != path and output.exists():
+        raise ConfigError(f"{output} already exists, so {path} cannot be written there; use --output-dir")
+    return output, backup
 
 
 @click.command(
@@ -68,3 +109,30 @@ def _size_bytes(path: Path) -> int:
 
     with closing(open_recording(path)) as reader:
         return reader.size_bytes
+
+
+@click.command(
+    "reindex",
+    cls=Verb,
+    examples="""
+    rostether bag reindex drive.bag.active
+    rostether bag reindex --output-dir repaired *.bag
+    """,
+)
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@place_options
+def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
+    """Repair recordings that are truncated or damaged: keep every complete message.
+
+    The original file is kept as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Complete recordings are not
+    changed.
+    """
+    from rostether.recording.reindexing import reindex
+
+    for path in files:
+        output, backup = new_place(path, output_dir, force=force)
+        mended = reindex(path, output, keep_original=backup)
+        if not quiet:
+            why = f" ({mended.damage})" if mended.damage else ""
+            what = f"{mended.message_count} messages"
+            write_line(f"{output}: {what} kept{why}" if why else f"{output}: {what}, complete, not changed")

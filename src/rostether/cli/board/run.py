@@ -12,7 +12,7 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.board.qemu import MACHINES, run_in_qemu
-from rostether.cli.shell.input_lines import input_lines
+from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
@@ -178,7 +178,7 @@ def board_run(program: Path, options: BoardOptions, msg_paths: tuple[Path, ...],
 
 
 async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as_json: bool) -> None:
-    from rostether.cli.board.program import find_program
+    from rostether.cli.board.qemu import find_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard

@@ -80,7 +80,7 @@ async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
 ) -> tuple[SimulatedBoard, ProgramSize | None]:
     """Start a board that ends with the exit stack; return it, and what its program takes."""
-    from rostether.cli.board.program import find_program, measure_program
+    from rostether.cli.board.qemu import find_program, measure_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard

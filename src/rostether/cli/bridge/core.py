@@ -10,16 +10,16 @@ import click
 from rostether.cli.access.graph_options import (
     SERVED_ALLOW,
     GraphOptions,
+    Middleware,
     ZenohReach,
     graph_options,
     ros2_option,
 )
-from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.used_master import master_answers
-from rostether.cli.bridge.limit_options import GRAPH_LIMITS, limit_option, read_graph_limits
+from rostether.cli.access.served_graphs import master_answers
+from rostether.cli.bridge.options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.shell.option_group import ignored_options
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run

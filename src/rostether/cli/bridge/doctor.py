@@ -10,9 +10,8 @@ import click
 
 from rostether.cli.access.graph_options import ros2_option
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.colors import paint_finding
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.transports.address import parse_address
@@ -150,7 +149,7 @@ async def _examine_served(as_json: bool) -> bool | None:
     """Report the boards of a bridge that runs; return whether they are healthy, None if there are none."""
     from rostether.cli.access.graph_options import GraphOptions
     from rostether.cli.access.ros1_access import joined, read_environment
-    from rostether.cli.access.used_master import master_answers
+    from rostether.cli.access.served_graphs import master_answers
     from rostether.cli.bridge.doctor_report import reported_lines, reported_record
     from rostether.cli.bridge.reported_boards import reported_boards
 

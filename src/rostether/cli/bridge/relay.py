@@ -15,13 +15,13 @@ from rostether.cli.access.graph_options import (
     SERVED_ALLOW,
     SERVED_MASTER,
     GraphOptions,
+    Middleware,
     graph_options,
 )
-from rostether.cli.access.middleware import Middleware
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.used_master import used_master
+from rostether.cli.access.served_graphs import used_master
 from rostether.cli.service.ros1_probe import probe_type
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb

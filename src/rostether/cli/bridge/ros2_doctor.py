@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import NamedTuple
 
-from rostether.cli.access.graph_options import ZenohReach
-from rostether.cli.access.middleware import Middleware, chosen_middleware
+from rostether.cli.access.graph_options import Middleware, ZenohReach, chosen_middleware
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.shell.colors import paint_finding
-from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.output import paint_finding, write_json, write_line
 from rostether.errors import RostetherError
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.ros2.environment import Ros2Environment

@@ -21,8 +21,8 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import joining_ros1
-from rostether.cli.access.used_master import used_master
-from rostether.cli.bridge.device_options import config_option, read_devices
+from rostether.cli.access.served_graphs import used_master
+from rostether.cli.bridge.options import config_option, read_devices
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb

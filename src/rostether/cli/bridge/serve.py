@@ -25,19 +25,21 @@ from rostether.cli.bag.line_capture import record_limit_option, recorded
 from rostether.cli.bag.record_options import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.board.simulated_links import simulated
 from rostether.cli.bridge.announcing import announced, check_mdns
-from rostether.cli.bridge.device_options import (
+from rostether.cli.bridge.options import (
+    BRIDGE_LIMITS,
+    GRAPH_LIMITS,
     config_option,
     discover_option,
+    limit_option,
     probe_option,
     read_devices,
+    read_limits,
     unchosen_lines,
 )
-from rostether.cli.bridge.limit_options import BRIDGE_LIMITS, GRAPH_LIMITS, limit_option, read_limits
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, read_web_boards, shortage_lines
-from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
-from rostether.cli.dashboard.options import dashboard_option
+from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside, dashboard_option
+from rostether.cli.gateway.gateways import served_gateways
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
-from rostether.cli.gateway.served import served_gateways
 from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.running import run

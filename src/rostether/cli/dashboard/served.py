@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import io
 import socket
 import sys
-from collections.abc import AsyncIterator, Sequence
+import webbrowser
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -15,13 +17,11 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard.qr_code import qr_code
 from rostether.cli.dashboard.view import View
-from rostether.cli.gateway.encryption import Encryption, read_encryption
 from rostether.cli.gateway.foxglove import gateway_on, in_ros1_words
 from rostether.cli.gateway.gateways import Report, joined_as, report_reach
 from rostether.cli.gateway.node import NodeWords
-from rostether.cli.gateway.options import DEFAULT_PLACE, read_place
+from rostether.cli.gateway.options import DEFAULT_PLACE, Encryption, read_encryption, read_place
 from rostether.cli.shell.output import write_line
 from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
@@ -207,3 +207,27 @@ def _free_port(host: str, wanted: int) -> int:
 
 def _family(host: str) -> socket.AddressFamily:
     return socket.AF_INET6 if ":" in host else socket.AF_INET
+
+
+def qr_code(text: str) -> str:
+    """Return a text as a QR code of half-block characters."""
+    import segno
+
+    lines = io.StringIO()
+    segno.make(text, micro=False, error="l").terminal(lines, compact=True, border=2)
+    return lines.getvalue().rstrip("\n")
+
+
+async def open_browser(url: str) -> None:
+    """Open an address in the user's browser, if there is one."""
+    # A browser that does not start is not an error: the terminal shows the address.
+    await asyncio.gather(asyncio.to_thread(webbrowser.open, url), return_exceptions=True)
+
+
+def has_browser(environ: Mapping[str, str]) -> bool:
+    """Return whether a window can open: a text browser in this terminal would hide the output."""
+    if not sys.stdout.isatty():
+        return False
+    if sys.platform in ("darwin", "win32"):
+        return "SSH_CONNECTION" not in environ
+    return bool(environ.get("DISPLAY") or environ.get("WAYLAND_DISPLAY"))

@@ -74,7 +74,7 @@ async def demo_board(
 
 @asynccontextmanager
 async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> AsyncIterator[DemoBoard]:
-    from rostether.cli.board.program import find_program, measure_program
+    from rostether.cli.board.qemu import find_program, measure_program
     from rostether.firmware.toolchain import find_avr_toolchain
     from rostether.simulation.simavr.compile import missing_parts
     from rostether.simulation.simavr.simulated_board import SimulatedBoard

@@ -19,7 +19,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.bridge.device_options import config_option, read_devices
+from rostether.cli.bridge.options import config_option, read_devices
 from rostether.cli.bridge.serving import bridge
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
@@ -218,7 +218,7 @@ class Controls:
 async def _show_live(facts: DemoFacts, view: DemoView, recent: RecentLines, controls: Controls) -> None:
     from rich.live import Live
 
-    from rostether.cli.demo.screen import DemoScreen
+    from rostether.cli.demo.view import DemoScreen
 
     screen = DemoScreen(facts, view, recent.lines)
     with Live(screen, auto_refresh=False) as live:

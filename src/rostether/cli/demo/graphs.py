@@ -8,8 +8,8 @@ from dataclasses import replace
 from importlib.util import find_spec
 
 from rostether.bridge.reporter import Reporter
-from rostether.cli.access.middleware import Middleware
-from rostether.cli.access.used_master import UsedMaster, master_answers, used_master
+from rostether.cli.access.graph_options import Middleware
+from rostether.cli.access.served_graphs import UsedMaster, master_answers, used_master
 from rostether.cli.demo.view import our_command
 from rostether.errors import GraphError, RostetherError, UnknownNameError
 from rostether.extras import install_command

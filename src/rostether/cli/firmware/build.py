@@ -1,15 +1,16 @@
-"""`rostether firmware build`: compiles a sketch for a board."""
+"""`rostether firmware build`, `upload` and `sim`: build a sketch, flash it, or run it simulated."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.board.run import OLD_OPTIONS, board_run
 from rostether.cli.firmware.options import build, build_options
-from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import FirmwareError
@@ -17,6 +18,9 @@ from rostether.errors import FirmwareError
 if TYPE_CHECKING:
     from rostether.firmware.build import BuildOptions, BuiltFirmware
     from rostether.firmware.elf import ElfFile
+
+# The build's own options cover these.
+_OURS = frozenset(("program", "board", "msg_paths"))
 
 
 @click.command(
@@ -112,3 +116,67 @@ def _record(built: BuiltFirmware, elf: ElfFile, places: tuple[Path, Path]) -> di
         "duration_s": round(built.duration_s, 3),
         "is_from_cache": built.is_from_cache,
     }
+
+
+@click.command(
+    "upload",
+    cls=Verb,
+    examples="""
+    rostether firmware upload blink.ino                            to the only board plugged in
+    rostether firmware upload robot --board mega --port /dev/ttyACM0
+    rostether firmware upload robot --board nano:atmega328old      a Nano with the old boot loader
+    """,
+)
+@build_options
+@click.option("-p", "--port", metavar="PORT", help="The board's serial port (default: the only one found).")
+def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
+    """Build a sketch and flash it with avrdude (or arduino-cli).
+
+    A sketch that does not fit is not flashed. If only the stack may be too large, the command prints a
+    warning first.
+    """
+    run(upload_sketch(sketch, board_name, options, port))
+
+
+async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> str:
+    """Build and flash a sketch; returns the port of the board. Raises FirmwareError, ConfigError."""
+    from rostether.firmware.elf import ElfFile
+    from rostether.firmware.footprint import measure_built
+    from rostether.firmware.upload import choose_port, upload
+
+    built = await build(sketch, board_name, options)
+    elf = ElfFile.read(built.elf)
+    await refuse_too_large(built, elf)
+    for line in (await measure_built(built)).warnings():
+        warn(f"WARNING: {line}")
+    chosen = choose_port(built.board) if port is None else port
+    write_line(f"flashing {built.board.title} on {chosen}: {describe_sizes(built, elf)}")
+    await upload(built, chosen, uses_arduino_cli=options.uses_arduino_cli, show=options.show)
+    write_line("done; the board now runs the sketch")
+    return chosen
+
+
+@click.command(
+    "sim",
+    cls=Verb,
+    old_options=OLD_OPTIONS,
+    examples="""
+    rostether firmware sim blink.ino --watch D13
+    rostether firmware sim robot --board mega --library ~/libs/Encoder --link /tmp/board
+    """,
+)
+@build_options
+@click.pass_context
+def firmware_sim(
+    context: click.Context, /, sketch: Path, board_name: str, options: BuildOptions, **of_the_board: Any
+) -> None:
+    """Build a sketch and run it on a simulated board.
+
+    The options, commands and events are those of `rostether board run`, which runs a program that is already
+    built.
+    """
+    built = run(build(sketch, board_name, options))
+    context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **of_the_board)
+
+
+firmware_sim.params += [each for each in board_run.params if each.name not in _OURS]

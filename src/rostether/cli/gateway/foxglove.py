@@ -21,12 +21,23 @@ from rostether.cli.access.graph_options import (
 )
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.gateway.encryption import read_encryption
-from rostether.cli.gateway.gateways import GatewayGraph, Report, joined_as, report_reach, ros1_gateway_graph
-from rostether.cli.gateway.node import NodeWords, read_gateway_words
-from rostether.cli.gateway.options import access_options, read_place, viewer_access_options
-from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
-from rostether.cli.gateway.serving import serve_gateway
+from rostether.cli.gateway.gateways import (
+    GatewayGraph,
+    Report,
+    joined_as,
+    report_reach,
+    ros1_gateway_graph,
+    serve_gateway,
+)
+from rostether.cli.gateway.node import (
+    NodeWords,
+    certificate_files,
+    flag,
+    private_parameters,
+    read_gateway_words,
+    whole_number,
+)
+from rostether.cli.gateway.options import access_options, read_encryption, read_place, viewer_access_options
 from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError

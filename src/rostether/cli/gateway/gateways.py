@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
-from rostether.cli.access.ros1_access import master_client
+from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.gateway.encryption import read_encryption
+from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_place
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_encryption, read_place
 from rostether.cli.service.ros1_probe import look_up, probe_type
+from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
@@ -217,3 +218,49 @@ def check_rosbridge() -> None:
     """Raise ConfigError if the extra is not installed."""
     if find_spec("cbor2") is None:
         raise ConfigError(f"rosbridge is not installed; run: {install_command('rosbridge')}")
+
+
+@asynccontextmanager
+async def served_gateways(
+    options: GatewayOptions,
+    graphs: ServedGraphs,
+    graph_options: GraphOptions,
+    msg_paths: Sequence[Path],
+    report: Report,
+) -> AsyncIterator[None]:
+    """Run the requested gateways, if any. Raises as `rosbridge_gateway`."""
+    async with AsyncExitStack() as stack:
+        if options.rosbridge is not None:
+            graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
+            await stack.enter_async_context(rosbridge_gateway(options, graph, report))
+        if options.foxglove is not None:
+            from rostether.cli.gateway.foxglove import served_foxglove
+
+            await stack.enter_async_context(served_foxglove(options, graphs, msg_paths, report))
+        yield
+
+
+class Gateway(Protocol):
+    """A running gateway."""
+
+    async def wait_ended(self) -> None:
+        """Wait until its node has left the graph."""
+
+
+def serve_gateway(
+    graph: GraphOptions,
+    msg_paths: Sequence[Path],
+    open_gateway: Callable[[ServedGraphs, Report], AbstractAsyncContextManager[Gateway]],
+) -> None:
+    """Run a gateway on the graphs that the command line selects. Raises as `served_graphs`."""
+    environment = read_environment(graph)
+
+    async def serve() -> None:
+        report = ConsoleReporter().line
+        async with served_graphs(environment, graph, msg_paths=msg_paths) as graphs:
+            for line in graphs.lines:
+                report(Level.INFO, line)
+            async with open_gateway(graphs, report) as gateway:
+                await gateway.wait_ended()
+
+    run(serve(), is_service=True)

@@ -1,23 +1,31 @@
-"""The name of a gateway's node: two gateways of one graph, on two ports, are two nodes."""
+"""Gateway nodes: their names (two gateways of one graph are two nodes) and their parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
 from rostether.cli.gateway.options import DEFAULT_PLACE
 from rostether.cli.node.ros1_calls import ping
-from rostether.errors import GraphError, UnknownNameError
+from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import parse_arguments
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 
+if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
+
 # Takes a node's full name, returns whether a node of that name answers. Raises GraphError.
 IsLive: TypeAlias = Callable[[str], Awaitable[bool]]
+
+
+_TRUE = ("true", "1", "yes", "on")
+# The values in launch files for an unset parameter; Python nodes use "None".
+_NOTHING = (None, "", "None")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,3 +94,35 @@ async def check_free(name: str, namespace: str, is_live: IsLive | None) -> None:
             f"a node {full_name} is already running; stop it, or give this one another port or name "
             f"(__name:=other)"
         )
+
+
+async def private_parameters(graph: TypedGraph) -> dict[str, Any]:
+    """Return all private parameters of the node; empty if it has none."""
+    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
+    return dict(found) if isinstance(found, Mapping) else {}
+
+
+def flag(parameters: Mapping[str, Any], name: str) -> bool:
+    """Return a parameter that is true or false, False if it is missing."""
+    return str(parameters.get(name, False)).strip().lower() in _TRUE
+
+
+def whole_number(parameters: Mapping[str, Any], name: str, default: int) -> int:
+    """Return a number that is not negative. Raises ConfigError naming the parameter."""
+    value = parameters.get(name)
+    if value in _NOTHING:
+        return default
+    try:
+        number = int(str(value).strip())
+    except ValueError:
+        number = -1
+    if isinstance(value, bool) or number < 0:
+        raise ConfigError(f"~{name} must be a whole number, not {value!r}")
+    return number
+
+
+def certificate_files(parameters: Mapping[str, Any], switch: str) -> tuple[str, str]:
+    """Return ~certfile and ~keyfile. Raises ConfigError naming the switch that needs them."""
+    if not parameters.get("certfile"):
+        raise ConfigError(f"~{switch} needs ~certfile and ~keyfile: a certificate and its key")
+    return str(parameters["certfile"]), str(parameters.get("keyfile") or "")

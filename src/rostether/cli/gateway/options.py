@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import option_group
-from rostether.cli.shell.optional_value import OptionalValueOption
+from rostether.cli.shell.option_group import OptionalValueOption, option_group
 from rostether.errors import ConfigError
+from rostether.ports.config_paths import certificates_folder
 
 ROSBRIDGE_OPTION = "--rosbridge"
 FOXGLOVE_OPTION = "--foxglove"
@@ -20,6 +22,9 @@ VIEW_TOKEN_VARIABLE = "ROSTETHER_VIEW_TOKEN"  # noqa: S105 - the name of a varia
 _PLACE = re.compile(r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}")
 _MAX_PORT = 65535
 _ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
+
+
+AUTO = "auto"
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,3 +147,28 @@ access_options = option_group("gateways", _checked, _ACCESS_OPTIONS)
 viewer_access_options = option_group("gateways", _checked, (*_ACCESS_OPTIONS, *_VIEW_OPTIONS))
 # Adds an option for each gateway as well.
 gateway_options = option_group("gateways", _checked, (*_PLACE_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS))
+
+
+@dataclass(frozen=True, slots=True)
+class Encryption:
+    """Files for a gateway's settings, empty without encryption; other devices install `authority`."""
+
+    certificate: str = ""
+    key: str = ""
+    authority: Path | None = None
+
+
+def read_encryption(typed: str, host: str) -> Encryption:
+    """Return the files that `--tls` means; `host` is where the gateway listens.
+
+    Makes this machine's certificate if needed, which takes a moment. Raises ConfigError.
+    """
+    if not typed:
+        return Encryption()
+    if typed != AUTO:
+        return Encryption(typed)
+    from rostether.gateways.websocket.own_authority import own_certificate
+
+    names = (host, os.environ.get("ROS_HOSTNAME", ""), os.environ.get("ROS_IP", ""))
+    made = own_certificate(certificates_folder(), names)
+    return Encryption(str(made.certificate), str(made.key), made.authority)

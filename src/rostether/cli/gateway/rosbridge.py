@@ -1,4 +1,4 @@
-"""`rostether rosbridge`, and the node rosbridge_websocket as a role."""
+"""`rostether rosbridge`, and the nodes rosbridge_websocket and rosapi_node as roles."""
 
 from __future__ import annotations
 
@@ -28,25 +28,31 @@ from rostether.cli.gateway.gateways import (
     ros1_gateway_graph,
     rosbridge_gateway,
     rosbridge_server,
+    serve_gateway,
 )
-from rostether.cli.gateway.node import NodeWords, read_gateway_words
+from rostether.cli.gateway.node import (
+    NodeWords,
+    certificate_files,
+    flag,
+    private_parameters,
+    read_gateway_words,
+    whole_number,
+)
 from rostether.cli.gateway.options import (
     TOKEN_VARIABLE,
     GatewayOptions,
     access_options,
 )
-from rostether.cli.gateway.parameters import certificate_files, flag, private_parameters, whole_number
-from rostether.cli.gateway.serving import serve_gateway
 from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.cli.access.served_graphs import ServedGraphs
     from rostether.gateways.rosbridge.server import RosbridgeServer
     from rostether.gateways.rosbridge.settings import RosbridgeSettings
-    from rostether.graph.typed_graph import TypedGraph
 
 
 @click.command(
@@ -179,3 +185,30 @@ def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
     parts = value if isinstance(value, list) else str(value or "").strip().strip("[]").split(",")
     globs = tuple(text for part in parts if (text := str(part).strip().strip("'\"")))
     return globs or None
+
+
+@click.command("rosapi-node", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role rosapi-node")
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+def rosapi_node(arguments: tuple[str, ...]) -> None:
+    """Offer services that query the graph and access parameters, like rosapi_node.
+
+    Parameters: ~topics_glob, ~services_glob, ~params_glob. `rostether rosbridge` offers the same by itself.
+    """
+    check_rosbridge()
+    run_role("rosapi", arguments, _run_rosapi)
+
+
+async def _run_rosapi(graph: TypedGraph, arguments: Arguments) -> None:
+    from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
+
+    environment = node_environment(arguments)
+    on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)
+    rosapi = Rosapi(
+        graph.raw,
+        on.store,
+        settings=read_settings(await node_parameters(graph, arguments.rest)),
+        ask_type=on.ask_service_type,
+        ask_host=on.ask_service_host,
+    )
+    await rosapi.offer(graph.raw)
+    await graph.raw.wait_closed()

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.firmware.build import upload_sketch
 from rostether.cli.firmware.options import build_options
-from rostether.cli.firmware.upload import upload_sketch
 from rostether.cli.launch.run import become
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.output import write_line

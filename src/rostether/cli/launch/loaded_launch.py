@@ -11,10 +11,10 @@ from pathlib import Path
 from rostether.cli.access.graph_options import ros_arguments
 from rostether.cli.dashboard.view import View, read_view
 from rostether.cli.launch.node_command import node_command
-from rostether.cli.launch.packages_here import packages_here
+from rostether.cli.launch.pkg import packages_here
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes, served_programs, window_view
 from rostether.cli.launch.sources import LaunchSources, find_sources
-from rostether.cli.shell.input_files import STDIN, read_bytes
+from rostether.cli.shell.input import STDIN, read_bytes
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
 from rostether.launch.bundled_packages import bundled_packages

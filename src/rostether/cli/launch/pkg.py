@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
 
-from rostether.cli.launch.completions import complete_package_folders
-from rostether.cli.launch.packages_here import packages_here
-from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.launch.served_nodes import served_nodes
+from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ConfigError
+from rostether.packages.locate import package_folders
+from rostether.packages.search_path import OnNamesake
 
 _HERE = "rostether.cli.launch.pkg"
 
@@ -34,6 +37,59 @@ VERBS = {
 }
 # The distribution whose protocols and definitions rostether implements.
 _DISTRIBUTION = "noetic"
+
+
+# Warnings about packages with the same name; more appear only if a whole workspace was copied.
+MAX_TOLD = 3
+
+
+def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the packages on disk or built in that begin with the typed text."""
+    ours = {package for package, _ in served_nodes()}
+    return [name for name in sorted({*_packages_here(), *ours}) if name.startswith(incomplete)]
+
+
+def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the programs of the typed package that begin with the typed text."""
+    from rostether.packages.executables import programs
+
+    package = context.params.get("package", "")
+    found = {kind for role, kind in served_nodes() if role == package}
+    if folder := _packages_here().get(package):
+        found.update(each.name for each in programs(folder))
+    return [name for name in sorted(found) if name.startswith(incomplete)]
+
+
+def _packages_here() -> dict[str, Path]:
+    import os
+
+    from rostether.packages.locate import package_folders
+
+    return package_folders(os.environ, Path.cwd())
+
+
+def packages_here() -> dict[str, Path]:
+    """Return the folders of all packages that this command finds; warns about duplicate names."""
+    with warned_namesakes() as on_namesake:
+        return package_folders(os.environ, Path.cwd(), on_namesake=on_namesake)
+
+
+@contextmanager
+def warned_namesakes() -> Iterator[OnNamesake]:
+    """Yield a callback for packages with the same name, and print a warning for each at the end."""
+    lines: list[str] = []
+
+    def note(name: str, used: Path, other: Path) -> None:
+        lines.append(
+            f"rostether: warning: two packages have the name {name}: using {used}, ignoring {other}; rename "
+            f"one, or create a file CATKIN_IGNORE in its folder"
+        )
+
+    yield note
+    for line in lines[:MAX_TOLD]:
+        warn(line)
+    if len(lines) > MAX_TOLD:
+        warn(f"rostether: warning: {len(lines) - MAX_TOLD} more packages have duplicate names")
 
 
 @click.group(

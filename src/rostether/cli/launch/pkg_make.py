@@ -1,4 +1,4 @@
-"""`rostether pkg make` and `init-workspace`: the replacements of catkin_make and catkin_init_workspace."""
+"""The replacements of catkin_make, catkin_init_workspace and make_libraries.py."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.firmware.lib import firmware_lib
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
@@ -17,7 +18,6 @@ from rostether.packages.python_scripts import explain_python2
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
     from rostether.packages.workspace import PackageContents
-
 
 _OF_CMAKE = ("-D", "-G", "-j", "-l", "-W")
 # Common targets, and their replacements.
@@ -142,3 +142,23 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
         write_line(f"  need a real ROS to build: {', '.join(contents.compiled_sources)}")
     for line in (*problems, *filter(None, map(explain_python2, programs(contents.folder)))):
         warn(f"  {line}")
+
+
+@click.command(
+    "make-libraries",
+    cls=Verb,
+    examples="""
+    rostether role make-libraries ~/Arduino/libraries
+    rostether role make-libraries . std_msgs mearm_model
+    """,
+)
+@click.argument("directory", metavar="[DIR]", type=click.Path(path_type=Path), default=Path())
+@click.argument("packages", nargs=-1, metavar="[PACKAGE]...")
+@click.pass_context
+def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:
+    """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all packages or of the
+    named ones.
+    """
+    context.invoke(
+        firmware_lib, directory=directory, sketch=None, packages=packages, msg_paths=(), as_json=False
+    )

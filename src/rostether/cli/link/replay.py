@@ -14,7 +14,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
-from rostether.cli.access.used_master import used_master
+from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.serving import bridge
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run

@@ -174,7 +174,7 @@ def _show_verb(kind: _Kind) -> click.Command:
     def show(
         name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
     ) -> None:
-        from rostether.cli.msg.shown_definition import shown_definition
+        from rostether.cli.msg.ros2_definitions import shown_definition
 
         registry = _registry(msg_paths, graph)
         given = _type_argument(kind, name)

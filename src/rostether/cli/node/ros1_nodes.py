@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.refusals import refuse_ros2_only
+from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
 from rostether.cli.node import ros1_report
 from rostether.cli.node.nodes import NodeListing

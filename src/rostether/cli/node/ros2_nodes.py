@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.refusals import not_on_ros2, refuse_ros1_only
+from rostether.cli.access.options import not_on_ros2, refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.nodes import NodeListing

@@ -6,7 +6,7 @@ import click
 
 from rostether.cli.access.completions import complete_nodes
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros2_habits import daemon_habits
+from rostether.cli.access.options import daemon_habits
 from rostether.cli.node.nodes import NodeListing, nodes_of
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option

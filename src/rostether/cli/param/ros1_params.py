@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.refusals import refuse_ros2_only
+from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
-from rostether.cli.shell.input_files import read_bytes, read_text
+from rostether.cli.shell.input import read_bytes, read_text
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError

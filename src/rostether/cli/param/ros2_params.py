@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.refusals import refuse_ros1_only
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.ros2_nodes import full_node_name

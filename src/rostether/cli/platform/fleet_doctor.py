@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.platform.fleet_options import fleet_options
-from rostether.cli.shell.colors import paint_finding
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import re
+import socket
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
 
+from rostether.cli.role.node import node_arguments, run_role
 from rostether.cli.shell.output import warn, write_line
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level, ParamValue
 from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
+from rostether.platform.sensors.registered_sensor import SensorDescription, platform_word
+
+MAX_RATE_HZ = 1000.0
 
 
 class Parameters:
@@ -65,3 +74,57 @@ def reporter(graph: TypedGraph) -> Callable[[Level, str], None]:
         (warn if level > Level.INFO else write_line)(text)
 
     return report
+
+
+@dataclass(frozen=True, slots=True)
+class SensorKind:
+    """What a node's sensor is before its parameters are read."""
+
+    word: str
+    sensor_type: str
+    message_type: str
+    rate_hz: float
+    unit: str = ""
+
+
+def default_platform() -> str:
+    """Return the robot's name: PLATFORM_NAME, else this machine's."""
+    return os.environ.get("PLATFORM_NAME") or socket.gethostname()
+
+
+def run_sensor(
+    word: str,
+    words: Sequence[str],
+    main: Callable[[TypedGraph, Arguments], Awaitable[None]],
+    ros2: str | None,
+) -> None:
+    """Run a sensor's node; its name contains the robot's, so that robots share a graph."""
+    given = node_arguments(words).private_params
+    platform = str(given.get("platform_name") or default_platform())
+    run_role(f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}", words, main, ros2)
+
+
+async def read_description(parameters: Parameters, kind: SensorKind) -> SensorDescription:
+    """Return a sensor's description with the parameters of its node. Raises ConfigError."""
+    platform = await parameters.text(default_platform(), "platform_name")
+    word = await parameters.text(kind.word, "id")
+    if not re.fullmatch(r"[A-Za-z]\w*", word, re.ASCII):
+        raise ConfigError(f"~id is a word such as front, not {word!r:.100}")
+    return SensorDescription(
+        id=f"{platform_word(platform)}/{word}",
+        platform=platform,
+        sensor_type=kind.sensor_type,
+        message_type=kind.message_type,
+        name=await parameters.text(word, "name"),
+        unit=await parameters.text(kind.unit, "unit"),
+        frame_id=await parameters.text("", "frame_id"),
+        rate_hz=await read_rate(parameters, kind.rate_hz),
+    )
+
+
+async def read_rate(parameters: Parameters, default_hz: float) -> float:
+    """Return ~rate. Raises ConfigError."""
+    rate_hz = await parameters.number(default_hz, "rate")
+    if not 0 < rate_hz <= MAX_RATE_HZ:
+        raise ConfigError(f"~rate is above 0 and at most {MAX_RATE_HZ:g}, not {rate_hz:g}")
+    return rate_hz

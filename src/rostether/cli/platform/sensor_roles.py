@@ -9,12 +9,13 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.platform.parameters import Parameters, reporter
-from rostether.cli.platform.sensor_settings import (
+from rostether.cli.platform.parameters import (
+    Parameters,
     SensorKind,
     default_platform,
     read_description,
     read_rate,
+    reporter,
     run_sensor,
 )
 from rostether.cli.role.node import NODE_SETTINGS

@@ -78,7 +78,7 @@ def _is_no_core(part: Part) -> bool:
 
 async def _wait_for_master(environ: Mapping[str, str]) -> None:
     """Wait until the robot's master answers: until then, other parts would start one of their own."""
-    from rostether.cli.access.used_master import master_answers
+    from rostether.cli.access.served_graphs import master_answers
     from rostether.ros1.environment import RosEnvironment
 
     with suppress(TimeoutError):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.refusals import refuse_ros1_only
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.plot.graph_shown import Shown, as_digraph, as_records, as_text, choose
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
@@ -109,7 +109,7 @@ async def _ask_ros1(graph: GraphOptions) -> Snapshot:
 
 
 def _ask_ros2(graph: GraphOptions) -> Snapshot:
-    from rostether.cli.access.ros2_snapshot import as_snapshot
     from rostether.cli.access.ros2_tool_node import asked
+    from rostether.cli.access.ros2_view import as_snapshot
 
     return as_snapshot(asked(graph, lambda tool: tool.settled_snapshot()))

@@ -8,9 +8,8 @@ from dataclasses import asdict
 import click
 
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
-from rostether.cli.shell.colors import paint_frame
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, paint_frame, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line

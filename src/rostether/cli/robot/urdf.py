@@ -1,8 +1,9 @@
-"""`rostether urdf`: checks a robot description, and shows its links and joints."""
+"""`rostether urdf` and `xacro`: check and show robot descriptions, and expand xacro files."""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -137,3 +138,44 @@ def _record(joint: Joint) -> dict[str, object]:
         "upper": limits.upper if limits is not None else None,
         "mimics": joint.mimic.joint if joint.mimic is not None else None,
     }
+
+
+@click.command(
+    "xacro",
+    cls=Verb,
+    examples="""
+    rostether xacro robot.urdf.xacro
+    rostether xacro robot.urdf.xacro gripper:=true -o robot.urdf
+    rostether xacro --deps robot.urdf.xacro
+    """,
+)
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Write the URDF to this file."
+)
+@click.option("--deps", is_flag=True, help="Print the included files instead.")
+@click.option(
+    "--inorder", "-i", is_flag=True, expose_value=False, help="Accepted for compatibility; has no effect."
+)
+@click.option("-q", "quiet", is_flag=True, expose_value=False, help="Accepted.")
+def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
+    """Expand FILE and print the URDF."""
+    from rostether.errors import ConfigError
+    from rostether.packages.locate import package_folders
+    from rostether.robot.xacro import expand_xacro, parse_mappings, xacro_dependencies
+
+    packages = package_folders(os.environ, Path.cwd())
+    arguments = parse_mappings(mappings)
+    if deps:
+        write_line(" ".join(xacro_dependencies(file, arguments, packages=packages)))
+        return
+    text = expand_xacro(file, arguments, packages=packages)
+    if output is None:
+        write_line(text)
+        return
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"{output}: {error.strerror}; choose another file") from error

@@ -9,10 +9,10 @@ import click
 
 from rostether.cli.shell.verbs import LazyGroup, VerbEntry
 
-_LIBRARIES = "rostether.cli.launch.make_libraries"
+_LIBRARIES = "rostether.cli.launch.pkg_make"
 _SERVERS = "rostether.cli.bridge.rosserial_server"
 _TOPICS = "rostether.cli.role.topic_tools"
-_JOINTS = "rostether.cli.role.joint_state"
+_JOINTS = "rostether.cli.role.robot"
 _SENSORS = "rostether.cli.platform.sensor_roles"
 _STATIC = "rostether.cli.robot.tf_static"
 
@@ -30,7 +30,7 @@ ROLES = {
         f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's udp_socket_node."
     ),
     "robot-state-publisher": VerbEntry(
-        "rostether.cli.role.robot_state:robot_state_publisher", "Turn joint states into transforms."
+        "rostether.cli.role.robot:robot_state_publisher", "Turn joint states into transforms."
     ),
     "joint-state-publisher": VerbEntry(f"{_JOINTS}:joint_state_publisher", "Publish joint states."),
     "joint-state-publisher-gui": VerbEntry(
@@ -51,7 +51,7 @@ ROLES = {
     "mux-list": VerbEntry(f"{_TOPICS}:mux_list", "List the inputs of a mux."),
     "joy-node": VerbEntry("rostether.cli.role.joy:joy_node", "Publish a joystick's axes and buttons."),
     "arduino-control": VerbEntry(
-        "rostether.cli.platform.arduino_control:arduino_control", "Turn a joystick into commands for a robot."
+        "rostether.cli.platform.sensing:arduino_control", "Turn a joystick into commands for a robot."
     ),
     "multicast-topic-bridge": VerbEntry(
         "rostether.cli.platform.multicast:multicast_topic_bridge", "Send a topic to a multicast group."
@@ -80,16 +80,16 @@ ROLES = {
         "rostether.cli.gateway.foxglove:foxglove_bridge", "Serve Foxglove, like foxglove_bridge."
     ),
     "rosapi-node": VerbEntry(
-        "rostether.cli.gateway.rosapi:rosapi_node",
+        "rostether.cli.gateway.rosbridge:rosapi_node",
         "Answer queries about the graph by services, like rosapi_node.",
     ),
     "rosbridge-websocket": VerbEntry(
         "rostether.cli.gateway.rosbridge:rosbridge_websocket", "Serve web pages, like rosbridge_websocket."
     ),
     "tf2-web-republisher": VerbEntry(
-        "rostether.cli.role.tf_web:tf2_web_republisher", "Send web pages the transforms they ask for."
+        "rostether.cli.role.robot:tf2_web_republisher", "Send web pages the transforms they ask for."
     ),
-    "rqt-plot": VerbEntry("rostether.cli.plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
+    "rqt-plot": VerbEntry("rostether.cli.plot.plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
 }
 
 

@@ -75,7 +75,7 @@ async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
 
 @asynccontextmanager
 async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[Graph]:
-    from rostether.cli.access.middleware import Middleware, chosen_middleware
+    from rostether.cli.access.graph_options import Middleware, chosen_middleware
     from rostether.cli.access.ros2_access import ros2_access
 
     async with ros2_access(chosen_middleware(ros2=ros2) or Middleware.ZENOH) as access:

@@ -1,4 +1,4 @@
-"""`rostether service list|type|uri|node|args|info|find`: lists and shows services."""
+"""`rostether service`: lists, shows and calls services."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.completions import complete_service_types, complete_services
-from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros2_habits import daemon_habits
-from rostether.cli.service.services import ServiceListing, services_of
+from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.options import daemon_habits, msg_path_option
+from rostether.cli.service.services import CallOptions, ServiceListing, services_of
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
@@ -31,6 +30,33 @@ _listing_options = option_group(
             help="With --ros2, also hidden services (_name).",
         ),
         json_option,
+    ),
+)
+
+
+_call_options = option_group(
+    "options",
+    CallOptions,
+    (
+        click.option("-v", "--verbose", is_flag=True, help="Also print the request."),
+        click.option("--wait", is_flag=True, help="Wait until a node offers the service."),
+        click.option(
+            "--timeout",
+            "timeout_s",
+            type=click.FloatRange(min=0, min_open=True),
+            metavar="SECONDS",
+            help="Give up after SECONDS (default: wait as long as the server runs).",
+        ),
+        click.option(
+            "-r",
+            "--rate",
+            "rate_hz",
+            type=click.FloatRange(min=0, min_open=True),
+            metavar="HZ",
+            help="With --ros2, call repeatedly at this rate.",
+        ),
+        json_option,
+        msg_path_option,
     ),
 )
 
@@ -99,3 +125,29 @@ def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphO
 def find(type_name: str, graph: GraphOptions) -> None:
     """List the services of a type."""
     services_of(graph).find(type_name)
+
+
+@click.command(
+    "call",
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True},
+    examples="""
+    rostether service call /set_led "data: true"
+    rostether service call /set_led true
+    rostether service call --wait --timeout 5 /set_led "{data: false}"
+    rostether service call --ros2 /set_led std_srvs/srv/SetBool "{data: true}"
+    """,
+)
+@click.argument("service", shell_complete=complete_services)
+@click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")
+@_call_options
+@graph_options(allow=TOOL_ALLOW)
+@daemon_habits
+def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: GraphOptions) -> None:
+    """Call a service and print its response.
+
+    ARGUMENTS are YAML: one mapping of the request's fields, or the value of each field in order. Without
+    them, requests come from a pipe, in YAML documents that are separated by ---. With --ros2 you can give the
+    service's type first; missing fields have their defaults.
+    """
+    services_of(graph).call(service, arguments, options)

@@ -13,7 +13,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from rostether.cli.shell.interrupts import raise_at_interrupt
-from rostether.cli.shell.optional_value import OptionalValueOption
+from rostether.cli.shell.option_group import OptionalValueOption
 
 # Maximum width of help text: longer lines are hard to read on wide terminals.
 HELP_WIDTH = 100

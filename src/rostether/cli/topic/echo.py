@@ -6,13 +6,11 @@ import click
 
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros2_habits import qos_habits
+from rostether.cli.access.options import msg_path_option, qos_habits
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
-from rostether.cli.topic.requests import EchoOptions
-from rostether.cli.topic.topics import topics_of
+from rostether.cli.topic.topics import EchoOptions, topics_of
 
 _echo_options = option_group(
     "options",

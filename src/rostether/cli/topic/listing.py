@@ -8,13 +8,11 @@ import click
 
 from rostether.cli.access.completions import complete_message_types, complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros2_habits import daemon_habits
+from rostether.cli.access.options import daemon_habits, msg_path_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
-from rostether.cli.topic.requests import TopicListing
-from rostether.cli.topic.topics import topics_of
+from rostether.cli.topic.topics import TopicListing, topics_of
 
 _hidden_topics_option = click.option(
     "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, include hidden topics (_name)."

@@ -8,12 +8,10 @@ import click
 
 from rostether.cli.access.completions import complete_topic_type, complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros2_habits import qos_habits
+from rostether.cli.access.options import msg_path_option, qos_habits
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.verbs import Verb
-from rostether.cli.topic.requests import PubOptions
-from rostether.cli.topic.topics import topics_of
+from rostether.cli.topic.topics import PubOptions, topics_of
 
 _pub_options = option_group(
     "options",

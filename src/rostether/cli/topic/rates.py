@@ -12,8 +12,7 @@ import click
 
 from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option, window_option
-from rostether.cli.access.ros2_habits import daemon_habits
+from rostether.cli.access.options import daemon_habits, msg_path_option, window_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run

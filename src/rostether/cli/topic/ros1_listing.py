@@ -9,9 +9,15 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.topic.requests import TopicListing
-from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
-from rostether.cli.topic.ros1_view import TopicView, fetch_topics, node_uris, unknown_topic
+from rostether.cli.topic.ros1_chosen_topic import (
+    TopicView,
+    choose_topic,
+    fetch_topics,
+    node_uris,
+    resolve_with_field,
+    unknown_topic,
+)
+from rostether.cli.topic.topics import TopicListing
 from rostether.mechanisms.text import escape_line
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 

@@ -2,16 +2,40 @@
 
 from __future__ import annotations
 
+import asyncio
+import sys
+import time
+from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.refusals import refuse_ros2_only
-from rostether.cli.topic.requests import EchoOptions, PubOptions, TopicListing
+from rostether.cli.access.options import refuse_ros2_only
+from rostether.cli.access.ros1_access import joined, read_environment, resolve
+from rostether.cli.shell.input import read_text
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.topic.topics import EchoOptions, PubOptions, TopicListing
+from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
+from rostether.msgdef.interface import ANY_TYPE
+from rostether.rostime import Time
 
 if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
+    from rostether.graph.typed_graph import TypedGraph
+    from rostether.graph.typed_handles import TypedPublisher
+    from rostether.serde.codec import Codec
+    from rostether.serde.values import Message
+
+# How long `-1` stays, as rostopic: subscribers need a moment to connect.
+ONCE_S = 3.0
+# For messages from files and pipes, as rostopic.
+FILE_RATE_HZ = 10.0
+# Messages from files and pipes wait this long for a subscriber.
+SUBSCRIBER_TIMEOUT_S = 5.0
 
 
 class Ros1Topics:
@@ -62,8 +86,6 @@ class Ros1Topics:
 
     def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as rostopic does."""
-        from rostether.cli.topic.ros1_pub import publish
-
         refuse_ros2_only(
             times=options.times,
             wait_for=options.wait_for is not None,
@@ -80,3 +102,153 @@ class Ros1Topics:
         from rostether.cli.topic.meter import ros1_meter
 
         return ros1_meter(self._graph, topics, msg_paths, quiet=quiet)
+
+
+def publish(
+    graph: GraphOptions, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions
+) -> None:
+    """Publish. Raises UnknownTypeError, SerializationError naming the field, GraphError, ConfigError."""
+    if options.once and options.rate_hz is not None:
+        raise click.UsageError("give one of -1 and -r, not both")
+    run(_publish(graph, topic, type_name, values, options))
+
+
+async def _publish(
+    graph_options: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
+) -> None:
+    from rostether.msgdef.registry import Registry
+    from rostether.msgdef.search_waiting import definitions_at_hand
+    from rostether.serde.store import TypeStore
+    from rostether.serde.yaml_form import fill_message, load_arguments
+
+    name = resolve(topic, read_environment(graph_options))
+    store = TypeStore(Registry.from_environment(options.msg_paths))
+    await definitions_at_hand(store.registry, lambda: store.registry.message_type(type_name))
+    codec = store.codec(type_name)
+    values = load_arguments(given)
+    text = read_text(options.file) if options.file is not None else None
+    is_typed = bool(given) or not codec.message_class._fields
+    # Mistakes are reported before anything is advertised.
+    if is_typed:
+        fill_message(codec, values, now=_wall_time)
+    elif text is None and sys.stdin.isatty():
+        fields = " ".join(field for field, _ in codec.message_class._fields)
+        raise click.UsageError(f"{type_name} needs values: {fields}")
+    async with joined(graph_options, store=store, purpose="rostopic") as graph:
+        await _check_type(graph, name, codec)
+        now = graph.now if options.use_rostime else _wall_time
+        is_latched = options.rate_hz is None or options.latch
+        publisher = await graph.publisher(name, type_name, latch=is_latched)
+        output = _Output(publisher, graph.raw.wait_closed, options)
+        if not is_typed:
+            await output.publish_documents(_documents(codec, text, now))
+        elif options.rate_hz is None:
+            await output.publish_latched(fill_message(codec, values, now=now))
+        else:
+            first = fill_message(codec, values, now=now)
+            again = options.substitute_keywords
+            await output.repeat(
+                (lambda: fill_message(codec, values, now=now)) if again else lambda: first, options.rate_hz
+            )
+
+
+async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
+    """Refuse a type that the topic does not have: no subscriber would get the message."""
+    known = (await graph.snapshot()).topics.get(topic)
+    if known is None or known.type in (ANY_TYPE, codec.type_name):
+        return
+    registry = graph.store.registry
+    try:
+        # tf/tfMessage and tf2_msgs/TFMessage are one type under two names.
+        if registry.message_type(known.type).md5sum == registry.message_type(codec.type_name).md5sum:
+            return
+    except DefinitionError:
+        pass
+    raise TypeMismatchError(
+        f"{topic} has the type {known.type}, not {codec.type_name}; publish this type, or use another topic"
+    )
+
+
+class _Output:
+    """Publishes in the ways that the options ask for, until the node is asked to leave."""
+
+    def __init__(
+        self, publisher: TypedPublisher[...], wait_closed: Callable[[], Any], options: PubOptions
+    ) -> None:
+        self._publisher = publisher
+        self._leaving = asyncio.ensure_future(wait_closed())
+        self._options = options
+
+    async def publish_latched(self, message: Message) -> None:
+        """Publish one message and keep it there: for 3 seconds with -1, else until the end."""
+        what = f"message [{_shown(message)}]" if self._options.verbose else "message"
+        end = f" for {ONCE_S} seconds" if self._options.once else ". Press ctrl-C to terminate"
+        write_line(f"publishing and latching {what}{end}")
+        self._publisher.publish(message)
+        await self._sleep(ONCE_S if self._options.once else None)
+
+    async def repeat(self, make: Callable[[], Message], rate_hz: float) -> None:
+        """Publish at a rate until the end."""
+        due_s = time.monotonic()
+        while not self._leaving.done():
+            self._publish(make())
+            due_s = max(due_s + 1 / rate_hz, time.monotonic() - 1 / rate_hz)
+            await self._sleep(max(due_s - time.monotonic(), 0.0))
+
+    async def publish_documents(self, messages: AsyncIterator[Message]) -> None:
+        """Publish what a file or pipe holds; a file's only message again and again."""
+        options = self._options
+        rate_hz = options.rate_hz or (None if options.once or options.latch else FILE_RATE_HZ)
+        await self._publisher.wait_for_subscriber(SUBSCRIBER_TIMEOUT_S)
+        first = await anext(messages, None)
+        if first is None:
+            raise ConfigError("no message to publish; separate YAML documents with ---")
+        if rate_hz is None:
+            await self.publish_latched(first)
+            return
+        second = await anext(messages, None)
+        if second is None and options.file is not None:
+            write_line("Got one message and a rate, publishing repeatedly")
+            await self.repeat(lambda: first, rate_hz)
+            return
+        self._publish(first)
+        await self._sleep(1 / rate_hz)
+        if second is not None:
+            self._publish(second)
+            await self._sleep(1 / rate_hz)
+        async for message in messages:
+            self._publish(message)
+            await self._sleep(1 / rate_hz)
+            if self._leaving.done():
+                break
+
+    def _publish(self, message: Message) -> None:
+        if self._options.verbose:
+            write_line(f"publishing {_shown(message)}")
+        self._publisher.publish(message)
+
+    async def _sleep(self, duration_s: float | None) -> None:
+        await asyncio.wait({self._leaving}, timeout=duration_s)
+
+
+def _shown(message: Message) -> str:
+    from rostether.serde.yaml_print import format_message
+
+    return format_message(message)
+
+
+def _wall_time() -> Time:
+    return Time.from_ns(time.time_ns())
+
+
+async def _documents(codec: Codec, text: str | None, now: Callable[[], Time]) -> AsyncIterator[Message]:
+    from rostether.cli.shell.input import piped_documents
+    from rostether.serde.yaml_form import parse_documents
+
+    if text is not None:
+        for message in parse_documents(codec, text, now=now):
+            yield message
+        return
+    async for document in piped_documents(sys.stdin):
+        for message in parse_documents(codec, document, now=now):
+            yield message

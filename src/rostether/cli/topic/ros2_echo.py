@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import tool_node
-from rostether.cli.shell.colors import paint_keys
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.output import paint_keys, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.topic.misfit_notice import shown_messages
-from rostether.cli.topic.requests import EchoOptions
+from rostether.cli.topic.meter import shown_messages
 from rostether.cli.topic.ros2_chosen_topic import ChosenTopic, choose_topic
 from rostether.cli.topic.ros2_message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
+from rostether.cli.topic.topics import EchoOptions
 from rostether.errors import GraphError, SerializationError
 
 if TYPE_CHECKING:

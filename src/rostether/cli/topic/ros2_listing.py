@@ -10,7 +10,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
 from rostether.cli.shell.output import write_json, write_line
-from rostether.cli.topic.requests import TopicListing
+from rostether.cli.topic.topics import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import namespace_of

@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+import asyncio
+import time
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.refusals import refuse_ros1_only
-from rostether.cli.topic.requests import EchoOptions, PubOptions, TopicListing
+from rostether.cli.access.options import refuse_ros1_only
+from rostether.cli.access.ros2_tool_node import tool_node
+from rostether.cli.shell.input import read_text
+from rostether.cli.shell.output import write_line
+from rostether.cli.shell.running import run
+from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
+from rostether.cli.topic.ros2_typed_values import ValueForm
+from rostether.cli.topic.topics import EchoOptions, PubOptions, TopicListing
+from rostether.errors import GraphError
+from rostether.ros2.types.native_registry import short_name
+from rostether.rostime import Time
 
 if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
+    from rostether.graph.typed_handles import TypedPublisher
+
+DEFAULT_RATE_HZ = 1.0
+WAIT_LINE_S = 1.0
+MATCH_POLL_S = 0.02
+# As in ros2: how long a message needs to be sent before the publisher ends.
+KEEP_ALIVE_S = 0.1
+# A subscriber on a busy machine may take seconds to discover the publisher; one that hangs ends the wait.
+ACKNOWLEDGE_S = 10.0
 
 
 class Ros2Topics:
@@ -55,8 +77,6 @@ class Ros2Topics:
 
     def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as `ros2 topic pub` does."""
-        from rostether.cli.topic.ros2_pub import publish
-
         refuse_ros1_only(substitute_keywords=options.substitute_keywords, use_rostime=options.use_rostime)
         publish(self._graph, topic, type_name, values, options)
 
@@ -67,3 +87,76 @@ class Ros2Topics:
         from rostether.cli.topic.meter import ros2_meter
 
         return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
+
+
+def publish(
+    graph: GraphOptions, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions
+) -> None:
+    """Publish. Raises UnknownTypeError, SerializationError naming the field, GraphError."""
+    if options.once and options.times:
+        raise click.UsageError("give one of -1 and -t, not both")
+    run(_publish(graph, topic, type_name, values, options))
+
+
+async def _publish(
+    graph: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
+) -> None:
+    from rostether.serde.yaml_form import load_arguments, load_documents
+
+    # Mistakes are reported before anything is advertised.
+    values = [load_arguments(given)]
+    if options.file is not None:
+        values = list(load_documents(read_text(options.file)))
+    name = short_name(type_name)
+    async with tool_node(graph, options.msg_paths) as tool:
+        form = ValueForm(tool.registry.ros2_message, lambda: Time.from_ns(time.time_ns()))
+        codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
+        messages = [form.fill(codec, definition, each) for each in values]
+        support = tool.types.by_name(definition.full_name)
+        for checked in messages:
+            # Bounds of texts and arrays: a publisher would only leave the message out.
+            support.converter.to_cdr(codec.encode(checked))
+        text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
+        is_latched = options.latch or options.qos_durability == "transient_local"
+        publisher = await tool.graph.publisher(topic, name, latch=is_latched)
+        times = 1 if options.once else options.times
+        print_nth = 1 if options.print_nth is None else options.print_nth
+        period_s = 1 / (options.rate_hz or DEFAULT_RATE_HZ)
+        await _wait_for_subscribers(publisher, times, options)
+        write_line("publisher: beginning loop")
+        due_s = time.monotonic()
+        count = 0
+        leaving = asyncio.ensure_future(tool.graph.raw.wait_closed())
+        while not leaving.done():
+            # `now` and `auto` are the time of each message.
+            message: Any = messages[0]
+            if count:
+                message = form.fill(codec, definition, values[count % len(values)])
+            count += 1
+            if print_nth and count % print_nth == 0:
+                write_line(f"publishing #{count}: {text.python(message, definition)}\n")
+            publisher.publish(message)
+            if times and count >= times:
+                break
+            due_s = max(due_s + period_s, time.monotonic() - period_s)
+            await asyncio.wait({leaving}, timeout=max(due_s - time.monotonic(), 0.0))
+        await publisher.drained(ACKNOWLEDGE_S)
+        await asyncio.sleep(KEEP_ALIVE_S)
+
+
+async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, options: PubOptions) -> None:
+    wanted = options.wait_for
+    if wanted is None:
+        wanted = 1 if times else 0
+    begin_s = reported_s = time.monotonic()
+    while publisher.subscriber_count < wanted:
+        now_s = time.monotonic()
+        if options.max_wait_s is not None and now_s - begin_s > options.max_wait_s:
+            raise GraphError(
+                f"{publisher.topic} has no subscriber after {options.max_wait_s:g} s; "
+                "-w 0 publishes without waiting"
+            )
+        if now_s >= reported_s:
+            write_line(f"Waiting for at least {wanted} matching subscription(s)...")
+            reported_s = now_s + WAIT_LINE_S
+        await asyncio.sleep(MATCH_POLL_S)

@@ -11,8 +11,7 @@ import pytest
 
 from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.middleware import Middleware
+from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.access.ros2_access import Ros2Access
 from rostether.cli.bridge import relay as relay_command
 from rostether.cli.bridge.relay import finding_types, read_choice, relay_between

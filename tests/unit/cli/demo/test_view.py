@@ -7,8 +7,7 @@ import pytest
 from rich.console import Console
 
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
-from rostether.cli.demo.screen import DemoScreen
-from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines, our_command
+from rostether.cli.demo.view import DemoFacts, DemoScreen, DemoView, RecentLines, our_command
 from rostether.graph.ports import Level
 from unit.cli.command_shell import STORE
 

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from rostether.cli.gateway.options import is_place, read_place
-from rostether.cli.shell.optional_value import insert_value
+from rostether.cli.gateway.options import Encryption, is_place, read_encryption, read_place
+from rostether.cli.shell.option_group import insert_value
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
 
@@ -72,3 +74,21 @@ def test_a_view_token_that_protects_nothing_is_refused(
     for command in ("dashboard", "foxglove", "serve"):
         said = shell.failure(command, *typed)
         assert reason in said
+
+
+def test_without_the_option_nothing_is_encrypted() -> None:
+    assert read_encryption("", "localhost") == Encryption()
+
+
+def test_a_file_holds_both() -> None:
+    assert read_encryption("robot.pem", "localhost") == Encryption("robot.pem")
+
+
+def test_auto_makes_a_certificate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    made = read_encryption("auto", "0.0.0.0")
+    folder = tmp_path / "rostether" / "tls"
+    assert made == Encryption(
+        str(folder / "server.pem"), str(folder / "server.key"), folder / "authority.pem"
+    )
+    assert all((folder / name).exists() for name in ("server.pem", "server.key", "authority.pem"))

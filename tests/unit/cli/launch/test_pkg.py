@@ -2,9 +2,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
 import pytest
 
+from rostether.cli.launch import pkg
 from unit.cli.command_shell import Shell
+
+CONTEXT = click.Context(click.Command("run"))
+PARAMETER = click.Argument(["package"])
 
 
 @pytest.fixture
@@ -141,3 +146,21 @@ def test_make_says_which_targets_it_does_not_make_and_which_scripts_are_old(arm:
     assert "install: no install folder is made; packages are used where they are" in result.err
     assert "run_tests: no tests are built or run" in result.err
     assert "old.py:2: written for Python 2" in result.err
+
+
+def test_packages_and_their_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    folder = tmp_path / "rosy_arm"
+    folder.mkdir()
+    (folder / "package.xml").write_text("<package><name>rosy_arm</name></package>")
+    (folder / "move.py").write_text("#!/usr/bin/env python3\n")
+    monkeypatch.chdir(tmp_path)
+    assert pkg.complete_package_folders(CONTEXT, PARAMETER, "rosy") == ["rosy_arm"]
+    assert "rosserial_python" in pkg.complete_package_folders(CONTEXT, PARAMETER, "ros")
+    context = click.Context(click.Command("run"))
+    context.params["package"] = "rosy_arm"
+    assert pkg.complete_programs(context, PARAMETER, "m") == ["move.py"]
+    context.params["package"] = "topic_tools"
+    assert pkg.complete_programs(context, PARAMETER, "re") == ["relay"]
+    context.params["package"] = "nothing"
+    assert pkg.complete_programs(context, PARAMETER, "") == []

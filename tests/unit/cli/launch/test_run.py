@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from programs import OURS, read_until, running
-from rostether.cli.launch.node_command import node_command
-from rostether.cli.launch.script_python import PYTHON_VARIABLE, python_for
+from rostether.cli.launch.node_command import PYTHON_VARIABLE, node_command, python_for
 from rostether.cli.launch.served_nodes import SERVED_NODES, replacement_line, served_nodes, view_command
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError

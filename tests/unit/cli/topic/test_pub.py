@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from rostether.cli.topic import ros1_pub
+from rostether.cli.topic import ros1_topics
 from rostether.serde.values import Message
 from unit.cli.command_shell import STORE, LiveGraph, Shell
 from unit.cli.talking import command_node, in_background, shut_down
@@ -42,7 +42,7 @@ class Listener:
 @pytest.fixture
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     """`-1` stays no longer than a subscriber of the same machine needs."""
-    monkeypatch.setattr(ros1_pub, "ONCE_S", 0.5)
+    monkeypatch.setattr(ros1_topics, "ONCE_S", 0.5)
 
 
 @pytest.mark.usefixtures("brief")
@@ -152,5 +152,5 @@ def test_mistakes_are_reported_before_a_master_is_asked(
 
 
 def test_an_empty_pipe_is_a_mistake(graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ros1_pub, "SUBSCRIBER_TIMEOUT_S", 0.01)
+    monkeypatch.setattr(ros1_topics, "SUBSCRIBER_TIMEOUT_S", 0.01)
     assert "no message to publish" in shell.failure("topic", "pub", "/a", "std_msgs/Int8", stdin="")
