@@ -22,7 +22,7 @@ from pathlib import Path
 import pytest
 
 from docs.page import Step, argv, lines_until, matching_lines, missing_lines, programs, steps
-from interop.machines import own_loopback
+from interop.machines import missing_namespaces, own_loopback
 from interop.ros1_peers import free_port
 from unit.firmware.sketches import users_cache
 
@@ -179,7 +179,11 @@ def _name(page: Path) -> str:
 
 def _needs(page: Path) -> list[pytest.MarkDecorator]:
     """Return the peers that a page's commands need besides our own."""
-    return [pytest.mark.simavr] if any(sign in _typed(page) for sign in SIMULATING) else []
+    typed = _typed(page)
+    marks = [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
+    if "ip netns" in typed:
+        marks.append(pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()))
+    return marks
 
 
 def _typed(page: Path) -> str:

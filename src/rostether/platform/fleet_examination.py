@@ -20,13 +20,13 @@ from rostether.platform.igmp_querier import hears_querier
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import Robot
 
-# Enough for ten queries and answers, of which few are lost on Wi-Fi that works.
-_UNICAST_S = 1.0
+# Enough for many queries and answers, of which few are lost on Wi-Fi that works.
+_UNICAST_S = 1.5
 # A query that a robot forwards is sent as often, and at these intervals.
 _FORWARDED = 5
 _FORWARD_PERIOD_S = 0.05
-# Statuses come at least every 250 ms.
-_CONFIRM_S = 1.0
+# Statuses come every 250 ms, and the first one ends the wait.
+_CONFIRM_S = 3.0
 
 
 @dataclass(slots=True)
