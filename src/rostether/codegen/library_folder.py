@@ -12,13 +12,14 @@ from rostether.errors import CodegenError
 
 _NODE_HANDLES = ("src/ros/node_handle.h", "ros/node_handle.h")
 _FACADES = ("src/ros.h", "ros.h")
+_MICROPYTHON = "ros/node_handle.py"
 # Another run may put its library in place between our two steps; more often than this is no coincidence.
 _ATTEMPTS = 10
 
 
 def is_ros_library(folder: Path) -> bool:
     """Return whether a folder is a generated client library, of rostether or of the established tools."""
-    return any(
+    return (folder / _MICROPYTHON).is_file() or any(
         (folder / facade).is_file() and (folder / node_handle).is_file()
         for facade, node_handle in zip(_FACADES, _NODE_HANDLES, strict=True)
     )

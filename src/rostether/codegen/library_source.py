@@ -13,6 +13,8 @@ _PACKAGE = Path(__file__).parents[1]
 _PLACES = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
 # The folder of a library that compilers search for headers.
 SOURCE_FOLDER = "src"
+# The folder of the client library for MicroPython, no part of the C++ one.
+MICROPYTHON_FOLDER = "micropython"
 
 
 def client_library() -> Path:
@@ -24,10 +26,15 @@ def client_library() -> Path:
 
 
 def library_files(root: Path) -> Iterator[str]:
-    """Yield the files below a library's folder, by their paths with slashes, sorted; hidden ones left out."""
+    """Yield the files below a library's folder, by their paths with slashes, sorted.
+
+    Hidden files and the library for MicroPython are left out.
+    """
     for folder, subfolders, files in os.walk(root):
         subfolders[:] = sorted(
-            each for each in subfolders if not each.startswith(".") and each != "__pycache__"
+            each
+            for each in subfolders
+            if not each.startswith(".") and each not in ("__pycache__", MICROPYTHON_FOLDER)
         )
         for file in sorted(files):
             if not file.startswith("."):

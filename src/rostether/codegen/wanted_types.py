@@ -42,7 +42,7 @@ def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
         if not names:
             raise UnknownTypeError(_explain_package(index, package))
         wanted.names |= names
-    _add_parts(index, wanted)
+    add_parts(index, wanted)
     return wanted
 
 
@@ -65,11 +65,12 @@ def types_of_sketch(
             wanted.names.add(name)
         else:
             _explain_include(index, include, match[1], match[2], wanted)
-    _add_parts(index, wanted)
+    add_parts(index, wanted)
     return wanted
 
 
-def _add_parts(index: TypeIndex, wanted: WantedTypes) -> None:
+def add_parts(index: TypeIndex, wanted: WantedTypes) -> None:
+    """Want also the types of the fields of what is wanted."""
     for name in sorted(wanted.names):
         # A definition that is broken, or one below it, is reported when its header is written.
         with contextlib.suppress(DefinitionError):

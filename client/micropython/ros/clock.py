@@ -1,0 +1,48 @@
+"""The host's time, kept between its answers with the board's milliseconds."""
+
+from ros.ticks import ticks_diff
+from ros.times import Time
+
+# Longer than any round trip, and short enough for a clock to stand still.
+_MAX_HOLD_S = 10
+
+
+class Clock:
+    """Never goes back: after an earlier answer it stands still until the host has caught up.
+
+    Only a host whose clock was set back by more than 10 s is followed back.
+    """
+
+    def __init__(self, now_ms):
+        self._sec = self._nsec = 0
+        self._returned_sec = self._returned_nsec = 0
+        self._ms = now_ms
+
+    def advance(self, now_ms):
+        """Move to a moment of the board's clock, so that its counter may start at 0 again."""
+        elapsed_ms = ticks_diff(now_ms, self._ms)
+        self._ms = now_ms
+        nsec = self._nsec + elapsed_ms % 1000 * 1000000
+        self._sec += elapsed_ms // 1000 + nsec // 1000000000
+        self._nsec = nsec % 1000000000
+
+    def at(self, now_ms):
+        """Return the time at a moment of the board's clock."""
+        self.advance(now_ms)
+        behind_s = self._returned_sec - self._sec
+        if behind_s < 0 or behind_s >= _MAX_HOLD_S or (behind_s == 0 and self._nsec >= self._returned_nsec):
+            self._returned_sec = self._sec
+            self._returned_nsec = self._nsec
+        return Time(self._returned_sec, self._returned_nsec)
+
+    def follow(self, sec, nsec, now_ms, age_ms):
+        """Take over the host's time of `age_ms` before now."""
+        self._sec = sec
+        self._nsec = nsec + age_ms * 1000000
+        self._ms = now_ms
+        self.advance(now_ms)
+
+    def set(self, moment, now_ms):
+        """Set the time, also to an earlier one."""
+        self._returned_sec = 0
+        self.follow(moment.sec, moment.nsec, now_ms, 0)

@@ -1,0 +1,15 @@
+"""The host's answer to a request for a parameter."""
+
+
+def read_parameter(reader):
+    """Read RequestParam's response: int32[] ints, float32[] floats, string[] strings; one has elements.
+
+    Returns a value if it is one, a list of several, None if there is no such parameter. Raises MisfitError.
+    """
+    ints = reader.array("i")
+    floats = reader.array("f")
+    values = reader.strings() or list(ints) or list(floats)
+    reader.finish()
+    if len(values) > 1:
+        return values
+    return values[0] if values else None

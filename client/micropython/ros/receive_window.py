@@ -1,0 +1,88 @@
+"""The bytes that came in and are not yet handled."""
+
+from ros.wire import Reader
+
+_SYNC = 0xFF
+_VERSION = 0xFE
+# sync, version, length (2), its checksum, topic id (2), and after the payload its checksum.
+_HEADER_BYTES = 7
+OVERHEAD_BYTES = 8
+
+
+class ReceiveWindow:
+    """Finds frames, and opens the payload of the last one in `reader`.
+
+    If a check fails, the first byte is dropped and the rest is checked again: a good frame may be behind or
+    inside a bad one.
+    """
+
+    def __init__(self, largest_payload):
+        self.largest_payload = largest_payload
+        self._bytes = bytearray(largest_payload + OVERHEAD_BYTES)
+        self._view = memoryview(self._bytes)
+        self._begin = self._end = 0
+        self._foreign = False
+        self.reader = Reader(self._bytes)
+        # Beginnings of frames that did not become a message.
+        self.dropped = 0
+
+    def empty(self):
+        """Return whether all bytes are handled."""
+        return self._begin == self._end
+
+    def fill(self, hardware):
+        """Read what the hardware has, up to the room there is; return the number of bytes."""
+        if self._begin == self._end:
+            self._begin = self._end = 0
+        elif self._end == len(self._bytes):
+            have = self._end - self._begin
+            self._bytes[:have] = self._bytes[self._begin : self._end]
+            self._begin, self._end = 0, have
+        if self._end == len(self._bytes):
+            return 0
+        count = hardware.read(self._view, self._end)
+        self._end += count
+        return count
+
+    def next(self):
+        """Return the topic id of the next whole frame, and open its payload; -1 if there is none yet."""
+        data = self._bytes
+        while self._begin < self._end:
+            at = self._begin
+            have = self._end - at
+            if data[at] == _SYNC:
+                if have < 2:
+                    return -1
+                if data[at + 1] != _VERSION:
+                    self._foreign = True
+                elif have < OVERHEAD_BYTES:
+                    return -1
+                elif (data[at + 2] + data[at + 3] + data[at + 4]) & 255 == 255:
+                    length = data[at + 2] | data[at + 3] << 8
+                    if length <= self.largest_payload:
+                        end = at + length + OVERHEAD_BYTES
+                        if end - at > have:
+                            return -1
+                        if sum(self._view[at + 5 : end]) & 255 == 255:
+                            self._begin = end
+                            self.reader.at = at + _HEADER_BYTES
+                            self.reader.end = end - 1
+                            return data[at + 5] | data[at + 6] << 8
+            self.drop()
+        return -1
+
+    def drop(self):
+        """Drop the first byte."""
+        if self._bytes[self._begin] == _SYNC:
+            self.dropped += 1
+        self._begin += 1
+
+    def forget(self):
+        """Drop all bytes: they came in on another link."""
+        self._begin = self._end
+
+    def read_foreign(self):
+        """Return whether bytes dropped since the last call began a frame of another version."""
+        foreign = self._foreign
+        self._foreign = False
+        return foreign

@@ -1,0 +1,119 @@
+"""The MicroPython client library with messages, ready to be copied to a board's /lib.
+
+DIR/ros_lib/
+    ros/...                                    hand-written, from the client library
+    std_msgs/msg/__init__.py _String.py ...    generated, one module a message, loaded when it is imported
+    std_srvs/srv/__init__.py _SetBool.py ...   generated, one module a service
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from rostether.codegen.arduino_library import LIBRARY_NAME, RenderedLibrary, WrittenLibrary
+from rostether.codegen.library_folder import write_library_folder
+from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_files
+from rostether.codegen.program_imports import types_of_program
+from rostether.codegen.python_message import message_module, service_module
+from rostether.codegen.python_names import package_name
+from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
+from rostether.codegen.type_index import TypeIndex
+from rostether.codegen.wanted_types import WantedTypes, add_parts, all_types, types_of_packages
+from rostether.errors import CodegenError, RostetherError
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.resolve_types import dependencies
+
+_PACKAGE = '''"""Loads a message or service when it is imported."""
+
+
+def __getattr__(name):
+    if name.startswith("_"):
+        raise AttributeError(name)
+    return getattr(__import__(__name__ + "._" + name, None, None, (name,)), name)
+'''
+
+
+def write_micropython_library(
+    directory: Path,
+    registry: Registry,
+    *,
+    for_program: Path | None = None,
+    packages: Collection[str] | None = None,
+) -> WrittenLibrary:
+    """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
+
+    Takes and raises what `render_micropython_library` does; raises CodegenError if something else is there or
+    it cannot be written.
+    """
+    rendered = render_micropython_library(registry, for_program=for_program, packages=packages)
+    target = directory.expanduser() / LIBRARY_NAME
+    return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
+
+
+def render_micropython_library(
+    registry: Registry, *, for_program: Path | None = None, packages: Collection[str] | None = None
+) -> RenderedLibrary:
+    """Return the library with all types; or, if given, with those of a program and those of packages.
+
+    Raises ConfigError if the program cannot be read, UnknownTypeError for an unknown package.
+    """
+    index = TypeIndex(registry)
+    wanted = _wanted(index, for_program, packages)
+    source = client_library() / MICROPYTHON_FOLDER
+    files = {
+        f"{LIBRARY_NAMESPACE}/{path}": (source / LIBRARY_NAMESPACE / path).read_bytes()
+        for path in library_files(source / LIBRARY_NAMESPACE)
+    }
+    types: list[str] = []
+    skipped: list[str] = list(wanted.missing)
+    for name in sorted(wanted.names):
+        try:
+            texts = dict(_modules(index, name))
+        except RostetherError as error:
+            skipped.append(f"skipped {name}: {error}")
+            continue
+        types.append(name)
+        for path, text in texts.items():
+            files[path] = text.encode()
+            package = path.rpartition("/")[0]
+            files[f"{package}/__init__.py"] = _PACKAGE.encode()
+            files[f"{package.partition('/')[0]}/__init__.py"] = b""
+    return RenderedLibrary(dict(sorted(files.items())), tuple(types), tuple(skipped), ())
+
+
+def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | None) -> WantedTypes:
+    if program is None and packages is None:
+        return all_types(index)
+    wanted = types_of_packages(index, packages or ())
+    if program is not None:
+        of_program = types_of_program(index, program)
+        wanted.names |= of_program.names
+        wanted.missing += of_program.missing
+        add_parts(index, wanted)
+    return wanted
+
+
+def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
+    """Yield the modules of a name, which may be that of a message and of a service: paths and texts."""
+    if name.partition("/")[0] == LIBRARY_NAMESPACE:
+        raise CodegenError(f"the package {LIBRARY_NAMESPACE!r} has the name of a folder in the library")
+    lookup = index.registry.message
+
+    def path_of(message: str) -> str:
+        return _path(index, index.header_of(message))
+
+    for spec in index.specs(name):
+        # Also checks their number and depth.
+        dependencies(spec, lookup)
+    if index.is_message(name):
+        yield f"{_path(index, name)}.py", message_module(index.registry.message(name), lookup, path_of)
+    if index.is_service(name):
+        service = index.registry.service(name)
+        yield f"{_path(index, name, 'srv')}.py", service_module(service, lookup, path_of)
+
+
+def _path(index: TypeIndex, name: str, kind: str = "") -> str:
+    package, _, short_name = name.partition("/")
+    kind = kind or ("msg" if index.is_message(name) else "srv")
+    return f"{package_name(package)}/{kind}/_{short_name}"

@@ -1,0 +1,112 @@
+"""The module of one message or service for MicroPython: a class with `serialize` and `deserialize`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+from rostether.codegen.python_fields import SIZES, TIME_CLASSES, PythonField, reading, writing
+from rostether.codegen.python_names import class_name, member_names, package_name
+from rostether.msgdef.md5sum import message_md5sum
+from rostether.msgdef.spec import Constant, MessageSpec, ServiceSpec
+
+Lookup = Callable[[str], MessageSpec]
+# Maps the full name of a message to the path of its module without `.py`.
+PathOf = Callable[[str], str]
+
+
+def message_module(spec: MessageSpec, lookup: Lookup, path_of: PathOf) -> str:
+    """Return the text of a message's module."""
+    return _module(spec.full_name, [spec], lookup, path_of, list(_class(spec, spec.full_name, lookup)))
+
+
+def service_module(spec: ServiceSpec, lookup: Lookup, path_of: PathOf) -> str:
+    """Return the text of a service's module; both halves announce the service's name."""
+    halves = spec.request, spec.response
+    lines = [line for half in halves for line in (*_class(half, spec.full_name, lookup), "", "")]
+    request, response = (class_name(half.name) for half in halves)
+    lines += [f"class {class_name(spec.name)}:", f"    Request = {request}", f"    Response = {response}"]
+    return _module(spec.full_name, list(halves), lookup, path_of, lines)
+
+
+def _module(
+    full_name: str, specs: list[MessageSpec], lookup: Lookup, path_of: PathOf, classes: list[str]
+) -> str:
+    bases = {each.type.base for spec in specs for each in spec.fields}
+    imports = ["from struct import pack_into as _pack", "from struct import unpack_from as _unpack"]
+    for base in sorted(each for each in bases if "/" in each):
+        module = path_of(base).replace("/", ".")
+        imports.append(f"from {module} import {class_name(lookup(base).name)} as {_alias(base)}")
+    imports += ["from ros.message import Message as _Message", "from ros.message import repeat as _repeat"]
+    imports += [
+        f"from ros.times import {name.removeprefix('_')} as {name}"
+        for base, name in TIME_CLASSES.items()
+        if base in bases
+    ]
+    text = "\n".join(classes)
+    used = [each for each in imports if re.search(rf"\b{each.rpartition(' ')[2]}\b", text)]
+    head = f"# Generated from {full_name} by rostether; changes are lost when the library is generated again."
+    return "\n".join([head, "", *used, "", "", text, ""])
+
+
+def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
+    names = member_names(spec)
+    fields = [_field(each.name, spec, names, lookup) for each in spec.fields]
+    yield f"class {class_name(spec.name)}(_Message):"
+    yield f'    _type = "{type_name}"'
+    yield f'    _md5sum = "{message_md5sum(spec, lookup)}"'
+    # Of constants declared twice the last counts.
+    constants = {each.name: each for each in spec.constants}
+    yield from (f"    {names[each.name]} = {_value(each)}" for each in constants.values())
+    if fields:
+        yield ""
+        yield f"    def __init__(self, {', '.join(f'{each.name}={each.default()}' for each in fields)}):"
+        for each in fields:
+            value = each.name
+            if each.default() == "None":
+                value = f"{each.initial()} if {each.name} is None else {each.name}"
+            yield f"        self.{each.name} = {value}"
+    for method, argument, statements in (
+        ("serialize", "writer", writing(fields)),
+        ("deserialize", "reader", reading(fields)),
+    ):
+        yield ""
+        yield f"    def {method}(self, {argument}):"
+        lines = list(statements) or ["pass"]
+        yield from (f"        {line}" for line in lines)
+
+
+def _field(name: str, spec: MessageSpec, names: dict[str, str], lookup: Lookup) -> PythonField:
+    field = next(each for each in spec.fields if each.name == name)
+    base = field.type.base
+    if "/" in base:
+        return PythonField(field, names[name], _alias(base), _least_bytes(lookup(base), lookup))
+    return PythonField(field, names[name], TIME_CLASSES.get(base, ""), 8)
+
+
+def _least_bytes(spec: MessageSpec, lookup: Lookup) -> int:
+    total = 0
+    for field in spec.fields:
+        kind = field.type
+        if kind.is_array and kind.length is None:
+            total += 4
+            continue
+        each = PythonField(field, field.name)
+        if "/" in kind.base:
+            size = _least_bytes(lookup(kind.base), lookup)
+        else:
+            size = SIZES[each.code] if each.code else 4 if kind.base == "string" else 8
+        total += size * (kind.length if kind.length is not None else 1)
+    return total
+
+
+def _alias(full_name: str) -> str:
+    """Return a name that no field and no class has: those begin with a letter."""
+    package, _, name = full_name.partition("/")
+    return f"_{package_name(package)}_{name}"
+
+
+def _value(constant: Constant) -> str:
+    if isinstance(constant.value, float) and constant.value - constant.value != 0:
+        return f'float("{constant.value}")'
+    return ascii(constant.value)

@@ -1,0 +1,43 @@
+"""What fields, constants and classes are called in MicroPython: as in their definition wherever possible.
+
+A keyword of Python or the name of a method gets a trailing underscore, and another one while a field or
+constant has the result.
+"""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Iterable
+
+from rostether.msgdef.spec import MessageSpec
+
+# `self` is the first argument of a method; the others are methods of every message.
+_TAKEN = frozenset({"self", "serialize", "deserialize"})
+
+
+def class_name(short_name: str) -> str:
+    """Return the class of a message or service."""
+    return f"{short_name}_" if keyword.iskeyword(short_name) else short_name
+
+
+def package_name(package: str) -> str:
+    """Return the Python package of a ROS package, whose name may have dashes."""
+    name = package.replace("-", "_")
+    return f"{name}_" if keyword.iskeyword(name) else name
+
+
+def member_names(spec: MessageSpec) -> dict[str, str]:
+    """Return the names of the fields and constants of a message by their names in the definition."""
+    members = [each.name for each in spec.fields] + [each.name for each in spec.constants]
+    names: dict[str, str] = {}
+    for each in members:
+        names[each] = _first_free(each, members) if keyword.iskeyword(each) or each in _TAKEN else each
+    return names
+
+
+def _first_free(name: str, members: Iterable[str]) -> str:
+    taken = set(members)
+    candidate = f"{name}_"
+    while candidate in taken:
+        candidate += "_"
+    return candidate

@@ -1,0 +1,103 @@
+"""MicroPython as a board: its heap is that of a Pico, whose words are half as long."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tty
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from programs import Peer
+from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library
+
+PROGRAMS = Path(__file__).parent / "programs"
+EXAMPLES = client_library() / MICROPYTHON_FOLDER / "examples"
+INTERPRETER = (sys.executable, "-m", "micropython_unix", "-X", "heapsize=384k")
+
+
+class UsbBoard:
+    """A board whose program has the host's pseudo-terminal as standard input and output."""
+
+    def __init__(self, program: Path, library: Path, *arguments: str) -> None:
+        self._command = (*INTERPRETER, str(program), *arguments)
+        self._environment = _environment(library)
+        self._leader, self._follower = os.openpty()
+        tty.setraw(self._follower)
+        self._process: asyncio.subprocess.Process | None = None
+        self.address = os.ttyname(self._follower)
+
+    async def start(self) -> None:
+        """Start the program."""
+        self._process = await asyncio.create_subprocess_exec(
+            *self._command, stdin=self._leader, stdout=self._leader, env=self._environment
+        )
+
+    async def stop(self) -> None:
+        """Kill the program, as a board whose power is switched off; the host's port stays open."""
+        if self._process is not None:
+            with contextlib.suppress(ProcessLookupError):
+                self._process.kill()
+            await self._process.wait()
+            self._process = None
+
+    async def reset(self) -> None:
+        """Start the program again."""
+        await self.stop()
+        await self.start()
+
+    def close(self) -> None:
+        """Close the pseudo-terminal."""
+        os.close(self._leader)
+        os.close(self._follower)
+
+
+@contextlib.asynccontextmanager
+async def usb_board(program: Path, library: Path, *arguments: str) -> AsyncIterator[UsbBoard]:
+    """Run a program on a board at a USB port."""
+    board = UsbBoard(program, library, *arguments)
+    try:
+        await board.start()
+        yield board
+    finally:
+        await board.stop()
+        board.close()
+
+
+@contextlib.asynccontextmanager
+async def running(program: Path, library: Path, *arguments: str) -> AsyncIterator[Peer]:
+    """Run a program that opens its line itself; gives what it prints."""
+    process = await asyncio.create_subprocess_exec(
+        *INTERPRETER,
+        str(program),
+        *arguments,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+        env=_environment(library),
+        start_new_session=True,
+    )
+    peer = Peer(process)
+    peer.reader = asyncio.create_task(peer.read())
+    try:
+        yield peer
+    finally:
+        await peer.stop(signal.SIGKILL)
+
+
+def run(program: Path, library: Path, text: str = "", heap: str = "384k") -> str:
+    """Run a program to its end; return what it prints for a text on standard input."""
+    command = [*INTERPRETER[:-1], f"heapsize={heap}", str(program)]
+    done = subprocess.run(
+        command, env=_environment(library), input=text, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def _environment(library: Path) -> dict[str, str]:
+    return {**os.environ, "MICROPYPATH": f"{library}:{PROGRAMS}:.frozen"}

@@ -1,0 +1,28 @@
+"""Reads messages and writes them again.
+
+Standard input has lines of package, kind, class, half of a service, and bytes; prints the bytes.
+"""
+
+import gc
+import sys
+from binascii import hexlify, unhexlify
+
+from ros.wire import MisfitError, Reader, Writer
+
+for line in sys.stdin:
+    package, kind, name, half, text = line.rstrip("\n").split(" ")
+    module = __import__(package + "." + kind, None, None, (name,))
+    made = getattr(module, name)
+    message = (getattr(made, half) if half else made)()
+    data = unhexlify(text)
+    reader = Reader(bytearray(data))
+    reader.end = len(data)
+    writer = Writer(len(data))
+    try:
+        message.deserialize(reader)
+        reader.finish()
+        message.serialize(writer)
+        print(hexlify(writer.view[: writer.at]).decode())
+    except MisfitError as error:
+        print(error)
+    gc.collect()

@@ -1,0 +1,88 @@
+"""Messages of every type are read and written by the generated modules as our codec writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+from typing import Any
+
+from firmware.micropython.boards import PROGRAMS, run
+from rostether.codegen.micropython_library import write_micropython_library
+from rostether.msgdef.registry import Registry
+from rostether.rostime import Duration, Time
+from rostether.serde.codec import Codec
+from rostether.serde.store import TypeStore
+from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct
+
+STORE = TypeStore(Registry())
+MAX_ELEMENTS = 3
+
+
+def test_all_types_are_written_as_they_were_read(tmp_path: Path) -> None:
+    library = write_micropython_library(tmp_path, STORE.registry).path
+    numbers = Random(1)
+    cases = list(_cases(numbers))
+    assert len(cases) > 250
+    text = "".join(f"{place} {payload.hex()}\n" for place, payload in cases)
+    lines = run(PROGRAMS / "again.py", library, text, heap="16m").splitlines()
+    wrong = [
+        (place, payload.hex(), line)
+        for (place, payload), line in zip(cases, lines, strict=True)
+        if line != payload.hex()
+    ]
+    assert wrong == []
+
+
+def test_bytes_that_are_no_message_are_refused(library: Path) -> None:
+    text = STORE.codec("std_msgs/String").encode(STORE.codec("std_msgs/String").conform({"data": "text"}))
+    array = "std_msgs msg Float64MultiArray  "
+    cases = [
+        f"std_msgs msg String  {text[:-1].hex()}",
+        f"std_msgs msg String  {text.hex()}00",
+        "std_msgs msg String  ffffffff",
+        f"{array}ffffffff",
+        f"{array}0000000000000000ffffff1f",
+        "std_msgs msg Empty  00",
+    ]
+    lines = run(PROGRAMS / "again.py", library, "\n".join(cases) + "\n").splitlines()
+    assert [line for line in lines if " too " not in line] == []
+    assert len(lines) == len(cases)
+
+
+def _cases(numbers: Random) -> Iterator[tuple[str, bytes]]:
+    registry = STORE.registry
+    for name in registry.messages():
+        package, _, short_name = name.partition("/")
+        yield f"{package} msg {short_name} ", _payload(STORE.codec(name), numbers)
+    for name in registry.services():
+        package, _, short_name = name.partition("/")
+        for half, codec in zip(("Request", "Response"), STORE.service_codecs(name), strict=True):
+            yield f"{package} srv {short_name} {half}", _payload(codec, numbers)
+
+
+def _payload(codec: Codec, numbers: Random) -> bytes:
+    return codec.encode(codec.conform(_value(codec.tree, numbers)))
+
+
+def _value(node: Node, numbers: Random) -> Any:
+    if isinstance(node, Struct):
+        return {each.name: _value(each.node, numbers) for each in node.members}
+    if isinstance(node, Array):
+        count = numbers.randrange(MAX_ELEMENTS + 1) if node.length is None else node.length
+        return (
+            numbers.randbytes(count)
+            if node.is_bytes
+            else [_value(node.element, numbers) for _ in range(count)]
+        )
+    if isinstance(node, Stamp):
+        made = Time if node.name == "time" else Duration
+        return made(numbers.randrange(1 << 31), numbers.randrange(1 << 30))
+    if not isinstance(node, Number):
+        return "".join(chr(numbers.choice((65, 0xE9, 0x4E2D))) for _ in range(numbers.randrange(6)))
+    if node.code == "?":
+        return numbers.random() < 0.5
+    if node.code in "fd":
+        return numbers.randrange(-1000, 1000) / 8
+    bits = 8 * node.fixed_size_bytes
+    return numbers.getrandbits(bits) - ((1 << bits - 1) if node.code.islower() else 0)

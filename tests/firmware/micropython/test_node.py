@@ -1,0 +1,149 @@
+"""The client library on MicroPython, through the real bridge: USB, UART and TCP."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from itertools import pairwise
+from pathlib import Path
+
+from firmware.micropython.boards import PROGRAMS, running, usb_board
+from firmware.platforms.meeting import meeting
+from line_faults import FaultRates, LineFaults
+from rostether.transports.memory import Direction, Manipulator
+from waiting import until
+
+NODE = PROGRAMS / "platform_node.py"
+# As much as fits into 280 bytes.
+LONGEST_TEXT = 276
+
+
+async def test_converses_over_usb(library: Path) -> None:
+    async with (
+        usb_board(NODE, library, "usb") as board,
+        meeting() as met,
+        met.bridge(board.address),
+    ):
+        await met.converse()
+
+
+async def test_converses_over_a_uart(library: Path, tmp_path: Path) -> None:
+    port = tmp_path / "port"
+    async with (
+        meeting() as met,
+        met.bridge(f"pty:{port}"),
+        running(NODE, library, "tty", str(port)),
+    ):
+        await met.converse()
+
+
+async def test_converses_over_tcp_and_comes_back_to_another_bridge(library: Path) -> None:
+    async with meeting() as met, contextlib.AsyncExitStack() as node:
+        async with met.bridge("tcp://127.0.0.1:0") as (address,):
+            host, _, port = address.removeprefix("tcp://").rpartition(":")
+            await node.enter_async_context(running(NODE, library, "tcp", host, port))
+            await met.converse()
+        async with met.bridge(address):
+            assert await met.ask("hello again") == "hello again"
+
+
+async def test_a_board_that_is_reset_is_back(library: Path) -> None:
+    async with (
+        usb_board(NODE, library, "usb") as board,
+        meeting() as met,
+        met.bridge(board.address),
+    ):
+        await met.counting()
+        await board.reset()
+        await until(lambda: any(b < a for a, b in pairwise(met.counts)), "a counter that starts again")
+        assert await met.ask("hello") == "hello"
+
+
+async def test_damaged_frames_cost_only_themselves(library: Path) -> None:
+    # One frame of 280 bytes in a hundred, in each direction.
+    faults = LineFaults(FaultRates(flip_per_byte=0.01 / 280), seed=4)
+    is_damaging = True
+    count = 200
+
+    def damage(data: bytes, direction: Direction) -> bytes:
+        return faults(data, direction) if is_damaging else data
+
+    async with (
+        meeting() as met,
+        met.bridge("tcp://127.0.0.1:0") as (address,),
+        _relay(address, damage) as port,
+        running(NODE, library, "tcp", "127.0.0.1", str(port)),
+    ):
+        publisher = await met.graph.publisher("/question", "std_msgs/String")
+        assert await publisher.wait_for_subscriber(60.0)
+        sent = {"end"}
+        for number in range(count):
+            text = f"{number:04}".ljust(LONGEST_TEXT, "abcdefg"[number % 7])
+            sent.add(text)
+            before = len(met.answers)
+            publisher.publish(data=text)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(0.2):
+                    while len(met.answers) == before:
+                        await asyncio.sleep(0.001)
+        is_damaging = False
+        async with asyncio.timeout(60.0):
+            while "end" not in met.answers:
+                publisher.publish(data="end")
+                await asyncio.sleep(0.05)
+    assert faults.fault_count > 0
+    assert set(met.answers) <= sent
+    assert len(set(met.answers)) > 0.9 * count
+
+
+async def test_messages_at_100_hz_leave_the_memory_as_it_is(library: Path) -> None:
+    async with (
+        usb_board(PROGRAMS / "rate.py", library) as board,
+        meeting() as met,
+        met.bridge(board.address),
+    ):
+        numbers: list[int] = []
+        free: list[int] = []
+
+        async def listen(topic: str, type_name: str, field: str, values: list[int]) -> None:
+            async for message in met.graph.messages(topic, type_name):
+                values.append(getattr(message, field))
+
+        tasks = [
+            asyncio.ensure_future(listen("/stamps", "std_msgs/Header", "seq", numbers)),
+            asyncio.ensure_future(listen("/memory", "std_msgs/UInt32", "data", free)),
+        ]
+        try:
+            await until(lambda: len(free) >= 4, "reports of the memory")
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+    # None is lost or repeated.
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    assert len(numbers) >= 150
+    assert max(free[1:]) - min(free[1:]) < 1024, free
+
+
+@contextlib.asynccontextmanager
+async def _relay(address: str, manipulate: Manipulator) -> AsyncIterator[int]:
+    """Relay the connections of a board to an address, with faults; gives the port."""
+    host, _, port = address.removeprefix("tcp://").rpartition(":")
+
+    async def copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, direction: Direction) -> None:
+        while data := await reader.read(4096):
+            writer.write(manipulate(data, direction))
+        writer.close()
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        there, back = await asyncio.open_connection(host, int(port))
+        await asyncio.gather(
+            copy(reader, back, Direction.FIRST_TO_SECOND),
+            copy(there, writer, Direction.SECOND_TO_FIRST),
+            return_exceptions=True,
+        )
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    async with server:
+        yield server.sockets[0].getsockname()[1]
