@@ -80,5 +80,5 @@ async def stop_everyone(robots: list[Robot], options: tuple[str, ...]) -> None:
             assert await asyncio.wait_for(stopper.process.wait(), 60) == 0
             await stopper.wait_for(" has stopped")
         assert all(robot.is_still for robot in robots)
-        await sender.wait_for("later than this sender; start this sender again")
+        await sender.wait_for("after this sender started; restart this sender")
     assert all(robot.is_still for robot in robots)

@@ -39,7 +39,7 @@ async def test_a_program_does_with_a_robot_what_it_does_with_rosbridge_suite(
         assert found["throttled"] == POSE[graph.style]
         assert found["called"] == {"success": True, "message": "enabled"}
         assert "the motor is missing" in found["refused"]
-        assert "wants a bool for field data" in found["misfit"]
+        assert "needs a bool for field data" in found["misfit"]
         assert found["parameter"] == {"p": 1.5}
         assert found["deleted"] is None
         assert found["topics"] is True

@@ -1,4 +1,4 @@
-"""Building with arduino-cli: for boards that are no AVR ones, and for those who prefer its versions."""
+"""Builds with arduino-cli: for boards other than AVR, and for users who prefer its compiler versions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PLATFORM_MISSING = re.compile(r"[Pp]latform '?([\w:]+)[^\n]*not (?:found|instal
 
 
 async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOptions) -> BuiltFirmware:
-    """Build as `build_sketch` does. The ROS library is made for what the sketch's own files include."""
+    """Build like `build_sketch`. The ROS library is generated for the includes of the sketch's own files."""
     started_s = time.monotonic()
     program = find_arduino_cli(f"building for {board.title}")
     cache = BuildCache(cache_folder())
@@ -73,7 +73,7 @@ def _ros_library(sketch: Sketch, given: list[Library], ros: RosLibrary) -> Libra
 
 
 def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:
-    """Return a folder that arduino-cli takes: named like its .ino file."""
+    """Return a folder that arduino-cli accepts: it has the name of its .ino file."""
     if any(each == sketch.folder / f"{sketch.folder.name}.ino" for each in sketch.inos):
         return sketch.folder
     files = {each.name: each.read_bytes() for each in (*sketch.inos, *sketch.sources)}
@@ -90,7 +90,7 @@ def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:
 
 def _find(folder: Path, suffixes: tuple[str, ...]) -> Path:
     for suffix in suffixes:
-        # There may also be a file with the boot loader, or with both in one.
+        # There may also be files with the boot loader.
         found = [
             each
             for each in sorted(folder.glob(f"*{suffix}"))

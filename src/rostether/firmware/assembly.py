@@ -1,4 +1,4 @@
-"""The steps of a build, each asked of the cache by itself: an edit costs one compilation and the link."""
+"""The steps of a build, each with its own cache entry: an edit costs one compilation and the link."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from rostether.firmware.toolchain import AvrToolchain
 
 @dataclass(frozen=True, slots=True)
 class Assembled:
-    """A linked program, its sources, and the folders where a new file could change them."""
+    """A linked program, its sources, and the folders where a new file could change the build."""
 
     elf: Path
     image: Path
@@ -41,7 +41,7 @@ class Assembled:
 
 
 class Assembly:
-    """Puts one sketch together for one board."""
+    """Compiles and links one sketch for one board."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class Assembly:
         shelf = Shelf(self._libraries(roots, len(given)), self._ros)
         try:
             async with asyncio.TaskGroup() as tasks:
-                # The core needs nothing of the sketch, and is most of the work of a first build.
+                # The core does not depend on the sketch, and is most of the work of a first build.
                 core = tasks.create_task(self._build_core())
                 sketch = tasks.create_task(self._build_sketch(shelf, "all" if warnings else "none"))
         except BaseExceptionGroup as failures:

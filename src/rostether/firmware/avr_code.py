@@ -1,4 +1,4 @@
-"""AVR machine code, as far as it moves the stack pointer or goes somewhere else.
+"""Decodes AVR machine code: the instructions that move the stack pointer or change the control flow.
 
 Source: the AVR Instruction Set Manual.
 """
@@ -10,7 +10,7 @@ from enum import Enum, auto
 
 
 class Op(Enum):
-    """What an instruction does to the stack or to the flow of control."""
+    """The effect of an instruction on the stack or on the control flow."""
 
     OTHER = auto()
     PUSH = auto()
@@ -32,7 +32,7 @@ class Op(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """One instruction. `target` is a byte address, `value` what is added or loaded, for `register`."""
+    """One instruction. `target` is a byte address, `value` is added to or loaded into `register`."""
 
     op: Op
     size: int = 2
@@ -49,7 +49,7 @@ _FIXED = {
     0x9409: Op.INDIRECT_JUMP,
     0x9419: Op.INDIRECT_JUMP,
     0x9478: Op.ENABLE_INTERRUPTS,
-    # The low byte goes through r28 first when read, and last when written.
+    # The low byte (r28) is read first and written last.
     0xB7CD: Op.READ_STACK_POINTER,
 }
 _OTHER = Instruction(Op.OTHER)

@@ -1,4 +1,4 @@
-"""What kind of pointer an AVR program calls through: a slot of a virtual table, or a plain one.
+"""Determines the kind of pointer in an AVR call: a slot of a virtual table, or a plain function pointer.
 
 A virtual call loads the table's address from the object, then the function's address from the table. A plain
 pointer is loaded once. The last two loads of r30 before the call show which kind it is.
@@ -9,7 +9,7 @@ from __future__ import annotations
 PLAIN = -1
 UNKNOWN = -2
 
-# Instructions between loading a pointer and the call: the arguments are loaded there.
+# The number of instructions between loading a pointer and the call, which load the arguments.
 _MAX_DISTANCE = 24
 
 _MOVE_FROM_R0 = 0x2DE0
@@ -36,13 +36,13 @@ def pointer_kind(flash: bytes, call: int) -> int:
             if slot is None:
                 return UNKNOWN
         elif word & 0xFFF0 == 0x01F0 or word & 0xF0F0 == 0xE0E0:  # movw r30, ldi r30
-            # The object's address itself: what was loaded from it is a plain pointer.
+            # The address of the object itself: the value loaded from it is a plain pointer.
             return UNKNOWN if slot is None else PLAIN
     return UNKNOWN
 
 
 def table_functions(table: bytes) -> dict[int, int]:
-    """Return what a virtual table has in its slots: offset -> word address of a function."""
+    """Return the slots of a virtual table: offset -> word address of a function."""
     return {
         offset - _TABLE_HEADER_BYTES: int.from_bytes(table[offset : offset + 2], "little")
         for offset in range(_TABLE_HEADER_BYTES, len(table) - 1, 2)
@@ -56,7 +56,7 @@ def _loads_r30(word: int) -> bool:
 
 
 def _slot_before(flash: bytes, address: int) -> int | None:
-    """Return from which offset of Z r0 was loaded just before."""
+    """Return the offset from Z of the preceding load of r0."""
     for back in (2, 4, 6):
         word = int.from_bytes(flash[address - back : address - back + 2], "little")
         if word == _LOAD_R0_FROM_Z:

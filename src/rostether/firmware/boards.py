@@ -1,4 +1,4 @@
-"""Boards as an Arduino core's boards.txt describes them, under the names that people type."""
+"""The boards in an Arduino core's boards.txt, by the names that users type."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from rostether.errors import ConfigError
 from rostether.firmware.properties import expand, parse_properties
 
-# What people call boards that boards.txt calls otherwise.
+# Common names of boards that have other names in boards.txt.
 _ALIASES = {
     "mega2560": "mega",
     "mega1280": "mega:atmega1280",
@@ -28,10 +28,10 @@ _ALIASES = {
     "promicro": "micro",
 }
 
-# Boards of robots that people name without their platform.
+# Boards of robots that users name without their platform.
 _OTHER_PLATFORMS = {"opencr": "OpenCR:OpenCR:OpenCR"}
 
-# The boards that an error names: those most people have; all 26 do not fit a line.
+# The boards that an error lists: the most common ones, because all 26 do not fit in a line.
 _SHOWN = ("uno", "mega", "leonardo", "nano", "micro", "promini", "mini", "ethernet")
 
 _PLATFORM = ("arduino", "avr")
@@ -39,9 +39,10 @@ _PLATFORM = ("arduino", "avr")
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """One board with its processor chosen. `properties` are those of boards.txt without the board's prefix.
+    """One board with its processor chosen.
 
-    `flash_bytes` is what the boot loader leaves of it. Both sizes are 0 where only arduino-cli knows them.
+    `properties` are those of boards.txt without the board's prefix. `flash_bytes` is the flash without the
+    boot loader. Both sizes are 0 if only arduino-cli knows them.
     """
 
     name: str
@@ -73,7 +74,7 @@ class BoardTable:
     def find(self, name: str) -> Board:
         """Return a board by name (`uno`), with its processor (`nano:atmega328old`) or by FQBN.
 
-        Raises ConfigError naming boards that there are.
+        Raises ConfigError, which lists known boards.
         """
         board, _, processor = _without_platform(name).partition(":")
         alias = _ALIASES.get(_plain(board), board)
@@ -120,7 +121,7 @@ class BoardTable:
         shown = [each for each in _SHOWN if each in self.names or each in _ALIASES]
         if near:
             return f"no board {name!r}; did you mean {' or '.join(near)}?"
-        return f"no board {name!r}; known are {', '.join(shown)} and more in boards.txt"
+        return f"no board {name!r}; known: {', '.join(shown)} and more in boards.txt"
 
 
 def other_platform_board(name: str) -> str | None:

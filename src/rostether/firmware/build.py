@@ -1,7 +1,7 @@
-"""From a sketch to its ELF and HEX files.
+"""Builds the ELF and HEX files of a sketch.
 
-What a build depended on is recorded as a whole; when none of it has changed, the record is all that is read.
-Otherwise each step asks the cache by itself, so that an edit costs one compilation and the link.
+One record lists all dependencies of a build; if none has changed, only this record is read. Otherwise each
+step uses its own cache entry, so that an edit costs one compilation and the link.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from rostether.packages.locate import package_around
 class BuildOptions:
     """Options of a build besides the sketch and the board.
 
-    `libraries` are folders of one library or of several; `warnings` has the compiler warn about the sketch;
-    `show` gets every command line.
+    `libraries` are folders of one library or of several; `warnings` turns on compiler warnings for the
+    sketch; `show` gets every command line.
     """
 
     libraries: tuple[Path, ...] = ()
@@ -64,7 +64,7 @@ class BuiltFirmware:
 
     @property
     def simulated_libraries(self) -> list[str]:
-        """The libraries that work on a simulated board only."""
+        """The libraries that work only on simulated boards."""
         return [
             each.name
             for each in self.libraries
@@ -73,7 +73,7 @@ class BuiltFirmware:
 
 
 _ONLY_SIMULATED = ("Ethernet",)
-# Raised when the records of older versions must not be used any more.
+# Increase this number when records of older versions are no longer valid.
 _CONTENT_VERSION = 1
 
 
@@ -87,7 +87,7 @@ def find_board(name: str) -> Board:
 async def build_sketch(sketch: Path, board: Board, options: BuildOptions | None = None) -> BuiltFirmware:
     """Build an .ino file, a folder with one, or a .cpp file.
 
-    Raises FirmwareError when there is no such sketch or no compiler, SketchError when it does not compile.
+    Raises FirmwareError if there is no such sketch or no compiler, SketchError if it does not compile.
     """
     options = options or BuildOptions()
     found = open_sketch(sketch)
@@ -127,7 +127,7 @@ class _Build:
         known = self._load(key, started_s)
         if known is not None:
             return known
-        # Imported only now: what has not changed is answered without.
+        # Imported late: an unchanged build does not need it.
         from rostether.firmware.assembly import Assembly
         from rostether.firmware.compiler import Compiler
 
@@ -193,7 +193,7 @@ class _Build:
 
 
 def definition_folders(sketch: Sketch, options: BuildOptions) -> tuple[Path, ...]:
-    """Return where messages are looked for first: --msg-path, then the package that the sketch is in."""
+    """Return the first folders to search for messages: --msg-path, then the package of the sketch."""
     package = package_around(sketch.folder.resolve())
     return options.msg_paths if package is None else (*options.msg_paths, package)
 

@@ -1,7 +1,7 @@
-"""What was compiled before, kept by content, safe against several builds at once, and bounded.
+"""The build cache: content-addressed, safe with parallel builds, and limited in size.
 
-Files stand under the hash of everything they depend on, and are put there by renaming. Records (JSON) say
-what a command depended on when it last ran: as long as none of that has changed, its result is good.
+A file is stored under the hash of everything it depends on, by renaming. Records (JSON) list the dependencies
+of a command's last run: while none of them has changed, its result is valid.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from typing import Any
 
 from rostether.mechanisms.user_folders import Kind, user_folder
 
-# A core with its objects takes 1 MB for each board, a sketch some 300 KB.
+# The objects of a core need 1 MB for each board, those of a sketch about 300 KB.
 MAX_CACHE_BYTES = 256 * 1024 * 1024
 
 PRUNE_TO_BYTES = MAX_CACHE_BYTES * 3 // 4
 PRUNE_INTERVAL_S = 3600.0
-# What was used in the last hour stays in any case: a build at the same moment may be about to link it.
+# Files used in the last hour are always kept: a parallel build may need them for linking.
 RECENT_S = 3600.0
 
 
 def cache_folder() -> Path:
-    """Return the folder of what can be made again."""
+    """Return the cache folder; its content can be rebuilt."""
     return user_folder(Kind.CACHE) / "firmware"
 
 
 def digest(*parts: object) -> str:
-    """Return a name for content: 32 hexadecimal digits."""
+    """Return the hash of content: 32 hexadecimal digits."""
     text = json.dumps([str(part) if isinstance(part, Path) else part for part in parts], default=str)
     return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:32]
 
@@ -52,7 +52,7 @@ class BuildCache:
         return self.folder / kind / key[:2] / key[2:] / name
 
     def find(self, kind: str, key: str, name: str) -> Path | None:
-        """Return a file that is there, and note that it is still in use."""
+        """Return an existing file, and mark it as used."""
         path = self.path(kind, key, name)
         try:
             os.utime(path)
@@ -62,20 +62,20 @@ class BuildCache:
 
     @contextmanager
     def filling(self, kind: str, key: str) -> Iterator[Path]:
-        """Give an empty folder to write to; it is stored under the key if the block succeeds."""
+        """Provide an empty folder to write to; it is stored under the key if the block succeeds."""
         target = self.path(kind, key, "")
         target.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".new-", dir=target.parent))
         try:
             yield folder
-            # When another build was first, its files are the same.
+            # If another build was faster, its files are the same.
             with contextlib.suppress(OSError):
                 folder.rename(target)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
     def write_text(self, kind: str, key: str, name: str, text: str) -> Path:
-        """Put a text under a key unless it is there."""
+        """Store a text under a key if it is missing."""
         found = self.find(kind, key, name)
         if found is None:
             with self.filling(kind, key) as folder:
@@ -83,7 +83,7 @@ class BuildCache:
         return self.path(kind, key, name)
 
     def load(self, key: str) -> Any | None:
-        """Return the record under a key while all files it depends on are as they were, else None."""
+        """Return the record of a key if all files that it depends on are unchanged, else None."""
         path = self._record(key)
         try:
             record = json.loads(path.read_bytes())
@@ -97,11 +97,11 @@ class BuildCache:
     def save(
         self, key: str, content: Any, files: Iterable[Path], folders: Iterable[Path], *, started_ns: int
     ) -> None:
-        """Keep a record with what it depends on; not when a file was changed after `started_ns`."""
+        """Store a record with its dependencies, unless one of them was changed after `started_ns`."""
         states = []
         for file in files:
             status = file.stat()
-            # Files of our own never change once they are there.
+            # Files in the cache never change.
             if status.st_mtime_ns >= started_ns and self.folder not in file.parents:
                 return
             states.append([str(file), status.st_size, status.st_mtime_ns, self.file_digest(file)])
@@ -121,7 +121,7 @@ class BuildCache:
         return self._digests[name]
 
     def prune(self, now_s: float) -> None:
-        """Remove what was not used for longest, when there is too much; looks once an hour."""
+        """Remove the least recently used entries if the cache is too large; checks once an hour."""
         stamp = self.folder / "pruned"
         with contextlib.suppress(OSError):
             if stamp.exists() and now_s - stamp.stat().st_mtime < PRUNE_INTERVAL_S:
@@ -138,7 +138,7 @@ class BuildCache:
         for used_s, size, entry in sorted(entries):
             if total <= PRUNE_TO_BYTES or now_s - used_s < RECENT_S:
                 break
-            # Remove it in one step, not file by file: no other process may find a part of it.
+            # Remove it in one step, not file by file: no other process must find an incomplete entry.
             doomed = entry.with_name(f".old-{entry.name}")
             with contextlib.suppress(OSError):
                 entry.rename(doomed)
@@ -159,7 +159,7 @@ class BuildCache:
 
 
 def _measure(entry: Path) -> tuple[float, int, Path]:
-    """Return when an entry was last used, and its size."""
+    """Return the time of last use of an entry, and its size."""
     used_s, size = 0.0, 0
     for path in [entry, *entry.rglob("*")]:
         with contextlib.suppress(OSError):
@@ -171,7 +171,7 @@ def _measure(entry: Path) -> tuple[float, int, Path]:
 
 
 def listing(folder: Path) -> str:
-    """Return a hash of the names in a folder that a build may look at; an empty text when it is gone."""
+    """Return a hash of the names in a folder that a build may search; an empty string if it is missing."""
     try:
         with os.scandir(folder) as entries:
             names = sorted(

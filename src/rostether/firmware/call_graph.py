@@ -1,4 +1,4 @@
-"""Which function of an AVR program calls which, directly and through pointers, and the stack at each call."""
+"""The call graph of an AVR program, including calls through pointers, with the stack depth at each call."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _NODE_HANDLE = "_ZN3ros11NodeHandle_I"
 _NODE_NAMESPACE = "ros::"
 _LIBRARY_FILE = re.compile(r"^(?!.*/ros_lib/).*/(cores|libraries)/")
 _TABLES_END = "__ctors_start"
-# It ends the program, and is in the tables of all abstract classes.
+# This function ends the program, and is in the tables of all abstract classes.
 _PURE_VIRTUAL = "__cxa_pure_virtual"
-# The two halves of an address are loaded close to each other.
+# The two halves of an address are loaded within this distance.
 _LOAD_WINDOW = 4
 
 
 class CallGraph:
-    """Functions by their entry. A call through a pointer may reach any whose address is taken."""
+    """Functions by their entry. A call through a pointer may reach any function whose address is taken."""
 
     def __init__(self, elf: ElfFile) -> None:
         self._elf = elf
@@ -62,12 +62,12 @@ class CallGraph:
 
     @property
     def return_bytes(self) -> int:
-        """How much of the stack a return address takes."""
+        """The size of a return address on the stack."""
         return self._code.return_bytes
 
     @property
     def programs(self) -> list[int]:
-        """Where control begins: `main`, and the constructors of global objects before it."""
+        """The entry points: `main`, and the constructors of global objects before it."""
         return self._named(lambda name: name == "main" or name.startswith(_CONSTRUCTORS))
 
     @property
@@ -77,17 +77,17 @@ class CallGraph:
         return sorted(set(self._named(lambda name: _VECTOR.fullmatch(name) is not None)) - unused)
 
     def name(self, entry: int) -> str:
-        """Return a function's name as the linker knows it."""
+        """Return a function's linker name."""
         return self._code.entries.get(entry, f"code at {entry:#x}")
 
     def walk(self, entry: int) -> Walk:
-        """Return what a function does to the stack."""
+        """Return the stack use of a function."""
         if entry not in self._walks:
             self._walks[entry] = walk(self._code, entry)
         return self._walks[entry]
 
     def calls(self, entry: int) -> dict[int, int]:
-        """Return the functions that one may call, each with the stack at the deepest call."""
+        """Return the functions that a function may call, each with the stack depth of the deepest call."""
         if entry not in self._calls:
             here = self.walk(entry)
             calls = dict(here.calls)
@@ -110,12 +110,13 @@ class CallGraph:
 
     def _targets(self, kind: int, caller: int) -> Iterable[int]:
         """Return the functions that a call through a kind of pointer may reach."""
-        # The core and the libraries know nothing of node handles, their endpoints and what these call.
+        # The core and the libraries do not use node handles, their endpoints, or the functions that these
+        # call.
         is_of_library = self._is_of_library(caller)
         plain = self._targets_outside_nodes if is_of_library else self._plain_targets
         if kind == PLAIN:
             return plain
-        # A node handle calls itself directly; what it calls through a table is its hardware.
+        # A node handle calls its own functions directly; its calls through a table go to the hardware class.
         sees_nodes = not is_of_library and not self.name(caller).startswith(_NODE_HANDLE)
         virtual = {
             self._starts[word]
@@ -127,7 +128,7 @@ class CallGraph:
         return {*plain, *virtual} if kind == UNKNOWN else virtual
 
     def _is_of_library(self, entry: int) -> bool:
-        # Into main goes what the sketch does.
+        # The sketch's functions are inlined into main.
         index = bisect.bisect_right(self._ranges, entry, key=lambda each: each.start) - 1
         file = self._ranges[index].file if index >= 0 and entry < self._ranges[index].end else ""
         return _LIBRARY_FILE.search(file) is not None and self.name(entry) != "main"
@@ -139,7 +140,7 @@ class CallGraph:
 
     @cached_property
     def _targets_outside_nodes(self) -> list[int]:
-        """Of these, those that are known not only to endpoints."""
+        """The plain targets that not only endpoints point to."""
         sizes = {each.address: each.size for each in self._elf.symbols if each.size}
         hidden = [
             (each.address, sizes.get(each.address, 0))

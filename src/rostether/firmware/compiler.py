@@ -1,4 +1,4 @@
-"""Runs the compiler's programs by the recipes of platform.txt, several at once, if anything has changed."""
+"""Runs the compiler with the recipes of platform.txt, in parallel, and only if something has changed."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from rostether.mechanisms.program import run_program
 
 _DEPENDENCY = re.compile(r"(?:\\.|[^\s\\])+")
 _RECIPES = {".c": "c.o", ".S": "S.o"}
-# Flags of a recipe that make it write dependencies or an object, which a scan does not want.
+# Flags in a recipe that write dependencies or an object; a scan does not need them.
 _OUTPUT_FLAGS = frozenset(("-c", "-MMD", "-flto", "-o", "{object_file}", "{preprocessed_file_path}"))
-# With these the linker places what does not fit as well, so that we can say by how much and what takes it.
+# With these flags the linker accepts programs that are too large, so that the report can show what needs the
+# space.
 _ROOMY = ("-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000", "-Wl,--defsym=__DATA_REGION_LENGTH__=0xfd00")
 
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """An object file, the files it was made of, and the output of the compiler."""
+    """An object file, the files that it depends on, and the output of the compiler."""
 
     object: Path
     files: tuple[Path, ...]
@@ -61,7 +62,7 @@ class Compiler:
         self._running = asyncio.Semaphore(os.cpu_count() or 1)
 
     async def compile(self, source: Path, includes: Sequence[Path], *, warnings: str = "none") -> Compiled:
-        """Return the object of a source. Raises SketchError with what the compiler printed."""
+        """Return the object of a source. Raises SketchError with the compiler's output."""
         recipe = self._recipe(_RECIPES.get(source.suffix, "cpp.o"), warnings)
         arguments = self._fill(recipe, source, includes)
         key = digest("compile", self._toolchain.identity, arguments, source)
@@ -90,7 +91,7 @@ class Compiler:
         return Compiled(self._cache.path("objects", content, "unit.o"), files, output)
 
     async def scan(self, sources: Sequence[Path], includes: Sequence[Path]) -> Scan:
-        """Return what sources include; headers that are not found are listed as written in the source."""
+        """Return the files that sources include; missing headers are listed as written in the source."""
         base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
         arguments = self._fill(base, None, includes)
         arguments = [each for each in arguments if each != "{source_file}"]
@@ -102,7 +103,7 @@ class Compiler:
         started_ns = time.time_ns()
         code, output = await self._run(arguments, merge=False)
         if code:
-            raise SketchError("cannot read what it includes", diagnostics=output)
+            raise SketchError("cannot read its includes", diagnostics=output)
         names = list(dict.fromkeys(_dependencies(output)))
         files = [Path(each) for each in names if Path(each).is_absolute()]
         missing = [each for each in names if not Path(each).is_absolute()]
@@ -111,14 +112,14 @@ class Compiler:
         return Scan(tuple(files), tuple(missing))
 
     async def preprocess(self, source: Path, includes: Sequence[Path]) -> str | None:
-        """Return a source with all conditions decided and no macro replaced; None when that fails."""
+        """Return a source with conditional directives resolved and macros kept; None if that fails."""
         base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
         arguments = self._fill(base, source, includes)
         code, output = await self._run([*arguments, "-E", "-fdirectives-only"], merge=False)
         return None if code else output
 
     async def archive(self, objects: Sequence[Path]) -> Path:
-        """Return an archive of objects: of it, only what is used is linked."""
+        """Return an archive of objects; the linker uses only the needed ones."""
         key = digest("archive", self._toolchain.identity, objects)
         found = self._cache.find("archives", key, "core.a")
         if found is not None:
@@ -133,7 +134,7 @@ class Compiler:
         return self._cache.path("archives", key, "core.a")
 
     async def link(self, objects: Sequence[Path], archive: Path, name: str) -> tuple[Path, Path]:
-        """Return the ELF and HEX files of a program. Raises SketchError with what the linker printed."""
+        """Return the ELF and HEX files of a program. Raises SketchError with the linker's output."""
         recipe = [*self._toolchain.recipe("c.combine", self._board), *_ROOMY]
         key = digest("link", self._toolchain.identity, recipe, objects, archive, name)
         elf, image = (self._cache.find("programs", key, f"{name}.{suffix}") for suffix in ("elf", "hex"))
@@ -171,7 +172,7 @@ class Compiler:
             raise SketchError(f"{what} does not link", diagnostics=output)
 
     async def _run(self, arguments: Sequence[str], *, merge: bool = True) -> tuple[int, str]:
-        """Return a program's exit code and its output; if it failed, its error output."""
+        """Return a program's exit code and output, or its error output if it failed."""
         async with self._running:
             if self._show is not None:
                 self._show(arguments)
@@ -195,7 +196,7 @@ def _read_dependencies(file: Path) -> tuple[Path, ...]:
 
 
 def _dependencies(rules: str) -> list[str]:
-    """Return the prerequisites of make's rules."""
+    """Return the prerequisites in make rules."""
     names = []
     for rule in rules.replace("\\\n", " ").splitlines():
         _, _, behind = rule.partition(": ")

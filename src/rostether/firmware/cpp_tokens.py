@@ -1,4 +1,4 @@
-"""C++ text as tokens: enough of the language to find declarations, in text that may not compile at all."""
+"""Splits C++ code into tokens: enough of the language to find declarations, also in invalid code."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _KINDS: dict[str, Kind] = {"raw": "string"}
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A piece of text and where it begins."""
+    """A piece of text and its start offset."""
 
     kind: Kind
     text: str
@@ -36,12 +36,12 @@ class Token:
 
     @property
     def end(self) -> int:
-        """The offset behind it."""
+        """The offset after it."""
         return self.offset + len(self.text)
 
 
 def tokenize(text: str) -> Iterator[Token]:
-    """Yield all tokens but white space. Never fails: what cannot be read is punctuation, bit by bit."""
+    """Yield all tokens but white space. Never fails: unknown characters are punctuation."""
     for match in _TOKEN.finditer(text):
         group = match.lastgroup or "punctuation"
         if group != "space":
@@ -49,5 +49,5 @@ def tokenize(text: str) -> Iterator[Token]:
 
 
 def code_tokens(text: str) -> list[Token]:
-    """Return the tokens that are no comments."""
+    """Return the tokens without comments."""
     return [token for token in tokenize(text) if token.kind != "comment"]

@@ -1,8 +1,9 @@
-"""What reading the debugging information of a damaged file may cost.
+"""Limits the cost of reading the debugging information of a damaged file.
 
-The header of a DWARF 5 line program has tables of folders and files. A table says how many entries it has,
-and which forms each entry consists of. Entries of no form take no byte, so a damaged header of 40 bytes could
-make a reader loop forever. It is read here first, to see that its tables are in the file.
+The header of a DWARF 5 line program has tables of folders and files. A table states the number of its
+entries, and the forms that each entry consists of. Entries without forms need no bytes, so a damaged header
+of 40 bytes could make a reader loop forever. This module reads the header first and checks that its tables
+are inside the file.
 """
 
 from __future__ import annotations
@@ -11,29 +12,29 @@ from typing import IO
 
 from rostether.errors import FirmwareError
 
-# The largest firmware of these microcontrollers has a tenth of each.
+# The largest firmware of these microcontrollers has a tenth of these numbers.
 MAX_FILE_BYTES = 64 * 1024 * 1024
 MAX_ATTRIBUTES = 20_000_000
 MAX_LINES = 5_000_000
-# Of a line program: some thousand files.
+# The limit of a line program: some thousand files.
 _MAX_HEADER_BYTES = 1024 * 1024
 _VERSION = 5
 _DATA1, _DATA2, _DATA4, _DATA8, _DATA16 = 0x0B, 0x05, 0x06, 0x07, 0x1E
 _STRING, _BLOCK, _UDATA = 0x08, 0x09, 0x0F
 _STRP, _LINE_STRP = 0x0E, 0x1F
 _SIZES = {_DATA1: 1, _DATA2: 2, _DATA4: 4, _DATA8: 8, _DATA16: 16, _STRP: 4, _LINE_STRP: 4}
-# What comes before the length of the opcode table.
+# The fields before the length of the opcode table.
 _OPCODE_BASE = 17
 
 
 class Budget:
-    """What reading one kind of information may cost at most."""
+    """The maximum cost of reading one kind of information."""
 
     def __init__(self, most: int) -> None:
         self._left = most
 
     def spend(self, count: int) -> bool:
-        """Return True. Raises FirmwareError when the budget is used up."""
+        """Return True. Raises FirmwareError if the budget is used up."""
         self._left -= count
         if self._left < 0:
             raise FirmwareError("the debugging information is larger than that of any firmware")
@@ -41,7 +42,7 @@ class Budget:
 
 
 def lines_are_bounded(lines: IO[bytes], offset: int) -> bool:
-    """Return whether the tables of the line program at `offset` are in the file; older ones always are."""
+    """Return whether the tables of the line program at `offset` are inside the file; True before DWARF 5."""
     lines.seek(offset)
     header = lines.read(_MAX_HEADER_BYTES)
     if int.from_bytes(header[4:6], "little") != _VERSION:
@@ -60,7 +61,7 @@ class _Cursor:
         self._offset = offset
 
     def pass_table(self) -> bool:
-        """Go on behind a table; False when its entries take no byte or an unknown number."""
+        """Skip a table; False if its entries have no bytes or an unknown size."""
         forms = []
         for _ in range(self._byte()):
             self._number()

@@ -1,7 +1,7 @@
-"""Finds the top-level statements of a sketch, and which of them define functions.
+"""Finds the top-level statements of a sketch and its function definitions.
 
-A sketch's author wrote for an IDE that forgives, so nothing here fails: what is not understood is a statement
-without a function in it, and the compiler will say what is wrong.
+Nothing here fails on invalid code: an unknown statement counts as one without a function, and the compiler
+reports the error.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rostether.firmware.cpp_tokens import Token
 
 _OPENING = {"(": ")", "[": "]", "{": "}"}
 _CLASS_KEYS = frozenset(("class", "struct", "union", "enum"))
-# They take parentheses, but are no function's name.
+# They are followed by parentheses, but are not function names.
 _NO_FUNCTION = frozenset(
     (
         *("__attribute__", "__declspec", "alignas", "decltype", "noexcept", "throw", "sizeof", "asm"),
@@ -26,7 +26,7 @@ _BEFORE_NAME = frozenset(("*", "&", "&&", ">", "]]"))
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function's head: its name, and the tokens from the return type to the last before `{` or `;`."""
+    """A function's head: its name, and the tokens from the return type up to `{` or `;`."""
 
     name: str
     head: tuple[Token, ...]
@@ -50,7 +50,7 @@ class Statement:
 
 
 def read_statements(tokens: Sequence[Token], *, is_extern_c: bool = False) -> list[Statement]:
-    """Return the top-level statements in order; those inside of `extern "C" { }` count as top level."""
+    """Return the top-level statements in order, including those inside `extern "C" { }`."""
     statements: list[Statement] = []
     start = position = 0
     while position < len(tokens):
@@ -83,7 +83,7 @@ def read_statements(tokens: Sequence[Token], *, is_extern_c: bool = False) -> li
 
 
 def parameter_count(function: Function) -> int:
-    """Return how many parameters a function takes; `(void)` and `()` are none."""
+    """Return the number of a function's parameters; `(void)` and `()` have none."""
     texts = [token.text for token in function.parameters]
     return 0 if texts in ([], ["void"]) else len(split_at_commas(function.parameters))
 
@@ -112,7 +112,7 @@ def _statement(tokens: Sequence[Token], head: Sequence[Token] | None, is_extern_
 
 
 def _closing(tokens: Sequence[Token], opening: int) -> int:
-    """Return the index of the bracket that closes one, or of the last token when none does."""
+    """Return the index of the matching closing bracket, or of the last token if there is none."""
     closes = [_OPENING[tokens[opening].text]]
     for index in range(opening + 1, len(tokens)):
         token = tokens[index]
@@ -135,7 +135,7 @@ def _closing(tokens: Sequence[Token], opening: int) -> int:
 
 
 def _ends_with_its_body(head: Sequence[Token]) -> bool:
-    """Return whether `}` ends the statement: a function's or namespace's, not `struct S { } s;`, `= { };`."""
+    """Return whether `}` ends the statement: true for a function or namespace, not for `struct S { } s;`."""
     texts = [token.text for token in head]
     if "namespace" in texts[:2]:
         return True
@@ -217,7 +217,7 @@ def _fits_behind(tokens: Sequence[Token], *, allow_initialisers: bool = False) -
 
 
 def _declared_by(head: Sequence[Token]) -> frozenset[str]:
-    """Return the names of types and namespaces that a statement brings."""
+    """Return the names of types and namespaces that a statement declares."""
     texts = [token.text for token in head]
     names = [token.text for token in head if token.kind == "name"]
     if not names:

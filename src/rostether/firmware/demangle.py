@@ -1,4 +1,4 @@
-"""C++ names as people write them."""
+"""Readable C++ names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ABBREVIATIONS = (("unsigned char", "uint8_t"), ("unsigned int", "uint16_t"), ("
 
 
 async def demangle(names: Iterable[str]) -> dict[str, str]:
-    """Return readable names for those of a linker; names stay as they are where no c++filt is installed."""
+    """Return readable names for linker names; without c++filt, the names stay unchanged."""
     wanted = sorted(set(names))
     program = next((found for each in _PROGRAMS if (found := shutil.which(each))), None)
     readable = wanted
@@ -26,7 +26,7 @@ async def demangle(names: Iterable[str]) -> dict[str, str]:
 
 
 def shorten(name: str) -> str:
-    """Return a function's name without its parameters' types, which do not fit a table."""
+    """Return a function's name without the types of its parameters, which do not fit in a table."""
     depth = 0
     for index, character in enumerate(name):
         depth += (character == "<") - (character == ">")

@@ -1,4 +1,4 @@
-"""What the compiler printed, with paths as the user knows them and a word on what novices meet."""
+"""Improves the compiler's output: paths as the user typed them, and hints on beginners' errors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.firmware.typography import MAX_REPORTED, find_typographic
 
 _MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
 _UNDECLARED = re.compile(r"'(\w+)' was not declared")
-# A second directive, or code, behind an #include; behind a comment, what every sketch has.
+# A second directive, or code, after an #include; after a comment, the functions that every sketch has.
 _JOINED = re.compile(
     r"^[ \t]*#[ \t]*include[ \t]*(?:<[^<>\n]+>|\"[^\"\n]+\")[ \t]*(?P<rest>(?!//|/\*)\S.*)$"
     r"|^[ \t]*#[ \t]*define[ \t].*?(?P<second>#[ \t]*(?:include|define)[ \t].*)$"
@@ -24,9 +24,9 @@ _TYPE_HEADER = re.compile(r"\w+_(?:msgs|srvs)/\w+\.h")
 
 
 def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
-    """Return a compiler's output with causes that it does not name around it, in its own form.
+    """Return a compiler's output with added hints in the same format.
 
-    `skipped` says why messages could not be made; it counts where a header is missing.
+    `skipped` has the reasons why messages could not be generated; it is shown if a header is missing.
     """
     lines = []
     if "stray" in output or "missing terminating" in output or "expects" in output:
@@ -46,13 +46,13 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
 
 
 def _joined_lines(text: str, path: str) -> list[str]:
-    """Return a line for each line of a sketch that holds several; a web page's copy button makes them."""
+    """Return an error for each line that joins several lines, as copy buttons of web pages do."""
     found = []
     for match in _JOINED.finditer(text):
         group = next(name for name in ("rest", "second", "code") if match[name])
         line = text.count("\n", 0, match.start()) + 1
         place = f"{path}:{line}:{match.start(group) - match.start() + 1}"
-        what = "a web page joined several lines into this one; begin a new line before"
+        what = "a web page joined several lines into this one; start a new line before"
         found.append(f"{place}: error: {what} `{match[group][:30].strip()}`")
     return found[:MAX_REPORTED]
 
@@ -75,7 +75,7 @@ def _explain_header(header: str) -> str:
 
 
 def _shorten(text: str, folder: Path) -> str:
-    """Write paths relative to the current folder where they are below it, as the user typed them."""
+    """Write paths below the current folder as relative paths, as the user typed them."""
     try:
         prefix = os.path.relpath(folder)
     except (ValueError, OSError):

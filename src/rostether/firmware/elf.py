@@ -1,6 +1,6 @@
 """The memory of an ELF file: sections, symbols, bytes at an address, and the debugging information.
 
-It reads files of 32 bits and little endian, as all supported microcontrollers have, with DWARF 2 to 5.
+It reads 32-bit little-endian files, the format of all supported microcontrollers, with DWARF 2 to 5.
 This is the only module that imports pyelftools.
 """
 
@@ -34,9 +34,9 @@ from rostether.firmware.debug_limits import (
 _MAGIC = b"\x7fELF\x01\x01"
 _WRITABLE, _ALLOCATED = 1, 2
 _RESERVED_INDEX = 0xFF00
-# The compiler's and the assembler's own labels, such as .L12 and L0\x01, which newer binutils for AVR keep.
+# Internal labels of compiler and assembler, such as .L12 and L0\x01; newer binutils for AVR keep them.
 _OWN_LABEL = re.compile(r"\.L|L\d+[\1\2]")
-# avr-gcc gives EEPROM, fuses and lock bits addresses from here on: they are neither flash nor RAM.
+# avr-gcc places EEPROM, fuses and lock bits at addresses from here on: they are neither flash nor RAM.
 _AVR_NO_MEMORY = 0x810000
 _NAMED_TYPES = frozenset(
     f"DW_TAG_{kind}_type" for kind in ("class", "structure", "union", "enumeration", "base")
@@ -53,7 +53,7 @@ _FILES_FROM_ZERO = 5
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """One section; `data` is empty where the file holds none for it."""
+    """One section; `data` is empty if the file has no data for it."""
 
     name: str
     address: int
@@ -66,7 +66,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A name for an address; `kind` is 1 for data, 2 for a function, 0 where the assembler did not say."""
+    """A name for an address; `kind` is 1 for data, 2 for a function, 0 if unknown."""
 
     name: str
     address: int
@@ -77,7 +77,7 @@ class Symbol:
 
 @dataclass(frozen=True, slots=True)
 class CodeRange:
-    """Instructions from `start` to before `end` that come from one line of a file, inlined code included."""
+    """The instructions from `start` up to `end` that come from one line of a file, with inlined code."""
 
     start: int
     end: int
@@ -119,7 +119,7 @@ class ElfFile:
 
     @classmethod
     def read(cls, path: Path) -> ElfFile:
-        """Read a file. Raises FirmwareError when it cannot be read."""
+        """Read a file. Raises FirmwareError if it cannot be read."""
         try:
             return cls(path.read_bytes(), str(path))
         except OSError as error:
@@ -130,23 +130,23 @@ class ElfFile:
         return next((each for each in self.sections if each.name == name), None)
 
     def data(self, name: str) -> bytes:
-        """Return a section's bytes, none when there is no such section."""
+        """Return a section's bytes, empty if there is no such section."""
         section = self.section(name)
         return b"" if section is None else section.data
 
     def in_memory(self, section: Section) -> bool:
-        """Return whether a section takes flash or RAM."""
+        """Return whether a section uses flash or RAM."""
         is_elsewhere = self.is_avr and section.address >= _AVR_NO_MEMORY
         return section.is_allocated and section.size > 0 and not is_elsewhere
 
     @property
     def flash_bytes(self) -> int:
-        """What is written to flash: code, constants, and the values that variables begin with."""
+        """The flash use: code, constants, and initial values of variables."""
         return sum(each.size for each in self.sections if self.in_memory(each) and each.has_bits)
 
     @property
     def ram_bytes(self) -> int:
-        """What variables take from the first instruction on."""
+        """The RAM use of variables."""
         return sum(each.size for each in self.sections if self.in_memory(each) and each.is_writable)
 
     @cached_property
@@ -167,11 +167,11 @@ class ElfFile:
 
     @cached_property
     def code_ranges(self) -> list[CodeRange]:
-        """Which file each piece of code comes from, by address; code of assemblers is often missing."""
+        """The source file of each piece of code, by address; assembler code is often missing."""
         ranges: list[CodeRange] = []
         budget = Budget(MAX_LINES)
         programs = {each.program_start_offset: each for each in self._programs.values()}
-        # Of damaged information, what was read until there is still good.
+        # If the information is damaged, the part before the damage is still valid.
         with suppress(Exception):
             for _, program in sorted(programs.items()):
                 ranges += _program_ranges(program, budget)
@@ -179,9 +179,9 @@ class ElfFile:
 
     @cached_property
     def variables(self) -> list[Variable]:
-        """The variables that debugging information describes; none when it cannot be read."""
+        """The variables in the debugging information; empty if it cannot be read."""
         with suppress(Exception):
-            # All entries first: an entry knows its parent only after its unit was read in order.
+            # Read all entries first: an entry has a parent only after its unit was read in order.
             spend = Budget(MAX_ATTRIBUTES).spend
             entries = [e for unit in self._units for e in unit.iter_DIEs() if spend(1 + len(e.attributes))]
             return [variable for entry in entries for variable in _variable(entry, self._programs)]
@@ -204,7 +204,7 @@ class ElfFile:
 
     @cached_property
     def _units(self) -> list[CompileUnit]:
-        # A damaged file could make the others take any amount of memory.
+        # In a damaged file, the other forms could need any amount of memory.
         is_bounded = all(
             each["sh_type"] != "SHT_NOBITS" and not each.compressed
             for each in self._parts
@@ -264,7 +264,7 @@ def _program_ranges(program: LineProgram, budget: Budget) -> Iterator[CodeRange]
 
 
 def _file_name(program: LineProgram, number: int) -> str:
-    """Return a source file as the compiler was given it; an empty text for a number without a file."""
+    """Return a source file's path as given to the compiler; an empty string for an unknown number."""
     is_from_zero = program["version"] >= _FILES_FROM_ZERO
     index = number if is_from_zero else number - 1
     files, folders = program["file_entry"], program["include_directory"]
@@ -300,7 +300,7 @@ def _variable(entry: DIE, programs: Mapping[int, LineProgram]) -> Iterator[Varia
 
 
 def _holder(entry: DIE, attribute: str) -> DIE | None:
-    """Return the entry that has an attribute: this one, or one that it completes."""
+    """Return the entry that has an attribute: this one, or the declaration that it completes."""
     for _ in range(_MAX_INDIRECTIONS):
         if attribute in entry.attributes:
             return entry

@@ -1,7 +1,7 @@
 """Finds the topics and services of a sketch, and whether their messages fit the input buffer.
 
-What a program's own variables tell counts first: an endpoint points to its topic and to a function that is
-named for its type. Where it is put together only at run time, the sketch's text is read instead.
+It reads the program's variables first: an endpoint points to its topic and to a function whose name contains
+its type. If an endpoint is constructed only at run time, the sketch's text is searched instead.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
 
 MAX_TOPIC_BYTES = 128
-# An endpoint takes some ten bytes; a large variable that happens to be called so is not searched.
+# An endpoint has about ten bytes; a large variable with a matching type name is not searched.
 MAX_VARIABLE_BYTES = 64
 
 _CLASSES = {
@@ -46,8 +46,8 @@ _LENGTH_BYTES = 4
 class Endpoint:
     """One topic or service of a sketch.
 
-    `smallest_bytes` is the message with all texts and arrays empty, `is_fixed` whether it has none of them;
-    `incoming_bytes` is what must fit the buffer at least, None for what is only sent.
+    `smallest_bytes` is the size of the message with all strings and arrays empty, `is_fixed` whether it has
+    none. `incoming_bytes` must fit in the input buffer; None for an endpoint that only sends.
     """
 
     role: str
@@ -59,7 +59,7 @@ class Endpoint:
     incoming_bytes: int | None
 
     def note(self, buffer_bytes: int) -> str:
-        """Return what its size means for the buffer, in a phrase."""
+        """Return a phrase about its size and the buffer."""
         if self.incoming_bytes is None:
             return "sent without a buffer"
         if not buffer_bytes:
@@ -69,11 +69,11 @@ class Endpoint:
         if self.is_fixed:
             return "fits"
         left = buffer_bytes - self.incoming_bytes
-        return f"fits with up to {left} bytes of text and arrays"
+        return f"fits with up to {left} bytes of strings and arrays"
 
 
 def input_buffer_bytes(readable: Mapping[str, str]) -> int:
-    """Return the longest message that the node handle takes in; 0 for a sketch without one."""
+    """Return the size of the node handle's input buffer; 0 for a sketch without a node handle."""
     sizes = [int(match[3]) for name in readable.values() if (match := _NODE_HANDLE.search(name))]
     return max(sizes, default=0)
 
@@ -124,7 +124,7 @@ class _Finder:
         return [name] if name else []
 
     def topic(self, variable: Variable) -> str:
-        """Return the name an endpoint was given, or an empty text."""
+        """Return an endpoint's topic name, or an empty string."""
         data = self._elf.section(".data")
         for word in self._words(variable):
             address = (data.address & ~0xFFFF | word) if data is not None else 0
@@ -141,7 +141,7 @@ class _Finder:
 
 
 def _message_types(text: str) -> list[str]:
-    # Behind a subscriber's message stands the class of the object whose member is called.
+    # After a subscriber's message type comes the class whose member function is called.
     parts = [each.strip() for each in text.split(",")]
     return [each for each in parts if each.count("::") == 1 and not each.startswith("ros::")]
 
@@ -163,7 +163,7 @@ def _endpoint(
 
 
 def _smallest(registry: Registry, type_name: str) -> tuple[int, bool]:
-    """Return the bytes of a message whose texts and arrays are empty, and whether it has none of them."""
+    """Return the size of a message with empty strings and arrays, and whether it has none of them."""
     full_name = type_name.replace("::", "/")
     service = re.fullmatch(r"(.+?)(Request|Response)", full_name)
     if service is not None and service[1] in registry.services(full_name.partition("/")[0]):

@@ -1,7 +1,7 @@
-"""What a program takes of a board's flash and RAM, what takes it, and whether the stack will find room.
+"""A program's use of flash and RAM, by origin, and the room left for the stack.
 
-Flash is what avr-size calls text and data, RAM its data and bss. Code is sorted by the file it was written
-in, inlined code included; a variable by its type, else by the file that declares it.
+Flash is what avr-size calls text and data, RAM is data and bss. Code, also inlined code, is grouped by its
+source file; a variable by its type, else by the file that declares it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rostether.firmware.libraries import Origin
 from rostether.firmware.origins import RUNTIME, START, TEXTS, Origins
 from rostether.firmware.stack import StackEstimate, estimate_stack
 
-# What must be left beside the estimated stack: a second interrupt's registers, and code we read wrongly.
+# The reserve besides the estimated stack, for the registers of a second interrupt and for estimation errors.
 MARGIN_BYTES = 64
 
 # More names than these would not make a group clearer.
@@ -35,7 +35,7 @@ _START_SYMBOLS = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A function or a variable, with what it takes; a variable that begins with a value takes both."""
+    """The size of a function or a variable; a variable with an initial value uses both flash and RAM."""
 
     name: str
     group: str
@@ -45,7 +45,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """What one origin takes altogether, and the largest of its functions and variables."""
+    """The total size of one origin, and its largest functions and variables."""
 
     name: str
     flash_bytes: int
@@ -55,7 +55,10 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """The measure of a program. Limits are 0 where they are not known; `stack` is None for other than AVR."""
+    """The flash, RAM and stack use of a program.
+
+    Unknown limits are 0; `stack` is None for boards other than AVR.
+    """
 
     board: Board
     flash_bytes: int
@@ -65,7 +68,7 @@ class Footprint:
 
     @property
     def flash_limit_bytes(self) -> int:
-        """What the boot loader leaves of the flash."""
+        """The flash without the boot loader."""
         return self.board.flash_bytes
 
     @property
@@ -75,16 +78,16 @@ class Footprint:
 
     @property
     def free_ram_bytes(self) -> int:
-        """What is left beside variables and the estimated stack; negative when they do not fit."""
+        """The RAM left after variables and the estimated stack; negative if they do not fit."""
         return self.ram_limit_bytes - self.ram_bytes - (self.stack.total_bytes if self.stack else 0)
 
     @property
     def fits(self) -> bool:
-        """Whether it can be flashed at all, as the IDE decides that: without the stack."""
+        """Whether it can be flashed; as in the IDE, the stack does not count."""
         return not self.refusals()
 
     def refusals(self) -> list[str]:
-        """Return why the board cannot take it, a line each."""
+        """Return the reasons why the program does not fit the board, one line each."""
         lines = []
         if self.flash_limit_bytes and self.flash_bytes > self.flash_limit_bytes:
             over = self.flash_bytes - self.flash_limit_bytes
@@ -101,7 +104,7 @@ class Footprint:
         return lines
 
     def warnings(self) -> list[str]:
-        """Return what will go wrong while it runs, a line each."""
+        """Return the expected problems at run time, one line each."""
         if not self.ram_limit_bytes or self.stack is None or self.ram_bytes > self.ram_limit_bytes:
             return []
         if self.free_ram_bytes >= MARGIN_BYTES:
@@ -121,7 +124,7 @@ class Footprint:
 
 
 async def measure(elf: Path | ElfFile, board: Board, origins: Origins | None = None) -> Footprint:
-    """Measure an ELF file for a board. Raises FirmwareError when it is none."""
+    """Measure an ELF file for a board. Raises FirmwareError if it is not an ELF file."""
     file = elf if isinstance(elf, ElfFile) else ElfFile.read(elf)
     origins = origins or Origins()
     stack = estimate_stack(file) if file.is_avr else None
@@ -147,7 +150,7 @@ async def measure_built(built: BuiltFirmware, elf: ElfFile | None = None) -> Foo
 
 
 class _Count:
-    """Gives each byte of a program to a group, and each symbol to a name."""
+    """Assigns each byte of a program to a group, and each symbol to a name."""
 
     def __init__(self, elf: ElfFile, origins: Origins, readable: Mapping[str, str]) -> None:
         self._elf = elf
@@ -161,7 +164,7 @@ class _Count:
         self._items: list[Item] = []
 
     def groups(self) -> list[Group]:
-        """Return the groups, those that take most first."""
+        """Return the groups, the largest first."""
         for section in self._elf.sections:
             if self._elf.in_memory(section):
                 self._count(section)
@@ -204,7 +207,7 @@ class _Count:
         self._items.append(Item(_plain(shorten(name)), group, flash, ram))
 
     def _group_of_code(self, start: int, name: str) -> str:
-        """Return the group of a function: that of the file of its first line, whatever is inlined in it."""
+        """Return the group of a function: the group of its first line's file, regardless of inlined code."""
         first = next(self._ranges_between(start, start + 1), None)
         by_file = None if first is None else self._origins.of_file(first.file)
         runtime = START if _START_SYMBOLS.match(name) else RUNTIME
@@ -220,7 +223,7 @@ class _Count:
         return by_type or by_name or self._origins.of_file(variable.file)
 
     def _scope_groups(self) -> Iterator[tuple[str, str]]:
-        """Yield the classes that have functions here, with the group of the file that these stand in."""
+        """Yield the classes that have functions here, with the group of their file."""
         for symbol in self._elf.symbols:
             scope = _scope(self._readable.get(symbol.name, symbol.name))
             if scope and symbol.section == ".text" and symbol.kind != _OBJECT:
@@ -236,7 +239,7 @@ class _Count:
             self._add(group, section, size)
 
     def _share(self, start: int, stop: int, otherwise: str | None) -> dict[str, int]:
-        """Return how many bytes of a stretch of code come from which group."""
+        """Return the number of bytes of each group in a range of code."""
         shares: dict[str, int] = {}
         position = start
         for each in self._ranges_between(start, stop):
@@ -278,7 +281,7 @@ class _Count:
 
 
 def _scope(name: str) -> str:
-    """Return the class or namespace that a readable name begins with."""
+    """Return the class or namespace at the start of a readable name."""
     if name.startswith("vtable for "):
         name = name.removeprefix("vtable for ") + "::"
     scope, separator, _ = name.removeprefix("void ").partition("::")

@@ -1,4 +1,4 @@
-"""From the .ino files of a sketch to one C++ source whose errors name the lines that the user wrote."""
+"""Joins the .ino files of a sketch into one C++ source; errors keep the line numbers of the .ino files."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ _LINE_MARKER = re.compile(r'#(?:line)? (\d+) "((?:[^"\\]|\\.)*)"')
 
 @dataclass(frozen=True, slots=True)
 class InoFile:
-    """One file of a sketch: its path as errors name it, and its text with plain line ends."""
+    """One file of a sketch: its path as shown in errors, and its text with LF line ends."""
 
     path: str
     text: str
 
 
 def read_ino(path: Path) -> InoFile:
-    """Read a file. Bytes that are no UTF-8 stay as they are; a byte order mark goes."""
+    """Read a file. Bytes that are not UTF-8 stay unchanged; a byte order mark is removed."""
     text = path.read_bytes().decode("utf-8", "surrogateescape").removeprefix("\ufeff")
     return InoFile(str(path), text.replace("\r\n", "\n").replace("\r", "\n"))
 
 
 def join(files: Sequence[InoFile]) -> str:
-    """Return the files one after the other behind `#include <Arduino.h>`, without prototypes."""
+    """Return `#include <Arduino.h>` and the files in order, without prototypes."""
     return "".join(["#include <Arduino.h>\n", *(_line(1, each) + _complete(each.text) for each in files)])
 
 
 def add_prototypes(files: Sequence[InoFile], active: dict[str, set[int]] | None) -> str:
-    """Return what `join` does, with prototypes where functions are used above their definition.
+    """Return the result of `join`, with prototypes for functions that are used before their definition.
 
-    `active` has for each path the lines that the preprocessor keeps; None stands for all.
+    `active` has the lines that the preprocessor keeps, by path; None means all lines.
     """
     texts = [_complete(each.text) for each in files]
     starts = [sum(map(len, texts[:index])) for index in range(len(texts))]
@@ -51,7 +51,7 @@ def add_prototypes(files: Sequence[InoFile], active: dict[str, set[int]] | None)
         return files[index], before.count("\n") + 1, len(before) - before.rfind("\n") - 1
 
     prototypes = find_prototypes(visible)
-    # At one offset the order counts: a file begins, prototypes follow, then back to the user's line.
+    # The order at one offset: start of a file, prototypes, then back to the user's line.
     edits = [(start, start, _line(1, file)) for start, file in zip(starts, files, strict=True)]
     for prototype in prototypes:
         file, line, _ = place(prototype.definition_offset)
@@ -64,7 +64,7 @@ def add_prototypes(files: Sequence[InoFile], active: dict[str, set[int]] | None)
 
 
 def active_lines(preprocessed: str) -> dict[str, set[int]]:
-    """Return for each file the lines that `-E -fdirectives-only` has kept."""
+    """Return the lines of each file that `-E -fdirectives-only` keeps."""
     active: dict[str, set[int]] = {}
     current: set[int] = set()
     number = 0

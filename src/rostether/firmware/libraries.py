@@ -1,4 +1,4 @@
-"""Arduino libraries: which folder of one holds what, and which of several serves a header.
+"""Arduino libraries: their folders, and the choice of a library for a header.
 
 Source: the Arduino library specification. A library with `src/` and library.properties is compiled
 recursively; any other from its root and `utility/`.
@@ -15,17 +15,17 @@ from rostether.errors import ConfigError
 from rostether.firmware.properties import parse_properties
 from rostether.firmware.sketch import SOURCE_SUFFIXES
 
-# The IDE's whole index has some 8000; a folder of more than that is no folder of libraries.
+# The IDE's index has about 8000 libraries; a larger folder is not a folder of libraries.
 MAX_LIBRARIES = 2000
 
 _HEADER_SUFFIXES = (".h", ".hh", ".hpp")
 _ARCHITECTURE = "avr"
-# Libraries for when the user has none: Servo, and Ethernet on a chip that only simulated boards have.
+# Libraries that are used if the user has none: Servo, and Ethernet for a chip of simulated boards.
 SIMULATION_LIBRARIES = Path(__file__).parent / "share" / "libraries"
 
 
 class Origin(StrEnum):
-    """Where a library comes from; the first that has a header serves it."""
+    """Where a library comes from; earlier origins have priority."""
 
     GIVEN = "given"
     ROS = "ros_lib"
@@ -36,7 +36,7 @@ class Origin(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """A library's folder, and the folders its headers are included from."""
+    """A library's folder, and its include folders."""
 
     name: str
     folder: Path
@@ -46,7 +46,7 @@ class Library:
     fits_architecture: bool
 
     def serves(self, header: str) -> bool:
-        """Return whether `#include <header>` finds something here."""
+        """Return whether `#include <header>` finds a file here."""
         return any((folder / header).is_file() for folder in self.include_folders)
 
     def sources(self) -> list[Path]:
@@ -79,7 +79,10 @@ def read_library(folder: Path, origin: Origin) -> Library:
 
 
 def read_given(folder: Path) -> list[Library]:
-    """Return what `--library` names: one library, or a folder of them. Raises ConfigError for neither."""
+    """Return the libraries of `--library`: one library, or a folder of them.
+
+    Raises ConfigError for another folder.
+    """
     folder = folder.expanduser().resolve()
     if not folder.is_dir():
         raise ConfigError(f"--library {folder}: no such folder")
@@ -96,7 +99,7 @@ def read_given(folder: Path) -> list[Library]:
 
 
 def read_folder(folder: Path, origin: Origin) -> list[Library]:
-    """Return the libraries in the folders of a folder, sorted by name; none when it does not exist."""
+    """Return the libraries in a folder, sorted by name; none if it does not exist."""
     try:
         entries = sorted(each for each in folder.iterdir() if each.is_dir() and each.name[0] != ".")
     except OSError:
@@ -105,7 +108,7 @@ def read_folder(folder: Path, origin: Origin) -> list[Library]:
 
 
 def choose(header: str, libraries: Iterable[Library]) -> Library | None:
-    """Return the library that serves a header best: by architecture, origin, and likeness of names."""
+    """Return the best library for a header: by architecture, origin, and similarity of names."""
     serving = [each for each in libraries if each.serves(header)]
     stem = Path(header).stem.lower()
     order = list(Origin)
@@ -124,7 +127,7 @@ def choose(header: str, libraries: Iterable[Library]) -> Library | None:
 
 
 def sketchbook_folders(environ: Mapping[str, str], home: Path) -> list[Path]:
-    """Return where the IDE keeps a user's libraries."""
+    """Return the folders of the user's libraries in the IDE."""
     named = environ.get("ARDUINO_DIRECTORIES_USER")
     if named:
         return [Path(named) / "libraries"]

@@ -1,4 +1,4 @@
-"""Whose code it is: the sketch's, a message's, the ROS node's, a library's, the core's or the compiler's."""
+"""Finds the origin of code: the sketch, a message, the ROS node, a library, the core or the compiler."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Origins:
     libraries: Sequence[tuple[str, Path]] = ()
 
     def of_file(self, file: str) -> str | None:
-        """Return the group of a source file; None for one of the compiler."""
+        """Return the group of a source file; None for a file of the compiler."""
         path = Path(file)
         ros = _ROS_FILE.match(file)
         if ros is not None:
@@ -49,7 +49,7 @@ class Origins:
         return CORE if _CORE_FILE.search(file) else None
 
     def of_name(self, name: str) -> str | None:
-        """Return the group of a readable name of a function, a type or a table, if it shows one."""
+        """Return the group of a function, type or table by its readable name, None if unknown."""
         name = name.removeprefix("vtable for ").removeprefix("void ")
         if name.startswith(("ros::", "tf::Transform")):
             return NODE

@@ -9,7 +9,7 @@ import re
 import shlex
 from collections.abc import Mapping
 
-# Real recipes nest three deep; a file whose keys name each other in a circle must not hang us.
+# Real recipes are nested three levels deep; keys that refer to each other in a circle must not loop forever.
 MAX_EXPANSIONS = 64
 
 _PLACEHOLDER = re.compile(r"\{([\w.\-]+)\}")
@@ -26,7 +26,7 @@ def parse_properties(text: str) -> dict[str, str]:
 
 
 def expand(template: str, properties: Mapping[str, str]) -> str:
-    """Return a value with every `{key}` replaced, also inside of what was put in; unknown keys stay."""
+    """Return a value with every `{key}` replaced recursively; unknown keys stay."""
     for _ in range(MAX_EXPANSIONS):
         expanded = _PLACEHOLDER.sub(lambda match: properties.get(match[1], match[0]), template)
         if expanded == template:
@@ -36,5 +36,5 @@ def expand(template: str, properties: Mapping[str, str]) -> str:
 
 
 def command_line(recipe: str, properties: Mapping[str, str]) -> list[str]:
-    """Return the arguments of a recipe; `{includes}` and the like that are not known stay as one argument."""
+    """Return the arguments of a recipe; an unknown key such as `{includes}` stays one argument."""
     return shlex.split(expand(recipe, properties))

@@ -1,8 +1,8 @@
-"""The prototypes that an Arduino sketch may leave out: its functions may be used above their definition.
+"""The prototypes that an Arduino sketch may omit: its functions may be used before their definition.
 
-Where the IDE puts all prototypes before the first function, ours stand as late as they can: before the first
-statement that names the function. So a function whose parameter is a type of the sketch works wherever it
-stands, and a global object can be given a callback that is defined below it.
+The IDE puts all prototypes before the first function. Here each one comes as late as possible: before the
+first statement that uses the function. So parameters may have types of the sketch, and a global object can
+get a callback that is defined below it.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ _MEMBER_ACCESS = (".", "->", "::")
 
 @dataclass(frozen=True, slots=True)
 class Prototype:
-    """A declaration to insert at an offset; `definition_offset` is where the function itself stands.
+    """A declaration to insert at an offset; `definition_offset` is the position of the function.
 
-    `moved` are the spans of default arguments, which may stand only in the declaration.
+    `moved` are the spans of default arguments, which are allowed only in the declaration.
     """
 
     text: str
@@ -38,7 +38,7 @@ class Prototype:
 
 
 def find_prototypes(text: str) -> list[Prototype]:
-    """Return the prototypes that a sketch's text needs, by offset; inactive code must be blank in it."""
+    """Return the prototypes that a sketch's text needs, by offset; inactive code in it must be blank."""
     statements = read_statements(code_tokens(text))
     macros = _macros(statements)
     used = [_names_used(statement, macros) for statement in statements]
@@ -59,7 +59,7 @@ def find_prototypes(text: str) -> list[Prototype]:
 
 
 def _macros(statements: Iterable[Statement]) -> dict[str, set[str]]:
-    """Return for each macro the names that it may put in its place, through other macros as well."""
+    """Return the names that each macro may expand to, also through other macros."""
     macros: dict[str, set[str]] = {}
     for statement in statements:
         directive = statement.tokens[0]
@@ -108,7 +108,7 @@ def _is_declared(function: Function, before: Sequence[Statement]) -> bool:
 
 
 def _after_its_types(function: Function, before: Sequence[Statement]) -> int:
-    """Return the first statement at which all types of the sketch that a head names are declared."""
+    """Return the first statement after which all types of the sketch in a function head are declared."""
     names = {token.text for token in function.head if token.kind == "name"} - {function.name}
     places = []
     for name in names:
@@ -123,7 +123,7 @@ def _prototype(function: Function, offset: int) -> Prototype | None:
     if head[0].text == "template" and any(
         token.text == "=" for token in head[: head.index(_name_token(function))]
     ):
-        # Default arguments of a template would stand twice.
+        # Default arguments of a template would be repeated.
         return None
     head = _without_stray_macros(head)
     linkage = 'extern "C" ' if function.is_extern_c and head[0].text != "extern" else ""
@@ -132,7 +132,7 @@ def _prototype(function: Function, offset: int) -> Prototype | None:
 
 
 def _without_stray_macros(head: list[Token]) -> list[Token]:
-    """Drop `MACRO(x)` on top of a function: it is a statement of its own that lacks a semicolon."""
+    """Drop `MACRO(x)` before a function: it is a separate statement without a semicolon."""
     if len(head) > 1 and head[1].text == "(" and head[0].text.isupper():
         closing = next((i for i, token in enumerate(head) if token.text == ")"), None)
         if closing is not None and closing + 1 < len(head):

@@ -1,4 +1,4 @@
-"""Which libraries a sketch needs, and which those need: a header found nowhere brings its library."""
+"""Finds the libraries that a sketch needs, directly and indirectly: each missing header adds its library."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.firmware.libraries import Library, Origin, choose, include_folder
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch
 
-# Each round adds a library; one that needs more has libraries that include each other in a circle.
+# Each round adds a library; more rounds mean that libraries include each other in a circle.
 MAX_ROUNDS = 50
 
 
@@ -25,7 +25,7 @@ class Unit:
 
 
 class Shelf:
-    """The libraries there are, and those taken so far."""
+    """The available libraries, and those chosen so far."""
 
     def __init__(self, libraries: Sequence[Library], ros: RosLibrary) -> None:
         self._libraries = list(libraries)
@@ -38,7 +38,7 @@ class Shelf:
         wants_ros = False
         for header in headers:
             found = choose(header, self._libraries)
-            # What was generated for this build comes before what the sketchbook still has from earlier.
+            # The library generated for this build has priority over an older one in the sketchbook.
             if (found is None or found.origin is not Origin.GIVEN) and self._ros.wants(header):
                 wants_ros = True
             elif found is not None:
@@ -46,7 +46,7 @@ class Shelf:
         if wants_ros:
             library = self._ros.write()
             taken[library.folder] = library
-            # Of the generated library there is only one, the last, which has the most.
+            # Only the last version of the generated library is kept; it has the most messages.
             self.used = [each for each in self.used if each.origin is not Origin.ROS]
         self.used += [each for each in taken.values() if each not in self.used]
         return list(taken.values())
@@ -91,6 +91,6 @@ async def _complete(compiler: Compiler, unit: Unit, shelf: Shelf, sketch: Sketch
 
 
 def _sources_of(files: Sequence[Path], sketch: Sketch, known: Sequence[Path]) -> list[Path]:
-    """Return the sources beside the headers that a sketch without a folder of its own includes."""
+    """Return the sources of the headers that a sketch without its own folder includes."""
     sources = (sketch.headers_source(file) for file in files)
     return list(dict.fromkeys(each for each in sources if each is not None and each not in known))

@@ -25,9 +25,10 @@ _PACKAGE = Path(__file__).parents[1]
 
 
 class RosLibrary:
-    """Makes the library for the headers asked for so far.
+    """Generates the library for the headers requested so far.
 
-    `packages` are those whose messages it has, `skipped` says why some of them could not be made.
+    `packages` are the packages whose messages it has; `skipped` has the reasons for messages that could not
+    be generated.
     """
 
     def __init__(self, cache: BuildCache, msg_paths: Sequence[Path]) -> None:
@@ -44,7 +45,7 @@ class RosLibrary:
         return Registry.from_environment(msg_paths=self._msg_paths)
 
     def wants(self, header: str) -> bool:
-        """Return whether a header that was not found belongs to this library; if so, adds its package."""
+        """Return whether a missing header belongs to this library; if so, adds its package."""
         match = _TYPE_HEADER.fullmatch(header)
         is_type = match is not None and self._knows(match[1], match[2])
         if match is not None and is_type:
@@ -57,7 +58,7 @@ class RosLibrary:
         return False
 
     def write(self) -> Library:
-        """Return the library with the packages wanted so far. Raises CodegenError and DefinitionError."""
+        """Return the library with the packages requested so far. Raises CodegenError and DefinitionError."""
         from rostether.codegen.arduino_library import write_library
 
         key = digest("ros_lib", sorted(self.packages), self.signature())
@@ -69,7 +70,7 @@ class RosLibrary:
         return read_library(self._cache.path("ros_lib", key, "ros_lib"), Origin.ROS)
 
     def signature(self) -> str:
-        """Return a text that changes when the client library, its generator or a definition does."""
+        """Return a string that changes when the client library, its generator or a definition changes."""
         from rostether.codegen.library_source import client_library, library_files
 
         client = client_library()

@@ -1,4 +1,4 @@
-"""Which files a sketch is made of."""
+"""Finds the files of a sketch."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from rostether.errors import FirmwareError
 
 INO_SUFFIXES = (".ino", ".pde")
 SOURCE_SUFFIXES = (".c", ".cpp", ".cc", ".cxx", ".S")
-# A home folder taken for a sketch must not be read to its end.
+# If a home folder is given by mistake, not all of its files must be read.
 MAX_SKETCH_FILES = 2000
 
 
 @dataclass(frozen=True, slots=True)
 class Sketch:
-    """`inos` in the order in which they are joined; `sources` are compiled beside them.
+    """`inos` in the order in which they are joined; `sources` are compiled separately.
 
-    `owns_folder` is false for a file among strangers: it owns only the sources whose header it includes.
+    `owns_folder` is false for a sketch in a folder of other files: it owns only the sources whose headers it
+    includes.
     """
 
     name: str
@@ -27,7 +28,7 @@ class Sketch:
     owns_folder: bool
 
     def headers_source(self, header: Path) -> Path | None:
-        """Return the source file that stands beside a header of the sketch's folder, if there is one."""
+        """Return the source file of a header in the sketch's folder, if there is one."""
         if self.folder not in header.parents:
             return None
         candidates = (header.with_suffix(suffix) for suffix in SOURCE_SUFFIXES)
@@ -35,7 +36,7 @@ class Sketch:
 
 
 def open_sketch(path: Path) -> Sketch:
-    """Return the sketch in an .ino or .cpp file, or in a folder. Raises FirmwareError when there is none."""
+    """Return the sketch in an .ino or .cpp file, or in a folder. Raises FirmwareError if there is none."""
     path = path.expanduser()
     if path.is_dir():
         return _open_folder(path.resolve())

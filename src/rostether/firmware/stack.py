@@ -1,8 +1,8 @@
 """Estimates how much stack a program can need: the deepest call path from `main` plus the deepest interrupt.
 
 No function is entered twice on one path, directly or through pointers: recursion is reported, not followed.
-Any function whose address is taken counts for every call through a pointer of its kind, so the estimate is
-rather too high than too low.
+Every call through a pointer counts all functions of its kind whose address is taken, so the estimate is more
+likely too high than too low.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from rostether.firmware.call_graph import CallGraph
 from rostether.firmware.elf import ElfFile
 
-# Half a second of search. Only programs with many nested callbacks have more paths.
+# About half a second of search. Only programs with many nested callbacks have more paths.
 MAX_WAYS = 50_000
 
 
@@ -24,9 +24,9 @@ _BOUNDED = "_ZN3ros"
 
 @dataclass(frozen=True, slots=True)
 class StackEstimate:
-    """Bytes from `main` on, and from the deepest interrupt on; the ways name the functions (not demangled).
+    """Stack bytes of `main` and of the deepest interrupt; the paths list the functions (not demangled).
 
-    `unknown` says what could make it more, a phrase each.
+    `unknown` lists reasons why the real stack could be larger.
     """
 
     main_bytes: int
@@ -37,7 +37,7 @@ class StackEstimate:
 
     @property
     def total_bytes(self) -> int:
-        """The deepest stack: an interrupt may come when the program is deepest."""
+        """The deepest stack: an interrupt may occur at the deepest point of the program."""
         return self.main_bytes + self.interrupt_bytes
 
 
@@ -65,10 +65,10 @@ def estimate_stack(elf: ElfFile) -> StackEstimate:
 
 
 class _Search:
-    """The deepest way without a function twice on it.
+    """Searches the deepest path that enters no function twice.
 
-    Which functions may not be entered again matters only where they can be reached again, so results are kept
-    for each function with those of its own circle that are above it.
+    This restriction matters only for functions that can reach each other, so results are cached for each
+    function with the functions of its own circle above it.
     """
 
     def __init__(self, graph: CallGraph) -> None:
@@ -80,7 +80,7 @@ class _Search:
         self.gave_up = False
 
     def deepest(self, roots: Iterable[int]) -> _Way:
-        """Return the deepest way from some functions, 0 when there are none."""
+        """Return the deepest path from some functions, 0 if there are none."""
         ways = (self._way(root, frozenset()) for root in roots)
         best = max(ways, key=lambda way: way.depth_bytes, default=None)
         if best is None:
@@ -105,7 +105,7 @@ class _Search:
         return best
 
     def _closed_way(self, entry: int) -> _Way:
-        """Return the deepest way through functions in no circle: it is the same whatever is above."""
+        """Return the deepest path through functions outside circles, which does not depend on those above."""
         if entry not in self._closed:
             best = _Way(self._graph.walk(entry).depth_bytes, (entry,))
             for target, depth in self._graph.calls(entry).items():
@@ -117,9 +117,10 @@ class _Search:
         return self._closed[entry]
 
     def _open_calls(self, entry: int) -> list[tuple[int, int]]:
-        """Return the calls into circles, without those that two others surpass in all they do.
+        """Return the calls into circles, without those that two other calls dominate.
 
-        A sketch with many topics has many callbacks of the same shape. Two are kept: one may be above.
+        A sketch with many topics has many similar callbacks. Two are kept, because one of them may already be
+        above.
         """
         if entry not in self._open:
             calls = [
@@ -149,7 +150,7 @@ class _Search:
         )
 
     def _circle(self, entry: int) -> frozenset[int]:
-        """Return the functions that a function can reach and that can reach it."""
+        """Return the functions that a function can reach, and that can reach it."""
         if entry not in self._circles:
             self._circles[entry] = frozenset(
                 each
@@ -169,7 +170,7 @@ def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:
         if here.is_unknown:
             found.append(f"{graph.name(entry)} allocates a computed amount")
     if any(graph.walk(each).enables_interrupts for each in graph.reachable(graph.interrupts)):
-        found.append("an interrupt lets others interrupt it")
+        found.append("an interrupt handler enables interrupts")
     if any(each.name == "malloc" for each in elf.symbols):
         found.append("the heap (String, new, malloc) grows towards the stack")
     return found

@@ -1,8 +1,8 @@
-"""How far one piece of AVR code moves the stack, and where it calls.
+"""Computes the stack use of a piece of AVR code, and its calls.
 
-Follows all ways through the code and keeps, for each instruction, the deepest stack it can be reached with.
-The frame of a function is what the compiler subtracts from the stack pointer through r28; it is known where
-r28 was read from the stack pointer before.
+It follows all paths through the code and keeps the deepest stack at each instruction.
+The frame of a function is what the compiler subtracts from the stack pointer through r28; it is known if r28
+was loaded from the stack pointer before.
 """
 
 from __future__ import annotations
@@ -12,24 +12,24 @@ from dataclasses import dataclass, field
 from rostether.firmware.avr_code import Instruction, Op, decode
 from rostether.firmware.avr_pointers import pointer_kind
 
-# More than any AVR has; stops the walk of code that pushes in a loop.
+# More than any AVR has; it stops the walk in code that pushes in a loop.
 MAX_DEPTH_BYTES = 65536
 
 _FRAME_POINTER = 28
 _SHARED_REGISTERS = 18
-# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, two bytes of code each, from where it is
-# entered; then it subtracts X from the stack pointer and goes on at Z, which is behind the jump.
+# libgcc's `__prologue_saves__` pushes r2 to r17, r28 and r29, with two bytes of code each, from its entry on;
+# then it subtracts X from the stack pointer and continues at Z, after the jump.
 _SHARED_PROLOGUE = "__prologue_saves__"
 _SHARED_EPILOGUE = "__epilogue_restores__"
-# Of a large `switch`: goes on at one of the labels in a table in flash.
+# A large `switch`: continues at one of the labels in a table in flash.
 _TABLE_JUMP = "__tablejump"
 
 
 @dataclass(slots=True)
 class Walk:
-    """What was found: the deepest stack of the code itself, its calls and the stack at each of them.
+    """The result: the deepest stack of the code itself, its calls and the stack at each call.
 
-    `indirect` has the calls through pointers, by the kind that `pointer_kind` tells.
+    `indirect` has the calls through pointers, by the result of `pointer_kind`.
     """
 
     depth_bytes: int = 0
@@ -41,9 +41,9 @@ class Walk:
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """The flash of a program, where functions begin, and how long a return address is.
+    """The flash of a program, the starts and sizes of its functions, and the length of a return address.
 
-    `sizes` are those of functions; tables of labels stand below `tables_end`.
+    Tables of labels are below `tables_end`.
     """
 
     flash: bytes
@@ -53,14 +53,14 @@ class Code:
     return_bytes: int
 
     def shared(self, target: int, name: str, size: int) -> int | None:
-        """Return how many registers one of libgcc's shared sequences still handles from a target on."""
+        """Return the number of registers that a shared sequence of libgcc handles from a target on."""
         start = next((address for address, each in self.entries.items() if each == name), None)
         if start is None or not start <= target <= start + size:
             return None
         return _SHARED_REGISTERS - (target - start) // 2
 
     def labels(self, entry: int) -> list[int]:
-        """Return the addresses inside of a function that stand in tables."""
+        """Return the addresses inside a function that are in tables."""
         inside = range(entry + 2, entry + self.sizes.get(entry, 0), 2)
         words = (int.from_bytes(self.flash[i : i + 2], "little") for i in range(0, self.tables_end, 2))
         return sorted({word * 2 for word in words} & set(inside))
@@ -99,7 +99,7 @@ def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruc
     state: _State,
     found: Walk,
 ) -> list[tuple[int, _State]]:
-    """Return where control can go after an instruction, with the stack there."""
+    """Return the possible next instructions, each with its stack."""
     depth, frame = state
     match instruction.op:
         case Op.PUSH:
@@ -111,7 +111,7 @@ def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruc
         case Op.MOVE_FRAME:
             return [(following, (depth, None if frame is None else frame - instruction.value))]
         case Op.MOVE_FRAME_HIGH:
-            # subi counts with eight bits; its carry and what sbci takes are the rest.
+            # subi has eight bits; its carry and sbci complete the number.
             return [(following, (depth, None if frame is None else _with_high(frame, depth, instruction)))]
         case Op.WRITE_STACK_POINTER:
             if frame is None or instruction.register != _FRAME_POINTER:
@@ -164,7 +164,7 @@ def _jump(
     if code.entries.get(target, "").startswith(_TABLE_JUMP):
         return [(label, state) for label in code.labels(entry)]
     if target in code.entries and target != entry:
-        # The last thing a function does may be to become another.
+        # A tail call.
         _add(found.calls, target, depth, found)
         return []
     return [(target, state)]
@@ -176,8 +176,8 @@ def _add(calls: dict[int, int], target: int, depth: int, found: Walk) -> None:
 
 
 def _with_high(frame: int, depth: int, instruction: Instruction) -> int:
-    # subi r28, low / sbci r29, high subtract one number; when growing it is the frame's size, when
-    # shrinking its complement to 65536.
+    # subi r28, low / sbci r29, high subtract one number: the frame's size to grow the stack, or its
+    # complement to 65536 to shrink it.
     total = frame - depth + (-instruction.value << 8)
     return depth + (total - 0x10000 if total >= 0x8000 else total)
 

@@ -1,4 +1,4 @@
-"""Where the compiler, the Arduino core and the flashing programs are, or which packages bring them."""
+"""Finds the compiler, the Arduino core and the flashing programs, or names the packages to install."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from rostether.errors import FirmwareError
 from rostether.firmware.boards import Board, BoardTable
 from rostether.firmware.properties import command_line, expand, parse_properties
 
-# What `ARDUINO` is defined as: the last of Arduino's first generation, which libraries compare against.
+# The value of the macro `ARDUINO`: the last version of IDE 1, which libraries compare against.
 IDE_VERSION = 10819
 
 INSTALL_LINE = "sudo apt install gcc-avr avr-libc arduino-core-avr"
-# Debian's package, an IDE unpacked by hand, and what arduino-cli or the IDE have downloaded.
+# Debian's package, an unpacked IDE, and the downloads of arduino-cli and the IDE.
 CORE_FOLDERS = (
     "/usr/share/arduino/hardware/arduino/avr",
     "/usr/local/share/arduino/hardware/arduino/avr",
@@ -32,20 +32,20 @@ _TOOL_FOLDERS = (
 )
 # Core 1.8.7 prints floating point numbers with a macro that gcc 5 defines only under another name.
 _CPP_EXTRA_FLAGS = "-DDECIMAL_DIG=__DECIMAL_DIG__"
-# STABS, the default of old compilers, does not say where inlined code comes from; new ones dropped it.
+# STABS, the default of old compilers, has no information about inlined code; new compilers dropped it.
 _DEBUG_FLAG = "-gdwarf-2"
 
 
 @dataclass(frozen=True)
 class AvrToolchain:
-    """A compiler and a core that fit together."""
+    """A compiler and a compatible core."""
 
     tools: Path
     core: Path
 
     @cached_property
     def properties(self) -> dict[str, str]:
-        """The properties of platform.txt, with our flags in the places for a user's."""
+        """The properties of platform.txt, with rostether's flags in the user's properties."""
         return parse_properties((self.core / "platform.txt").read_text(encoding="utf-8")) | {
             "compiler.path": f"{self.tools}/",
             "compiler.c.extra_flags": _DEBUG_FLAG,
@@ -64,7 +64,7 @@ class AvrToolchain:
 
     @cached_property
     def identity(self) -> str:
-        """A text that changes when the compiler or the core is another version."""
+        """A string that changes with the version of the compiler or the core."""
         compiler = (self.tools / "avr-gcc").resolve()
         status = compiler.stat()
         platform = (self.core / "platform.txt").stat()
@@ -93,7 +93,7 @@ class AvrToolchain:
 def find_avr_toolchain(
     environ: Mapping[str, str] | None = None, core_folders: tuple[str, ...] = CORE_FOLDERS
 ) -> AvrToolchain:
-    """Return the compiler on PATH, or that of an Arduino installation, and the first core there is.
+    """Return the compiler on PATH or in an Arduino installation, and the first core that exists.
 
     Raises FirmwareError that names the packages to install.
     """

@@ -1,4 +1,4 @@
-"""Characters that a web page or a PDF puts in the place of plain ones, and that no compiler takes."""
+"""Typographic characters from web pages and PDFs, which compilers do not accept."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rostether.firmware.cpp_tokens import tokenize
 
-# More lines of one kind do not help: all of them come from the same pasted page.
+# More errors of this kind do not help: all of them come from the same pasted page.
 MAX_REPORTED = 8
 
 _PLAIN = {
@@ -28,7 +28,7 @@ _PLAIN = {
 
 @dataclass(frozen=True, slots=True)
 class Typographic:
-    """A character in code that must be another one; line and column count from 1."""
+    """A wrong character in code, and its replacement; line and column count from 1."""
 
     line: int
     column: int
@@ -36,7 +36,7 @@ class Typographic:
     plain: str
 
     def explain(self, path: str) -> str:
-        """Return a line in the compiler's form with what to type."""
+        """Return an error in the compiler's format, with the character to type."""
         name = unicodedata.name(self.character, "").lower() or f"character U+{ord(self.character):04X}"
         shown = f"{self.character} " if self.character.isprintable() and not self.character.isspace() else ""
         return (

@@ -1,7 +1,7 @@
 """Flashing a board through its boot loader, with avrdude or arduino-cli.
 
-Boards with USB of their own (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud
-and closed; for a moment the port is gone then, and it may come back under another name.
+Boards with native USB (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud and
+closed. The port then disappears for a moment, and may come back under another name.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ ListPorts = Callable[[], Sequence["SerialPort"]]
 Show = Callable[[Sequence[str]], None]
 
 TOUCH_BAUD = 1200
-# A boot loader comes up in two seconds, on a slow hub in five.
+# A boot loader starts in two seconds, on a slow hub in five.
 TOUCH_LIMIT_S = 10.0
 
 _STAYED_S = 5.0
-# A port that never vanished in that time belongs to a board that was in its boot loader already.
+# If the port does not disappear in this time, the board was already in its boot loader.
 _POLL_S = 0.1
 _SETTLE_S = 0.25
 # udev gives a new port its group only after it is there.
@@ -43,17 +43,17 @@ _SILENT = ("not in sync", "not responding", "programmer is not", "timeout", "una
 
 
 def list_serial_ports() -> Sequence[SerialPort]:
-    """Return the serial ports there are; importing serialx takes its time, so only when asked."""
+    """Return the serial ports; serialx is imported late because it is slow to import."""
     from rostether.transports.serial import list_ports
 
     return list_ports()
 
 
 def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
-    """Return the port of the only board on USB, or of the only one of the wanted kind.
+    """Return the port of the only board on USB, or of the only board of the wanted kind.
 
-    Raises FirmwareError that names the ports when there is none or more than one: a port that is not on USB,
-    such as a PC's /dev/ttyS0, is there whether a board is behind it or not.
+    Raises FirmwareError with a list of the ports if there is none or more than one. Ports that are not on
+    USB, such as /dev/ttyS0, do not count: they exist without a board.
     """
     ports = list_ports()
     usb = [each for each in ports if each.usb_vendor_id is not None]
@@ -78,9 +78,9 @@ async def upload(
     show: Show | None = None,
     list_ports: ListPorts = list_serial_ports,
 ) -> str:
-    """Flash a board; returns what the flashing program printed.
+    """Flash a board; returns the output of the flashing program.
 
-    Raises FirmwareError or TransportOpenError: no program, no port, busy, not allowed, silent.
+    Raises FirmwareError or TransportOpenError: no program, no port, port busy, no permission, no answer.
     """
     if built.simulated_libraries:
         name = built.simulated_libraries[0]
@@ -95,7 +95,7 @@ async def upload(
         program = shutil.which("avrdude")
         if program is None:
             raise FirmwareError(_INSTALL_AVRDUDE)
-        # In a thread: finding who holds the port walks /proc.
+        # In a thread, because finding the program that uses the port reads /proc.
         await asyncio.to_thread(check_port, port, list_ports)
         if built.board.needs_touch:
             port = await touch(port, list_ports)
@@ -121,7 +121,7 @@ def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[
         port,
         "-b",
         str(board.upload_speed_baud),
-        # The boot loader erases what it writes; erasing the chip would take it along.
+        # The boot loader erases the pages that it writes; a chip erase would remove the boot loader.
         "-D",
         "-U",
         f"flash:w:{image}:i",
@@ -143,7 +143,7 @@ def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
 
 
 async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: float = TOUCH_LIMIT_S) -> str:
-    """Have a board with USB of its own enter its boot loader; returns the boot loader's port."""
+    """Make a board with native USB enter its boot loader; returns the boot loader's port."""
     loop = asyncio.get_running_loop()
     before = {each.path for each in list_ports()}
     await _open_at_touch_baud(port)
@@ -177,7 +177,7 @@ async def _open_at_touch_baud(port: str) -> None:
         attributes = termios.tcgetattr(handle)
         attributes[4] = attributes[5] = termios.B1200
         termios.tcsetattr(handle, termios.TCSANOW, attributes)
-        # A pseudo-terminal has no such line.
+        # A pseudo-terminal has no DTR line.
         with contextlib.suppress(OSError):
             fcntl.ioctl(handle, termios.TIOCMBIC, struct.pack("I", termios.TIOCM_DTR))
     finally:

@@ -22,7 +22,7 @@ async def wait_for_subscribers(graph: Graph, publisher: Publisher) -> None:
         async with asyncio.timeout(CONNECTING_S):
             topic = (await graph.snapshot()).topics.get(publisher.topic)
             expected = len(topic.subscribers) if topic is not None else 0
-            # The port reports no connections; looking is cheap.
+            # The graph port does not report connections; polling is cheap.
             while publisher.subscriber_count < expected:  # noqa: ASYNC110
                 await asyncio.sleep(_POLL_S)
     except (RostetherError, TimeoutError):

@@ -1,7 +1,8 @@
 """One subscription of a topic on the graph, shared by all clients of a gateway that listen to it.
 
 Each client gets the messages unchanged, with the type that the publisher reported; a client that subscribes
-late gets the last messages of latched publishers. No publisher is paused: each client bounds its own queue.
+late gets the last messages of latched publishers. No publisher is paused: each client has its own bounded
+queue.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, Messag
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
-# Publishers of one topic that are kept with their latched messages; peers may invent names of nodes.
+# The limit of stored publishers and latched messages of one topic; peers may invent names of nodes.
 MAX_CONNECTIONS = 256
 
 
@@ -45,7 +46,7 @@ class PublisherConnection:
 
 
 class Batch:
-    """Messages that came at once from one publisher; `forms` is what takers made of them, for each other."""
+    """Messages that arrived together from one publisher; `forms` caches conversions for all subscribers."""
 
     __slots__ = ("connection", "forms", "payloads")
 
@@ -88,7 +89,7 @@ class SharedSubscription:
     def deliver(self, batch: Batch) -> None:
         """Pass a batch on; an error of the callback stays here."""
         if not self._is_closed:
-            call_contained(f"taker of {self.topic}", self._on_batch, batch)
+            call_contained(f"subscriber of {self.topic}", self._on_batch, batch)
 
     def meet(self, connection: PublisherConnection) -> None:
         """Report a publisher."""
@@ -152,7 +153,7 @@ class _Source:
         self._latched: dict[str, Batch] = {}
         self._last: PublisherConnection | None = None
         self._opening = asyncio.ensure_future(self._open())
-        # The waiting subscribers get the error; there may be none left.
+        # The waiting subscribers, if there are any left, get the error.
         self._opening.add_done_callback(lambda task: task.cancelled() or task.exception())
         self._is_ended = False
 
@@ -171,7 +172,8 @@ class _Source:
             return
         there = await self._publishers()
         for batch in latched:
-            # Who has left has taken back what it latched; newer words of the others have come meanwhile.
+            # A publisher that has left takes its latched messages with it; newer messages of others have
+            # already arrived.
             node_name = batch.connection.node_name
             if (there is None or node_name in there) and self._latched.get(node_name) is batch:
                 share.deliver(batch)
@@ -186,7 +188,7 @@ class _Source:
             return
         self._is_ended = True
         self._on_end(self)
-        # A subscription that is being made is let be made: half of one could not be taken back.
+        # Let an unfinished subscription complete: it cannot be cancelled halfway.
         await asyncio.wait([self._opening])
         if not self._opening.cancelled() and self._opening.exception() is None:
             await self._opening.result().close()

@@ -37,7 +37,7 @@ class MemoryServiceServer:
         self._is_closed = False
 
     async def call(self, service_type: ServiceType, request: bytes, timeout_s: float | None) -> bytes:
-        """Run the handler. Raises what `Graph.call_service` raises."""
+        """Run the handler. Raises the errors of `Graph.call_service`."""
         if service_type.md5sum not in (self.type.md5sum, ANY_MD5SUM):
             raise TypeMismatchError(
                 f"service {self.service} has type {self.type.name} (md5sum {self.type.md5sum}), "
@@ -54,7 +54,7 @@ class MemoryServiceServer:
         return task.result()
 
     async def close(self) -> None:
-        """Unadvertise; calls under way fail. Idempotent."""
+        """Unadvertise; pending calls fail. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             for task in self._calls:

@@ -155,7 +155,7 @@ class ServiceClient(Protocol):
     """A handle of one service that a node is listed to call."""
 
     async def close(self) -> None:
-        """Be listed no more. Idempotent."""
+        """Remove the client from the graph. Idempotent."""
 
 
 class Watch(Protocol):

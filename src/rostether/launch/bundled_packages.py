@@ -8,5 +8,5 @@ _FOLDER = Path(__file__).with_name("share")
 
 
 def bundled_packages() -> dict[str, Path]:
-    """Map the names of our own packages to their folders; any package of the user's of that name counts."""
+    """Map the names of bundled packages to their folders; user packages with the same name have priority."""
     return {folder.name: folder for folder in sorted(_FOLDER.iterdir()) if folder.is_dir()}

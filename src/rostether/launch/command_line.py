@@ -1,4 +1,4 @@
-"""From a node of a plan to the process to start: its words, its environment, its folder."""
+"""Makes the command of a node: arguments, environment and working folder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rostether.launch.plan import LaunchNode, WorkingFolder
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """What to run for a package's node, and the variables that this changes in the node's environment."""
+    """The command of a package's node, and the environment variables that it needs."""
 
     words: list[str]
     environ: dict[str, str] = field(default_factory=dict)
@@ -22,12 +22,12 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Replaced:
-    """A program that is not installed, and a line about what takes its place; that is no failure."""
+    """A program that is not installed, and a line about its replacement; this is not a failure."""
 
     line: str
 
 
-# (package, type, environment) -> program. Raises RostetherError where there is none.
+# (package, type, environment) -> program. Raises RostetherError if there is none.
 Locate: TypeAlias = Callable[[str, str, Mapping[str, str]], Program | Replaced]
 
 
@@ -52,14 +52,14 @@ def node_environment(node: LaunchNode, environ: Mapping[str, str], master_uri: s
 def command_of(
     node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate
 ) -> Command | Replaced:
-    """Return how a node is started, without what the runner adds. Raises what `locate` raises."""
+    """Return the command of a node, without the additions of the runner. Raises the errors of `locate`."""
     variables = node_environment(node, environ, master_uri)
     program = locate(node.package, node.type, variables)
     if isinstance(program, Replaced):
         return program
     words = [*shlex.split(node.launch_prefix), *program.words, *node.arguments]
     if node.working_folder is WorkingFolder.NODE:
-        # A script stands behind its interpreter.
+        # A script comes after its interpreter.
         files = (Path(word) for word in reversed(program.words) if Path(word).is_absolute())
         folder = next(files, Path(program.words[0])).parent
     else:

@@ -1,7 +1,7 @@
 """`$(eval ...)`: Python expressions over arguments, read by our own evaluator over a whitelisted syntax tree.
 
-An argument's name stands for its value, which is a number or a truth value where it looks like one; so does
-`arg('x')`. There are also `env()`, `optenv()`, `find()`, `anon()`, `dirname()`, what `math` has, and `true`.
+The name of an argument, or `arg('x')`, is replaced by its value, a number or boolean if it looks like one.
+Also available: `env()`, `optenv()`, `find()`, `anon()`, `dirname()`, the functions of `math`, and `true`.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def evaluate(expression: str, scope: Scope, context: LaunchContext) -> str:
     def optional_variable(name: str, default: str = "") -> str:
         return context.environ.get(name, default)
 
-    # Arguments hide Python's functions and are hidden by mathematics: `e` and `pi` are always numbers.
+    # Arguments override Python's functions; `math` overrides arguments: `e` and `pi` are always numbers.
     names: dict[str, Any] = {
         **FUNCTIONS,
         **_EXTRA,
@@ -78,7 +78,7 @@ def _check_names(expression: str, names: Mapping[str, Any], scope: Scope) -> Non
     try:
         tree = ast.parse(expression.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError):
-        # Said by the compiler, with the reason.
+        # The message of the compiler contains the reason.
         return
     used = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
     loop_variables = {node.id for node in used if isinstance(node.ctx, ast.Store)}

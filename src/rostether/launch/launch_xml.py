@@ -5,12 +5,12 @@ from __future__ import annotations
 from rostether.errors import LaunchError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 
-# A launch file may hold a URDF or a parameter set inline; no real one nears 16 MB.
+# A launch file may contain a URDF or parameters; real ones are much smaller than 16 MB.
 MAX_FILE_BYTES = 1 << 24
 
 
 def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
-    """Return the root of a launch file, which is its <launch>.
+    """Return the root element of a launch file, <launch>.
 
     Raises LaunchError with file and line: too large, not XML, a DTD or entity, another root.
     """
@@ -26,5 +26,5 @@ def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
         make_error=lambda text, line: LaunchError(text, file=file, line=line),
     )
     if root.tag != "launch":
-        raise root.error(f"the outermost element is <{root.tag}>, not <launch>")
+        raise root.error(f"the root element is <{root.tag}>, not <launch>")
     return root

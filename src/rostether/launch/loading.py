@@ -1,7 +1,7 @@
-"""Launch files -> a plan: the tags in their order, as roslaunch reads them.
+"""Reads launch files into a plan: the tags in their order, like roslaunch.
 
-A later parameter of a name replaces an earlier one. What a <group>, <node> or <include> says inside holds
-inside only; an included file sees just the arguments that it is given.
+A later parameter with the same name replaces an earlier one. Settings in a <group>, <node> or <include> apply
+only inside it; an included file gets only the arguments in its <include>.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from rostether.mechanisms.xml_tree import XmlElement
 
 _ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
-# Files include themselves to count down; one that does so without end stops here.
+# Some files include themselves to count down; this limit stops endless recursion.
 MAX_INCLUDE_DEPTH = 50
 
-# Two includes in each of fifty files would run practically forever.
+# Fifty files with two includes each would load practically forever.
 MAX_INCLUDES = 10_000
 STDIN_NAME = "<stdin>"
 
@@ -43,13 +43,13 @@ def load_launch(
     served_packages: Iterable[str] = (),
     runs_commands: bool = True,
 ) -> LaunchPlan:
-    """Read launch files one after the other into one plan.
+    """Read launch files in order into one plan.
 
-    `arguments` are those of the command line; `packages` are folders by name. `text` is a launch file that
-    has no path, read last. `programs` are built-in command lines for (package, program), as `$(find
-    xacro)/xacro` names them where the package is not installed; $(find) knows it then, and `served_packages`.
-    Without `runs_commands` parameters with `command=` are empty texts, and nothing is executed. Raises
-    LaunchError with file and line.
+    `arguments` are those of the command line; `packages` are folders by name. `text` is the content of a
+    launch file without a path, read last. `programs` are built-in command lines for (package, program), for
+    names such as `$(find xacro)/xacro` if the package is not installed; $(find) then finds it, and
+    `served_packages`. Without `runs_commands`, parameters with `command=` are empty strings, and nothing is
+    executed. Raises LaunchError with file and line.
     """
     programs = programs or {}
     served = frozenset(served_packages) | {package for package, _ in programs}
@@ -186,7 +186,9 @@ class _Loader:
     def _read_included(self, element: XmlElement, scope: Scope) -> None:
         self._includes += 1
         if self._depth >= MAX_INCLUDE_DEPTH or self._includes > MAX_INCLUDES:
-            raise LaunchError(f"{scope.file} is included again and again; end it with if= or unless=")
+            raise LaunchError(
+                f"{scope.file} includes itself endlessly; end the recursion with if= or unless="
+            )
         self._depth += 1
         try:
             self._read_children(self._parse(_read(scope.file), scope.file), scope)
@@ -202,20 +204,20 @@ class _Loader:
 
 def _read(file: str) -> bytes:
     try:
-        with open(file, "rb") as stream:  # noqa: PTH123 - an empty name is no Path
+        with open(file, "rb") as stream:  # noqa: PTH123 - Path("") would be "."
             return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise explain_unreadable(file, error) from None
 
 
 def read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
-    """Return the name of a machine that is this one. Raises LaunchError for any other."""
+    """Return the name of a <machine> if it is this machine. Raises LaunchError for any other."""
     reader.check_attributes(element, _ATTRIBUTES)
     name, address = (reader.required(element, scope, each) for each in ("name", "address"))
     user = reader.optional(element, scope, "user")
     if not _is_here(address) or (user and user != getpass.getuser()):
         raise LaunchError(
-            f"machine {name!r} at {address} is another machine, but nodes are started on this one only; "
+            f"machine {name!r} at {address} is another machine, but nodes are started only on this machine; "
             "remove <machine>, and run `rostether launch` there with the ROS_MASTER_URI of this machine"
         )
     return name

@@ -1,4 +1,4 @@
-"""Where logs are kept: ROS_LOG_DIR, else `log` of ROS_HOME (~/.ros), in a folder for each run."""
+"""The log folder: ROS_LOG_DIR, else `log` in ROS_HOME (~/.ros), with a subfolder for each run."""
 
 from __future__ import annotations
 
@@ -17,9 +17,12 @@ def ros_home(environ: Mapping[str, str]) -> Path:
 
 
 def log_folder(environ: Mapping[str, str], run_id: str) -> Path:
-    """Make and return the folder of a run's logs; `latest` beside it leads there. Raises ConfigError."""
+    """Create and return the log folder of a run; the link `latest` next to it points to it.
+
+    Raises ConfigError.
+    """
     parent = Path(environ["ROS_LOG_DIR"]) if environ.get("ROS_LOG_DIR") else ros_home(environ) / "log"
-    # The id comes from a master: it must not lead out of the folder.
+    # The id comes from a master: it must not point outside the folder.
     folder = parent.absolute() / run_id.replace("/", "-").strip(".")
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
-"""One process of a launch: started, started again, ended with all that it has started itself.
+"""One process of a launch: starts it, restarts it, and ends it with all its child processes.
 
-Each is the leader of a session of its own, so that Ctrl-C in the terminal reaches only the launch, which then
-ends the processes in order. On Linux a process also gets SIGTERM when the launch is killed outright.
+Each process has its own session, so that Ctrl-C in the terminal reaches only the launch, which then ends the
+processes in order. On Linux, a process also gets SIGTERM if the launch is killed.
 """
 
 from __future__ import annotations
@@ -23,34 +23,34 @@ from rostether.graph.ports import Level
 from rostether.launch.command_line import Command
 from rostether.launch.plan import LaunchNode, Output
 
-# As roslaunch: a node may have a robot to bring to a stop.
+# As in roslaunch: a node may have to stop a robot.
 SIGINT_LIMIT_S = 15.0
 SIGTERM_LIMIT_S = 2.0
-# A node that ends at once must not keep a processor busy with starting it.
+# Repeated restarts of a node that ends at once must not keep a CPU busy.
 _RESPAWN_PAUSE_S = 0.1
 
-# Nothing tells when the last process of a group that is not our child has ended.
+# There is no notification of the end of a process that is not a child, so the group is polled.
 _GROUP_POLL_S = 0.02
 
-# The kernel ends a killed group at once, unless a driver holds a process.
+# A killed group ends at once, unless a driver blocks a process.
 _KILL_LIMIT_S = 1.0
 _SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
-# Found before any fork: the child must not load anything.
+# Loaded before any fork: the child must not load libraries.
 _prctl = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
 
 
 @dataclass(frozen=True, slots=True)
 class StopLimits:
-    """How long a process gets to end after SIGINT, and after SIGTERM, before SIGKILL."""
+    """The time limits for a process to end after SIGINT and after SIGTERM, before SIGKILL."""
 
     sigint_s: float = SIGINT_LIMIT_S
     sigterm_s: float = SIGTERM_LIMIT_S
 
 
 class NodeProcess:
-    """A node's process; `name` is that of its lines and logs, such as `arm/mover-2`."""
+    """A node's process; `name` is used for its output lines and logs, such as `arm/mover-2`."""
 
     def __init__(
         self,
@@ -69,11 +69,11 @@ class NodeProcess:
         self._report = report
         self._limits = limits
         self._process: asyncio.subprocess.Process | None = None
-        # Its process group; None when no process of it is left, as the number may then be another's.
+        # Its process group; None if none of its processes is left, because the number may then be reused.
         self._group: int | None = None
 
     async def start(self) -> None:
-        """Start it. Raises LaunchError when that is impossible."""
+        """Start it. Raises LaunchError if that fails."""
         words = [*self._command.words, f"__log:={self._log}"]
         try:
             self._command.folder.mkdir(parents=True, exist_ok=True)
@@ -107,7 +107,7 @@ class NodeProcess:
             self._group = self._process.pid
 
     async def keep(self) -> None:
-        """Wait for its end; one with respawn= is started again and again. Raises LaunchError."""
+        """Wait for its end; with respawn=, restart it each time. Raises LaunchError."""
         while True:
             assert self._process is not None
             self.exit_code = await self._process.wait()
@@ -120,7 +120,7 @@ class NodeProcess:
             await self.start()
 
     async def stop(self) -> None:
-        """End it and what it started: SIGINT, then SIGTERM, then SIGKILL. `keep` must not run any more."""
+        """End it and its child processes: SIGINT, then SIGTERM, then SIGKILL. `keep` must no longer run."""
         process = self._process
         if process is None:
             return
@@ -138,7 +138,7 @@ class NodeProcess:
             try:
                 await asyncio.wait_for(process.wait(), _KILL_LIMIT_S)
             except TimeoutError:
-                # As with launch-prefix="sudo": what is not ours cannot be ended by us.
+                # For instance with launch-prefix="sudo": another user's process cannot be ended.
                 self._report(Level.ERROR, f"[{self.name}] does not end; run: kill -9 {process.pid}")
         await self._end_group()
 
@@ -160,7 +160,7 @@ class NodeProcess:
         if self.node.output is Output.SCREEN:
             yield None
             return
-        # What a node printed before it was started again stays readable.
+        # The output before a restart stays in the log.
         mode = "ab" if self._process is not None else "wb"
         with self._log.with_name(f"{self._log.stem}-stdout.log").open(mode) as file:
             yield file
@@ -178,22 +178,22 @@ class NodeProcess:
 
 
 def adopt_orphans() -> None:
-    """Let processes whose parents have ended become ours, so that we can clear away their ends (Linux)."""
+    """Adopt processes whose parents have ended, in order to reap them (Linux)."""
     if _prctl is not None:
         _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
 def _reap(group: int) -> None:
-    # A process that has ended counts as one of the group until its parent has asked for its exit code.
+    # A process that has ended belongs to the group until its parent reads its exit code.
     with contextlib.suppress(ChildProcessError):
         while os.waitpid(-group, os.WNOHANG)[0]:
             pass
 
 
 def _signal_group(group: int, number: int) -> bool:
-    """Signal all processes of a group; False when there is none left, or nothing is known of groups."""
+    """Signal all processes of a group; False if none is left, or if the system has no process groups."""
     if sys.platform == "win32":
-        # There are no groups, and every signal ends a process at once.
+        # Windows has no process groups, and every signal ends a process at once.
         if number:
             with contextlib.suppress(OSError):
                 os.kill(group, number)

@@ -1,4 +1,4 @@
-"""<node>, and <test>, which sets its parameters but is not started."""
+"""Reads <node> and <test>; a <test> only sets parameters and is not started."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class NodeTags:
         self._parameters = parameters
 
     def node(self, element: XmlElement, scope: Scope) -> LaunchNode:
-        """Return the node, its parameters set."""
+        """Return the node, and set its parameters."""
         reader = self._reader
         reader.check_attributes(element, NODE_ATTRIBUTES)
         package, node_type = (self._filled(element, scope, name) for name in ("pkg", "type"))
@@ -42,7 +42,7 @@ class NodeTags:
         node = LaunchNode(
             package=package,
             type=node_type,
-            # As with roslaunch, the private parameters of a node without a name lie in its namespace.
+            # As in roslaunch, the private parameters of a node without a name are in its namespace.
             name=name or anonymous_name(node_type),
             namespace=canonical(inside.namespace),
             args=args,
@@ -122,14 +122,14 @@ class NodeTags:
         try:
             return Output.LOG if text is None else Output(text)
         except ValueError:
-            raise LaunchError(f"output={text!r} is not known; known are screen and log") from None
+            raise LaunchError(f"output={text!r} is unknown; known: screen and log") from None
 
     def _working_folder(self, element: XmlElement, scope: Scope) -> WorkingFolder:
         text = self._reader.optional(element, scope, "cwd")
         try:
             return WorkingFolder("ROS_HOME" if text in (None, "ros_home") else text)
         except ValueError:
-            raise LaunchError(f"cwd={text!r} is not known; known are node and ROS_HOME") from None
+            raise LaunchError(f"cwd={text!r} is unknown; known: node and ROS_HOME") from None
 
 
 def _check_words(text: str) -> None:

@@ -31,7 +31,7 @@ _SCRIPT_SUFFIX = ".py"
 class ParameterTags:
     """Reads both tags; `programs` are built-in command lines for programs of built-in packages.
 
-    Without `runs_commands` a parameter with `command=` is an empty text.
+    Without `runs_commands`, a parameter with `command=` is an empty string.
 
     All methods raise LaunchError, ConfigError.
     """
@@ -48,7 +48,7 @@ class ParameterTags:
         self._runs_commands = runs_commands
 
     def param(self, element: XmlElement, scope: Scope) -> None:
-        """Set a parameter, or keep a private one for the nodes that follow."""
+        """Set a parameter, or store a private one for the following nodes."""
         name, value = self._name_and_value(element, scope)
         if is_private(name):
             scope.private_params[name] = value
@@ -60,7 +60,7 @@ class ParameterTags:
         return self._name_and_value(element, scope)
 
     def rosparam(self, element: XmlElement, scope: Scope) -> None:
-        """Load, or note down what is to be dumped or deleted before the launch."""
+        """Load parameters, or plan to dump or delete parameters before the launch."""
         reader = self._reader
         reader.check_attributes(element, _ROSPARAM_ATTRIBUTES)
         command = reader.optional(element, scope, "command") or "load"
@@ -87,7 +87,7 @@ class ParameterTags:
                     raise LaunchError("<rosparam command='delete'> cannot have file=")
                 reader.draft.before.append(DeleteParameters(full_name))
             case _:
-                raise LaunchError(f"<rosparam> has no command {command!r}; known are {', '.join(_COMMANDS)}")
+                raise LaunchError(f"<rosparam> has no command {command!r}; known: {', '.join(_COMMANDS)}")
 
     def _load(
         self,
@@ -150,7 +150,7 @@ class ParameterTags:
                     if len(output) > MAX_FILE_BYTES:
                         process.kill()
                 except BaseException:
-                    # A signal.
+                    # The command was ended by a signal.
                     process.kill()
                     raise
         except OSError as error:
@@ -190,7 +190,7 @@ def _split(text: str) -> list[str]:
 
 def _read_bytes(file: str) -> bytes:
     try:
-        with open(file, "rb") as opened:  # noqa: PTH123 - an empty name is no Path
+        with open(file, "rb") as opened:  # noqa: PTH123 - Path("") would be "."
             data = opened.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise explain_unreadable(file, error) from None

@@ -1,4 +1,4 @@
-"""What a plan does to the parameter server before its nodes start: dump, delete, clear, set."""
+"""Applies a plan to the parameter server before its nodes start: dump, delete, clear, set."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rostether.names.graph_name import SEPARATOR, canonical
 from rostether.param_yaml import dump
 from rostether.ros1.node.master_client import MasterClient
 
-# The name under which a launch calls the master, and which `~` in a parameter's name means.
+# The caller id of a launch, which also replaces `~` in a parameter's name.
 CALLER_ID = "/roslaunch"
 
 _RUN_ID = "/run_id"
 
 
 async def ensure_run_id(client: MasterClient) -> str:
-    """Return the id of the master's run, making one where there is none."""
+    """Return the id of the master's run; create one if there is none."""
     try:
         return str(await client.get_param(_RUN_ID))
     except UnknownNameError:
@@ -30,7 +30,7 @@ async def ensure_run_id(client: MasterClient) -> str:
 
 
 async def upload(plan: LaunchPlan, client: MasterClient, report: Callable[[Level, str], None]) -> None:
-    """Do it. Raises GraphError, ConfigError for a file that cannot be written."""
+    """Apply the plan. Raises GraphError, and ConfigError for a file that cannot be written."""
     for step in plan.before:
         match step:
             case DumpParameters():
@@ -45,7 +45,7 @@ async def upload(plan: LaunchPlan, client: MasterClient, report: Callable[[Level
 
 
 def outermost(namespaces: Iterable[str]) -> list[str]:
-    """Return the namespaces that lie in none of the others; all end with a slash."""
+    """Return the namespaces that are not inside another one; all end with a slash."""
     unique = list(dict.fromkeys(namespaces))
     return [each for each in unique if not any(each != other and each.startswith(other) for other in unique)]
 
@@ -68,6 +68,6 @@ async def _dump(step: DumpParameters, client: MasterClient) -> None:
     except UnknownNameError:
         value = {}
     try:
-        Path(step.file).write_text(dump(value), "utf-8")  # noqa: ASYNC240 - nothing else goes on yet
+        Path(step.file).write_text(dump(value), "utf-8")  # noqa: ASYNC240 - no other task runs yet
     except OSError as error:
         raise ConfigError(f"cannot write {step.file}: {error.strerror}") from None

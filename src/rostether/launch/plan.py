@@ -1,4 +1,4 @@
-"""What launch files ask for, once read: parameters, nodes with their remaps and environments, clean-ups."""
+"""The content of launch files: parameters, nodes with their remaps and environments, and clean-ups."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rostether.names.graph_name import canonical, join
 
 
 class Output(Enum):
-    """Where a node's standard output goes."""
+    """The destination of a node's standard output."""
 
     LOG = "log"
     SCREEN = "screen"
 
 
 class WorkingFolder(Enum):
-    """In which folder a node starts."""
+    """The folder in which a node starts."""
 
     ROS_HOME = "ROS_HOME"
     NODE = "node"
@@ -55,7 +55,7 @@ class LaunchNode:
 
     @property
     def arguments(self) -> list[str]:
-        """What the node is started with: its own arguments, its remaps and its name."""
+        """The command-line arguments of the node: its own arguments, its remaps and its name."""
         remaps = [f"{source}:={target}" for source, target in self.remaps]
         return [*shlex.split(self.args), *remaps, f"__name:={self.name}"]
 
@@ -77,7 +77,7 @@ class DeleteParameters:
 
 @dataclass(frozen=True, slots=True)
 class DeclaredArgument:
-    """An <arg> of a launch file; one without a default has to be given, a fixed one cannot be."""
+    """An <arg> of a launch file; without a default it must be given, with a fixed value it cannot be."""
 
     name: str
     default: str | None = None
@@ -87,11 +87,10 @@ class DeclaredArgument:
 
 @dataclass(frozen=True, slots=True)
 class LaunchPlan:
-    """All of it, in the order in which it is done: `before`, `cleared`, `parameters`, `nodes`.
+    """The whole plan, in the order of execution: `before`, `cleared`, `parameters`, `nodes`.
 
-    `cleared` are namespaces with a trailing slash. `arguments` are those of the files given, not of the files
-    that they include, whose names are in `argument_names` too; `files` all that were read. `warnings` are
-    lines for people.
+    `cleared` are namespaces with a trailing slash. `arguments` are those of the given files; `argument_names`
+    also has those of included files. `files` are all files that were read. `warnings` are lines for users.
     """
 
     nodes: tuple[LaunchNode, ...] = ()

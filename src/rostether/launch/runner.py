@@ -1,4 +1,4 @@
-"""Running a plan: parameters first, then the nodes in their order, until all or a required one have ended."""
+"""Runs a plan: sets parameters, starts the nodes in order, and waits until all or a required one end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rostether.ros1.node.master_client import MasterClient
 class RunOptions:
     """The command line's settings for all nodes.
 
-    `output` and `all_required` win over the files. With `stays`, the launch continues after all nodes have
+    `output` and `all_required` override the files. With `stays`, the launch continues after all nodes have
     ended, because it runs the master.
     """
 
@@ -40,10 +40,10 @@ async def run_plan(
     report: Callable[[Level, str], None],
     options: RunOptions = RunOptions(),
 ) -> bool:
-    """Run a plan to its end, and end every process that was started, also when cancelled.
+    """Run a plan to its end, and end all its processes, also when cancelled.
 
-    Returns False when a required node failed, or none of the nodes could be started.
-    Raises MasterUnreachableError, GraphError, ConfigError, before any node has been started.
+    Returns False if a required node failed, or if no node could be started. Raises MasterUnreachableError,
+    GraphError, ConfigError before it starts any node.
     """
     client = MasterClient(master_uri, CALLER_ID)
     try:
@@ -71,7 +71,7 @@ class _Launch:
         logs: Path,
     ) -> None:
         self._master_uri = master_uri
-        # A script's last words must be in its log when it is killed.
+        # Unbuffered: the last output of a killed script must be in its log.
         self._environ = {"PYTHONUNBUFFERED": "1", **environ}
         self._locate = locate
         self._report = report
@@ -104,14 +104,14 @@ class _Launch:
                     self._report(Level.WARN if succeeded else Level.ERROR, line)
                     return succeeded
         if self._options.stays:
-            self._report(Level.INFO, "no node is left; the launch runs until Ctrl-C")
+            self._report(Level.INFO, "all nodes have ended; the launch continues until Ctrl-C")
             await asyncio.Event().wait()
         return True
 
     async def _start(self, node: LaunchNode, number: int) -> bool:
         name = f"{node.full_name.removeprefix('/')}-{number}"
         try:
-            # In a thread: finding a program walks its package.
+            # In a thread, because finding a program searches its package.
             command = await asyncio.to_thread(command_of, node, self._environ, self._master_uri, self._locate)
             if isinstance(command, Replaced):
                 self._report(Level.WARN, command.line)
@@ -129,7 +129,7 @@ class _Launch:
         return True
 
     async def stop(self) -> None:
-        """End what still runs, all at the same time."""
+        """End all running processes at the same time."""
         for task in self._keepers:
             task.cancel()
         if self._keepers:
@@ -140,7 +140,7 @@ class _Launch:
 def _with_options(node: LaunchNode, options: RunOptions) -> LaunchNode:
     if options.output is not None:
         node = replace(node, output=options.output)
-    # A node that is started again is there to stay in its own way.
+    # A node with respawn= never counts as ended.
     if options.all_required and not node.respawn:
         node = replace(node, required=True)
     return node

@@ -1,7 +1,7 @@
 """The scope at a position in a launch file: namespace, arguments, remaps, environment, private parameters.
 
-A <group> or <node> gets a copy of it, so that what is said inside ends there. An <include> too, but the file
-it names sees only the arguments that it is given.
+A <group> or <node> gets a copy of it, so that settings inside end with it. An <include> also gets a copy, but
+the included file sees only the arguments in the <include>.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rostether.names.graph_name import PRIVATE, SEPARATOR, canonical, is_global,
 
 @dataclass(slots=True)
 class Scope:
-    """The state at one place; `namespace` is global and ends with a slash."""
+    """The state at one position; `namespace` is global and ends with a slash."""
 
     file: str
     namespace: str = SEPARATOR
@@ -49,14 +49,14 @@ class Scope:
             arguments=given,
             remaps=inside.remaps,
             environment=inside.environment,
-            # As with roslaunch: where there are private parameters already, those of the included file
-            # also go to the nodes after the <include>.
+            # As in roslaunch: if there are already private parameters, those of the included file also apply
+            # to the nodes after the <include>.
             private_params=self.private_params or {},
             passes_all_arguments=pass_all,
         )
 
     def declare(self, argument: DeclaredArgument, value: str | None) -> None:
-        """Take an <arg>. Raises LaunchError when it is declared twice, or fixed and given."""
+        """Declare an <arg>. Raises LaunchError if it is declared twice, or fixed and given."""
         name = argument.name
         if name in self.declared and not self.passes_all_arguments:
             raise LaunchError(f"argument {name!r} is declared twice; rename or remove one")
@@ -75,7 +75,7 @@ class Scope:
         pair = (canonical(source), canonical(target))
         for name in pair:
             if not name:
-                raise LaunchError("<remap> needs names in from= and to=, not empty texts")
+                raise LaunchError("<remap> has an empty from= or to=; both need a name")
             if not is_legal_name(name):
                 raise LaunchError(f"<remap> cannot use {name!r}: it is not a ROS name")
         self.remaps = [each for each in self.remaps if each[0] != pair[0]] + [pair]

@@ -1,8 +1,8 @@
 """Substitution arguments: `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)`,
 `$(dirname)`.
 
-A text that is one `$(eval ...)` is computed (`launch.evaluation`). All others are put in twice over, so that
-a value may hold a `$(find ...)` itself; they cannot stand inside each other.
+A text that is one `$(eval ...)` is computed (`launch.evaluation`). All others are substituted twice, so that
+a value may contain a `$(find ...)`; they cannot be nested.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from rostether.launch.scope import Scope
 from rostether.mechanisms.anonymous import anonymous_name
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
-# Of one text with its substitutions. A robot description, the longest in use, has some 100 KB.
+# The limit of one text after substitution. A robot description, the longest in use, has about 100 KB.
 MAX_TEXT_CHARS = 4 << 20
 
-# In one text: each of them copies the text.
+# The limit in one text: each substitution copies the text.
 _MAX_SUBSTITUTIONS = 10_000
 
 _EVAL_PREFIX = "$(eval "
@@ -44,7 +44,7 @@ SERVED_ROOT = "/rostether-serves"
 
 
 def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
-    """Return a text with its substitution arguments put in. Raises LaunchError."""
+    """Return a text with its arguments substituted. Raises LaunchError."""
     if "$" not in text:
         return text
     if text.startswith(_EVAL_PREFIX) and text.endswith(")"):
@@ -99,7 +99,7 @@ def package_folder(name: str, context: LaunchContext) -> str:
 
 
 def explain_unreadable(file: str, error: OSError) -> LaunchError:
-    """Return the error about a file that cannot be read; those of packages that we serve are not there."""
+    """Return the error for a file that cannot be read, with a hint for files of built-in packages."""
     if file.startswith(f"{SERVED_ROOT}/"):
         package = file.removeprefix(f"{SERVED_ROOT}/").partition("/")[0]
         return LaunchError(
@@ -126,7 +126,7 @@ def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
             value = argument_value(_only(found, words), scope)
     if value is None:
         return text
-    # Arguments that name others ten times over reach 10 GB with ten lines.
+    # Ten arguments that each contain the previous one ten times would reach 10 GB.
     grown_by = text.count(f"$({found})") * (len(value) - len(f"$({found})"))
     if len(text) + grown_by > MAX_TEXT_CHARS:
         raise LaunchError(f"$({found}) is longer than {MAX_TEXT_CHARS} characters; shorten its value")
@@ -136,7 +136,7 @@ def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
 def _put_in_package(text: str, found: str, context: LaunchContext) -> str:
     folder = package_folder(_only(found, found.split()[1:]), context)
     before, _, after = text.partition(f"$({found})")
-    # A path need not begin with a slash: `$(find pkg)urdf/a.urdf` lies in the package too.
+    # The path may start without a slash: `$(find pkg)urdf/a.urdf` is also in the package.
     joint = "/" if after and not after.startswith(("/", " ", "$")) else ""
     return before + folder + joint + after
 
@@ -172,5 +172,5 @@ def _substitutions(text: str) -> Iterator[str]:
     for each in found:
         if each.split()[:1] and each.split()[0] in COMMANDS:
             continue
-        raise LaunchError(f"$({each}) is not known; known are $({'), $('.join(COMMANDS)}) and $(eval ...)")
+        raise LaunchError(f"$({each}) is unknown; known: $({'), $('.join(COMMANDS)}) and $(eval ...)")
     yield from found

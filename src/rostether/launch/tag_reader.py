@@ -1,4 +1,4 @@
-"""Reading elements of a launch file, and the plan that grows from them."""
+"""Reads the attributes of elements in a launch file, and collects the plan."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rostether.launch.values import check, truth
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
-# Of all texts of a launch together; each may be as long as a text can be.
+# The limit for all texts of a launch together; each one has its own limit.
 MAX_SUBSTITUTED_CHARS = 64 << 20
 
 _CONDITIONS = ("if", "unless")
@@ -30,7 +30,7 @@ _CONDITIONS = ("if", "unless")
 
 @dataclass(slots=True)
 class Draft:
-    """A plan in the making."""
+    """An unfinished plan."""
 
     nodes: list[LaunchNode] = field(default_factory=list)
     parameters: dict[str, ParamValue] = field(default_factory=dict)
@@ -56,9 +56,9 @@ class Draft:
 
 
 class TagReader:
-    """Attributes with their substitution arguments put in, and what they add to the draft.
+    """Reads attributes with their arguments substituted, and adds to the draft.
 
-    All methods raise LaunchError; where it has no place in a file yet, the loader gives it the element's.
+    All methods raise LaunchError; the loader adds the element's file and line if they are missing.
     """
 
     def __init__(self, context: LaunchContext) -> None:
@@ -67,7 +67,7 @@ class TagReader:
         self._substituted_chars = 0
 
     def substitute(self, text: str, scope: Scope) -> str:
-        """Return a text with its substitution arguments put in."""
+        """Return a text with its arguments substituted."""
         result = substitute(text, scope, self.context)
         if result is not text:
             self._substituted_chars += len(result)
@@ -79,26 +79,26 @@ class TagReader:
         return result
 
     def optional(self, element: XmlElement, scope: Scope, name: str) -> str | None:
-        """Return an attribute's value; None where it is not there."""
+        """Return an attribute's value, None if it is missing."""
         text = element.attributes.get(name)
         return None if text is None else self.substitute(text, scope)
 
     def required(self, element: XmlElement, scope: Scope, name: str) -> str:
-        """Return the value of an attribute that has to be there."""
+        """Return the value of a required attribute."""
         text = self.optional(element, scope, name)
         if text is None:
             raise LaunchError(f"<{element.tag}> needs the attribute {name}=")
         return text
 
     def switch(self, element: XmlElement, scope: Scope, name: str) -> bool:
-        """Return an attribute that is true or false; false where it is not there."""
+        """Return a boolean attribute; False if it is missing."""
         text = self.optional(element, scope, name)
         if text is not None and text.lower() not in ("true", "false"):
             raise LaunchError(f"{name}={text!r} is not true or false")
         return text is not None and text.lower() == "true"
 
     def number(self, element: XmlElement, scope: Scope, name: str) -> float:
-        """Return an attribute that is a number; 0 where it is not there."""
+        """Return a numeric attribute; 0 if it is missing."""
         text = self.optional(element, scope, name)
         try:
             return 0.0 if text is None else float(text)
@@ -106,7 +106,7 @@ class TagReader:
             raise LaunchError(f"{name}={text!r} is not a number") from None
 
     def is_meant(self, element: XmlElement, scope: Scope) -> bool:
-        """Return whether an element's if= or unless= lets it count."""
+        """Return whether an element applies according to its if= or unless=."""
         on, off = (self.optional(element, scope, name) for name in _CONDITIONS)
         if on is not None and off is not None:
             raise LaunchError(f"<{element.tag}> has both if= and unless=; keep one of them")
@@ -115,7 +115,7 @@ class TagReader:
         return off is None or not truth(off)
 
     def check_attributes(self, element: XmlElement, known: Collection[str]) -> None:
-        """Warn of attributes that mean nothing."""
+        """Warn about unknown attributes."""
         for name in element.attributes:
             if name not in known and name not in _CONDITIONS:
                 self.warn(element, f"<{element.tag}> has no attribute {name}=; it is ignored")
@@ -142,12 +142,12 @@ class TagReader:
         return inside
 
     def remap(self, element: XmlElement, scope: Scope) -> None:
-        """Take a <remap>."""
+        """Add a <remap>."""
         self.check_attributes(element, ("from", "to"))
         scope.remap(self.required(element, scope, "from"), self.required(element, scope, "to"))
 
     def environment(self, element: XmlElement, scope: Scope) -> None:
-        """Take an <env>."""
+        """Add an <env>."""
         self.check_attributes(element, ("name", "value"))
         name, value = self.required(element, scope, "name"), self.required(element, scope, "value")
         if not name:
@@ -156,7 +156,7 @@ class TagReader:
 
     @contextmanager
     def placed(self, element: XmlElement) -> Iterator[None]:
-        """Give errors that have no place in a file yet the element's."""
+        """Add the element's file and line to errors that have none."""
         try:
             yield
         except LaunchError as error:

@@ -1,4 +1,4 @@
-"""Values of <param>: a text and its type, as roslaunch reads them."""
+"""Converts the text of a <param> to its type, like roslaunch."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
 
 
 def convert(text: str, type_name: str) -> Any:
-    """Return what a text means as a value of a type (one of TYPES). Raises LaunchError, ConfigError."""
+    """Return a text converted to a type (one of TYPES). Raises LaunchError, ConfigError."""
     match type_name:
         case "auto":
             return _guess(text)
@@ -25,11 +25,11 @@ def convert(text: str, type_name: str) -> Any:
             return truth(text)
         case "yaml":
             return parse_value(text, "value") if text else None
-    raise LaunchError(f"type={type_name!r} is not known; known are {', '.join(TYPES)}")
+    raise LaunchError(f"type={type_name!r} is unknown; known: {', '.join(TYPES)}")
 
 
 def truth(text: str) -> bool:
-    """Return what if=, unless= and parameters of type bool mean. Raises LaunchError."""
+    """Return the value of if=, unless= or a parameter of type bool. Raises LaunchError."""
     word = text.lower().strip()
     if word in ("true", "1"):
         return True
@@ -39,7 +39,10 @@ def truth(text: str) -> bool:
 
 
 def check(name: str, value: Any) -> None:
-    """Refuse what no parameter server holds: null, numbers of more than 32 bits. Raises ConfigError."""
+    """Refuse values that parameter servers do not support: null, integers of more than 32 bits.
+
+    Raises ConfigError.
+    """
     for _ in leaves(name, value):
         pass
 
@@ -48,7 +51,7 @@ def _guess(text: str) -> Any:
     try:
         if "." in text:
             return float(text)
-        # Python reads 1_000 as a number, ROS as a text.
+        # Python reads 1_000 as a number, ROS reads it as a string.
         if "_" not in text:
             return int(text)
     except ValueError:

@@ -48,7 +48,7 @@ def parse_arguments(argv: Iterable[str]) -> Arguments:
         if key.startswith("__"):
             if key not in SPECIAL_KEYS:
                 known = ", ".join(f"{name}:=" for name in sorted(SPECIAL_KEYS))
-                raise ConfigError(f"{argument!r}: {key} is not a ROS argument; known are {known}")
+                raise ConfigError(f"{argument!r}: {key} is not a ROS argument; known: {known}")
             arguments.special[key] = value
         elif key.startswith("_") and len(key) > 1:
             arguments.private_params[key[1:]] = _yaml_value(argument, value)

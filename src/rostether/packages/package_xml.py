@@ -57,7 +57,7 @@ def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: s
         data, file=file, max_bytes=MAX_PACKAGE_XML_BYTES, what="a package.xml", make_error=make_error
     )
     if root.tag != "package":
-        raise ConfigError(f"{file}: the outermost element is <{root.tag}>, not <package>")
+        raise ConfigError(f"{file}: the root element is <{root.tag}>, not <package>")
     name = _text(root, "name") or default_name
     if not is_package_name(name):
         raise ConfigError(f"{file}: {name!r} is not a package name; correct <name>")

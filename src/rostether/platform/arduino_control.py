@@ -11,7 +11,7 @@ from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.stick import DEFAULT_DEADZONE, FORMULAS
 
-# The queue length of the reference node.
+# The reference node uses this queue length.
 _QUEUE_MESSAGES = 10
 
 

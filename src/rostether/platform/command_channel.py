@@ -1,4 +1,4 @@
-"""The sockets of a sender: sends frames to the group and by unicast, and receives robots' statuses."""
+"""The sockets of a sender: they send frames by multicast and unicast, and receive statuses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_UNICAST = 100
 
 
 class CommandChannel:
-    """Sends one sender's frames; `report` gets a line when a robot has the id of another one.
+    """Sends one sender's frames; `report` gets a line when two robots have the same id.
 
     With `reports_refusals`, it also gets a line when a robot refuses the sender.
     Raises ConfigError for an address that is not numeric.
@@ -42,11 +42,11 @@ class CommandChannel:
         self._refused: dict[int, Refusal] = {}
         self._duplicates: set[int] = set()
         self.table = RobotTable(key)
-        # The epoch that statuses must answer.
+        # Statuses must answer this epoch.
         self.epoch_us = 0
 
     def send(self, datagram: bytes) -> bool:
-        """Send to the group, and to the robots that need unicast. False if no interface could."""
+        """Send to the group, and to the robots that need unicast. False if no interface could send."""
         # Unicast first: it arrives even while multicast is delayed by a sleeping station.
         for address in (*self._unicast, *self.table.unicast_addresses(time.monotonic())[:MAX_UNICAST]):
             self._sender.send_to(datagram, address)
@@ -57,7 +57,7 @@ class CommandChannel:
         return dict(self._refused)
 
     def forget_refusals(self) -> None:
-        """Start again: a new epoch is not refused yet."""
+        """Forget refusals: a new epoch is not refused yet."""
         self._refused.clear()
 
     def close(self) -> None:
@@ -81,16 +81,16 @@ class CommandChannel:
 
 
 def refusal_text(status: RobotStatus) -> str:
-    """Return why a robot does not obey, and what to do."""
+    """Return why a robot does not obey, and how to solve it."""
     robot = f"robot {status.robot_id}"
     by = f"{status.holder} commands it" if status.holder else "another sender commanded it"
     if status.refusal is Refusal.HELD:
         return f"{robot} does not obey: {by}; stop that sender, or: rostether fleet stop {status.robot_id}"
     if status.refusal is Refusal.OLDER:
-        return f"{robot} does not obey: {by} later than this sender; start this sender again"
+        return f"{robot} does not obey: {by} after this sender started; restart this sender"
     return f"{robot} does not obey: it expects commands of another type"
 
 
 def duplicate_text(robot_id: int, hosts: list[str]) -> str:
-    """Return what is wrong with two robots of one id, and what to do."""
+    """Return a warning about robots with the same id, and how to solve it."""
     return f"{len(hosts)} robots have the id {robot_id}: {', '.join(hosts)}; give one of them another ~robot"

@@ -15,7 +15,7 @@ Numbers are little-endian, as on the boards:
     28-     payload: one message, in ROS 1 serialization
     last 8  SipHash-2-4 of all bytes before it, under the fleet's key
 
-A fleet without a key uses a key of zeros: the tag then finds damage, but no forgery.
+A fleet without a key uses a key of zeros: the tag then detects damage, but not forgery.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ NO_KEY = bytes(KEY_BYTES)
 ALL_GROUPS = 0xFFFF_FFFF
 DEFAULT_TTL_MS = 300
 
-# The longest time that a robot moves after it has lost its sender.
+# The longest time that a robot keeps moving after it loses its sender.
 MAX_TTL_MS = 1000
 
-# With the header and the tag, it fits an Ethernet frame: one lost fragment loses a whole datagram.
+# With the header and the tag, it fits in an Ethernet frame: losing one fragment loses the whole datagram.
 MAX_PAYLOAD_BYTES = 1400
 
 _HEADER = struct.Struct("<2sBBIQIHH4s")
@@ -45,10 +45,10 @@ HEADER_BYTES = _HEADER.size
 
 
 class Flags(IntFlag):
-    """What a frame asks for. A query asks for the robot's status and changes nothing.
+    """The request of a frame. A query requests the robot's status and changes nothing.
 
     With FORWARD, it also asks the robot to send the query in the payload to another robot (`forwarding`).
-    A frame without ARMED, STOP and QUERY stops the robot and only keeps the sender known.
+    A frame without ARMED, STOP and QUERY stops the robot; the sender keeps control.
     """
 
     ARMED = 1
@@ -98,9 +98,13 @@ def decode_frame(datagram: bytes, key: bytes = NO_KEY) -> CommandFrame:
     if version != _VERSION:
         raise RemoteProtocolError(f"the command has version {version}; this program knows version {_VERSION}")
     if length != size - HEADER_BYTES - TAG_BYTES:
-        raise RemoteProtocolError(f"the command announces {length} bytes and has another length")
+        raise RemoteProtocolError(
+            f"the command's length field is {length}, but its payload has another length"
+        )
     if not hmac.compare_digest(siphash_2_4(key, datagram[:-TAG_BYTES]), datagram[-TAG_BYTES:]):
-        raise RemoteProtocolError("the command's tag is wrong: it is damaged, or made with another key")
+        raise RemoteProtocolError(
+            "the command's tag is wrong: the frame is damaged, or the sender has another key"
+        )
     if not 0 < ttl_ms <= MAX_TTL_MS:
         raise RemoteProtocolError(f"a time to live of {ttl_ms} ms is not from 1 to {MAX_TTL_MS}")
     return CommandFrame(

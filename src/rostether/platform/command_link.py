@@ -1,6 +1,6 @@
 """Both ends of framed commands, without sockets or clocks: `CommandSender` and `CommandReceiver`.
 
-A sender's state is sent again and again, so that a lost datagram costs 50 ms. A receiver obeys one sender at
+A sender repeats its state, so that a lost datagram costs only 50 ms. A receiver obeys one sender at
 a time, and stops when the time to live of the last command has passed since its receipt.
 """
 
@@ -23,7 +23,7 @@ REPEAT_S = 0.05
 STOP_PERIOD_S = 0.02
 STOP_FRAMES = 10
 
-# A changed command is sent three times at once, unless such copies were sent within `REPEAT_S`.
+# A changed command is sent three times at once, unless a change was sent three times within `REPEAT_S`.
 CHANGE_FRAMES = 3
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
@@ -31,7 +31,7 @@ _LAST_SEQUENCE = 0xFFFF_FFFF
 
 @dataclass(frozen=True, slots=True)
 class SenderSettings:
-    """Who is commanded, and how: `target` is a robot's id, or with `to_groups` a mask of groups."""
+    """The target and the form of commands: `target` is a robot's id, or with `to_groups` a mask of groups."""
 
     target: int = ALL_GROUPS
     to_groups: bool = True
@@ -66,8 +66,8 @@ class CommandSender:
     def command(self, payload: bytes, now_s: float) -> list[bytes]:
         """Return the datagrams of a command: three if it differs from the last one, else one.
 
-        Of commands that change faster than every `REPEAT_S`, only some are sent three times: the next one is
-        a better copy.
+        If commands change faster than every `REPEAT_S`, only some are sent three times: the next command
+        replaces them.
         """
         count = 1
         if payload != self._payload and now_s - self._copied_s >= REPEAT_S:
@@ -104,7 +104,7 @@ class CommandSender:
         return self._frame(Flags.RELEASE)
 
     def query(self) -> bytes:
-        """Return a datagram that asks for a status and commands nothing."""
+        """Return a datagram that requests a status and commands nothing."""
         return self._frame(Flags.QUERY)
 
     def forward(self, payload: bytes) -> bytes:
@@ -130,7 +130,7 @@ class CommandSender:
 
 @dataclass(frozen=True, slots=True)
 class ReceiverSettings:
-    """Who obeys: `robot_id` and the mask of its groups. `kind` None accepts every type."""
+    """The robot's id and the mask of its groups. `kind` None accepts every type."""
 
     robot_id: int
     groups: int = 1
@@ -141,8 +141,8 @@ class ReceiverSettings:
 class CommandReceiver:
     """One robot. It obeys one sender until the sender releases it or is silent for its time to live.
 
-    A sender's start is its epoch. A later epoch is accepted then, or at once if its frame is a stop; an
-    earlier epoch is never accepted again, so that recorded frames have no effect.
+    A sender's start is its epoch. After that it accepts a later epoch; a stop of a later epoch it accepts at
+    once. It never accepts an earlier epoch, so replayed frames have no effect.
     """
 
     def __init__(self, settings: ReceiverSettings) -> None:
@@ -150,20 +150,21 @@ class CommandReceiver:
         self._epoch_us = 0
         self._sequence = 0
         self._deadline_s: float | None = None
-        # The newest frame that was refused because of another sender: a record of it has no effect later.
+        # The newest frame refused because of another sender: if it is recorded and replayed, it has no
+        # effect.
         self._refused = (0, 0)
         self.is_moving = False
         self.accepted_count = 0
         self.lost_count = 0
         self.refused_count = 0
         self.last_refusal = ""
-        # The last frame for this robot with a valid tag, obeyed or not, and why it is not obeyed.
+        # The last frame for this robot with a valid tag, and the reason if it was refused.
         self.last_frame: CommandFrame | None = None
         self.refusal = Refusal.NONE
 
     @property
     def deadline_s(self) -> float | None:
-        """When to call `expired` next; None: the sender's time is over."""
+        """When to call `expired` next; None if no sender is active."""
         return self._deadline_s
 
     @property
@@ -216,7 +217,7 @@ class CommandReceiver:
         is_stop = Flags.STOP in frame.flags
         if frame.epoch_us < self._epoch_us:
             self.refusal = Refusal.OLDER
-            return "the sender started before the last one: restart it, or the command was recorded"
+            return "the sender started before the last one: restart it (or this is a replayed command)"
         newest = self._sequence if frame.epoch_us == self._epoch_us else 0
         if frame.epoch_us == self._refused[0]:
             newest = max(newest, self._refused[1])

@@ -12,10 +12,10 @@ from rostether.graph.ports import Level
 from rostether.platform.multicast_socket import GroupAddress, open_sender
 from rostether.platform.robot_table import SocketAddress
 
-# An interface that could not be opened is tried again this often.
+# The interval between attempts to open an interface.
 _REOPEN_S = 1.0
 
-# The number of answers that are read before other tasks run, and the size of the largest valid one.
+# The number of answers to read before other tasks run, and the size of the largest valid answer.
 _BURST = 100
 _MAX_ANSWER_BYTES = 2048
 
@@ -23,7 +23,7 @@ _MAX_ANSWER_BYTES = 2048
 class DatagramSender:
     """Sends to one group or address; `report` gets a line when sending fails, and when it works again.
 
-    `on_datagram` gets the datagrams that arrive at its sockets; without it, they are not read.
+    `on_datagram` gets the datagrams that arrive at its sockets; without it, nothing is read.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class DatagramSender:
             except BlockingIOError:
                 return
             except OSError:
-                # A unicast address where no program listens.
+                # No program listens at a unicast address.
                 continue
             on_datagram(datagram, address)
 

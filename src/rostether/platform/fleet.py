@@ -18,9 +18,9 @@ from rostether.platform.status_frame import Refusal
 FLEET_GROUP = "239.255.82.83"
 FLEET_PORT = 11412
 
-# Every robot answers ten times in this time, so that lost answers matter little.
+# Every robot answers ten times in this time, so a few lost answers do not matter.
 QUERY_S = 2.5
-# A robot that is near answers a stop within this time.
+# A robot in range confirms a stop within this time.
 _CONFIRM_S = 0.3
 _STOP_ROUNDS = 3
 _RELEASES = 3
@@ -30,7 +30,7 @@ _ANSWER_S = 1.5
 
 @dataclass(frozen=True, slots=True)
 class FleetSettings:
-    """Who is commanded (`sender`), where (`address`), and who also gets unicast (`unicast`)."""
+    """The target (`sender`) and address of commands, and the robots that also get unicast (`unicast`)."""
 
     sender: SenderSettings = field(default_factory=SenderSettings)
     address: GroupAddress = field(default_factory=lambda: GroupAddress(FLEET_GROUP, FLEET_PORT))
@@ -38,7 +38,7 @@ class FleetSettings:
 
 
 class FleetSender:
-    """One sender, from its first frame to its release. Raises ConfigError for addresses that are wrong."""
+    """One sender, from its first frame to its release. Raises ConfigError for a wrong address."""
 
     def __init__(self, settings: FleetSettings, report: Callable[[Level, str], None]) -> None:
         self._settings = settings
@@ -67,7 +67,10 @@ class FleetSender:
             await asyncio.sleep(period_s)
 
     async def drive(self, payload: bytes, duration_s: float = float("inf")) -> None:
-        """Send a command for some time, then stop. Raises TransportError when the only robot refuses it."""
+        """Send a command for some time, then stop.
+
+        Raises TransportError if a single target robot refuses it.
+        """
         self._has_commanded = True
         began_s = time.monotonic()
         end_s, reported = began_s + duration_s, False
@@ -85,7 +88,10 @@ class FleetSender:
             await self._repeat(self._commands.halt(time.monotonic()))
 
     async def stop(self) -> list[Robot]:
-        """Stop, and return the robots that confirm it. One robot gets more stops until it does."""
+        """Stop, and return the robots that confirm it.
+
+        A single target robot gets more stops until it confirms.
+        """
         self._has_commanded = True
         for _ in range(_STOP_ROUNDS):
             await self._repeat(self._commands.stop(time.monotonic()))
@@ -96,7 +102,8 @@ class FleetSender:
 
     def close(self) -> None:
         """Let other senders command the robots, and close the sockets."""
-        # After queries alone, a release would be obeyed as a later sender's, and refuse those before it.
+        # After queries alone, robots would obey a release as one of a later sender, and then refuse earlier
+        # senders.
         if self._has_commanded:
             self._send([self._commands.release() for _ in range(_RELEASES)])
         self._channel.close()

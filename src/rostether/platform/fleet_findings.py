@@ -1,4 +1,4 @@
-"""What is wrong with a fleet: the findings of an examination, and of this machine's disk."""
+"""Findings about a fleet, from an examination of its robots and from this machine's disk."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from rostether.platform.fleet_survey import ClockOffset, Place
 from rostether.platform.igmp_querier import QUERY_INTERVAL_S
 from rostether.platform.robot_table import MAX_LOSS, Robot, hosts_of_duplicate_ids
 
-# Below, Wi-Fi falls back to its slowest rates and loses multicast first.
+# With a weaker signal, Wi-Fi uses its slowest rates, and loses multicast first.
 WEAK_SIGNAL_DBM = -75
 
-# A recording of one camera fills this in some minutes.
+# A recording of one camera fills this in a few minutes.
 _LEAST_FREE_BYTES = 500_000_000
 
 # In this time, a robot at 1 m/s moves 0.1 m: positions of two robots then no longer match.
@@ -34,7 +34,7 @@ class FleetFinding:
 
 
 def fleet_findings(found: Examination, silence_text: str) -> list[FleetFinding]:
-    """Return the findings, robots first; `silence_text` is for a fleet that does not answer."""
+    """Return the findings, robots first; `silence_text` is the finding if no robot answers."""
     robots = found.by_unicast | found.by_multicast
     findings = [_robot_finding(place, robots[place], found) for place in sorted(robots)]
     if not robots:

@@ -1,4 +1,4 @@
-"""The key of a fleet: 32 hexadecimal digits in a file that all its machines and boards have."""
+"""The key of a fleet: 32 hexadecimal digits, the same file on all its machines and boards."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _MAX_FILE_BYTES = 1024
 
 
 def read_fleet_key(path: str) -> bytes:
-    """Return the key in a file. Raises ConfigError, which never contains text of the file."""
+    """Return the key in a file. Raises ConfigError, whose text never contains the key."""
     try:
         with Path(path).expanduser().open("rb") as file:
             text = file.read(_MAX_FILE_BYTES).strip()

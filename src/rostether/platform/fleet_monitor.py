@@ -22,7 +22,7 @@ from rostether.serde.values import Message
 # Fast enough for a display, and slow enough for the Wi-Fi of a large fleet.
 QUERY_PERIOD_S = 0.5
 
-# As many unanswered queries in a row as bad Wi-Fi does not lose.
+# Bad Wi-Fi rarely loses all queries and answers in this time.
 LOST_S = 3.0
 
 
@@ -92,7 +92,7 @@ class FleetMonitor:
 
 
 def place(robot: Robot) -> tuple[int, str]:
-    """Return what tells two robots of one id apart."""
+    """Return the key that distinguishes robots with the same id."""
     return robot.status.robot_id, robot.address[0]
 
 

@@ -1,7 +1,7 @@
 """The node multicast_topic_bridge: the newest message of a topic, of any type, sent to a multicast group.
 
 A bare datagram is one message in ROS 1 serialization and nothing else. A framed one can be checked by the
-robot (`command_frame`), is repeated, and ends with a stop.
+robot (`command_frame`), is repeated, and is followed by a stop at the end.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import MAX_DATAGRAM_BYTES, GroupAddress
 from rostether.platform.status_frame import Refusal
 
-# Above this, pauses are shorter than the event loop can measure; 0 means no pauses.
+# At higher rates, pauses are too short for the event loop; 0 means no pauses.
 MAX_FREQUENCY_HZ = 10_000.0
 
 # A datagram that could not be sent is tried again after this time at the earliest.
@@ -34,7 +34,8 @@ class BridgeSettings:
     """The parameters of the bridge; `frequency_hz` 0 sends every message at once.
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
-    stop; 0 repeats the last message without end. `unicast` are addresses of robots that get every frame by
+    stop; 0 repeats the last message until a new one arrives. `unicast` are addresses of robots that get every
+    frame by
     unicast too.
     """
 
@@ -53,7 +54,7 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
             f"~frequency is from 0 (at once) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
         )
     if not 0 <= settings.input_timeout_s < float("inf"):
-        raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; 0 is never")
+        raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; use 0 for never")
     bridge = (
         _FramedBridge(settings, settings.framed, report) if settings.framed else _Bridge(settings, report)
     )
@@ -91,12 +92,12 @@ class _Bridge:
         self._has_news = asyncio.Event()
 
     def take(self, payload: bytes) -> None:
-        """Replace what waits."""
+        """Replace the waiting message."""
         self._newest = payload
         self._has_news.set()
 
     def meet(self, header: Mapping[str, str]) -> None:
-        """Bare datagrams do not depend on the type."""
+        """Ignore the type: bare datagrams do not contain it."""
 
     async def run(self) -> None:
         next_s = 0.0
@@ -106,7 +107,7 @@ class _Bridge:
             if now_s < next_s:
                 await asyncio.sleep(next_s - now_s)
                 now_s = time.monotonic()
-            # A fixed beat while messages keep coming: a late timer does not lower the frequency.
+            # Due times are fixed while messages keep coming: a late timer does not lower the frequency.
             next_s = max(next_s, now_s - self._period_s) + self._period_s
             if self._sender.send(self._newest):
                 self._has_news.clear()
@@ -114,7 +115,7 @@ class _Bridge:
                 await asyncio.sleep(_RETRY_S)
 
     def end(self) -> None:
-        """Close the sockets; nothing remains to be sent."""
+        """Close the sockets; nothing is left to send."""
         self._sender.close()
 
 
@@ -134,7 +135,7 @@ class _FramedBridge:
         self._has_news = asyncio.Event()
 
     def take(self, payload: bytes) -> None:
-        """Replace what waits."""
+        """Replace the waiting message."""
         self._newest = payload
         self._has_news.set()
 
@@ -165,7 +166,7 @@ class _FramedBridge:
             elif self._silent_at_s is not None and now_s >= self._silent_at_s:
                 datagrams, self._silent_at_s = self._commands.halt(now_s), None
                 if Refusal.OLDER in self._channel.refusing().values():
-                    # Another program stopped the robots; the next message may command them again.
+                    # Another program has stopped the robots; the next message may command them again.
                     self._begin()
             elif self._commands.due_s is not None and now_s >= self._commands.due_s:
                 datagrams = self._commands.repeat(now_s)

@@ -35,7 +35,7 @@ from rostether.serde.layout import Layout
 from rostether.transports.allow_list import AllowList, check_networks
 from rostether.transports.own_names import own_addresses
 
-# Joins are repeated when no datagram arrives, and once a minute: switches may forget a group (no querier).
+# Joins are repeated if no datagram arrives, and once a minute: without a querier, switches forget a group.
 SILENCE_S = 2.0
 REJOIN_S = 60.0
 # The number of datagrams that are read before other tasks run.
@@ -49,7 +49,8 @@ _NO_GROUP = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
 class ReceiverNodeSettings:
     """The parameters of the receiver.
 
-    `sources` are the networks that may send, besides this machine; with a key, none means all. `framed` is
+    `sources` are the networks that may send, besides this machine; with a key, an empty list allows all.
+    `framed` is
     None for bare datagrams.
     """
 
@@ -231,7 +232,7 @@ class _Receiver:
     def _expire(self, commands: CommandReceiver) -> None:
         self._watchdog = None
         if commands.expired(time.monotonic()):
-            self._report(Level.WARN, f"no command for its time to live; {self._publisher.topic} is stopped")
+            self._report(Level.WARN, f"no command within the time to live; stopping {self._publisher.topic}")
             self._publisher.publish()
         else:
             self._watch(commands)

@@ -1,4 +1,4 @@
-"""UDP sockets for multicast groups, IPv4 and IPv6; a unicast address also works."""
+"""UDP sockets for multicast groups, IPv4 and IPv6; unicast addresses also work."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MULTICAST_ALL = {socket.AF_INET: (socket.IPPROTO_IP, 49), socket.AF_INET6: (soc
 class GroupAddress:
     """A group, a port, and the network interfaces to use: names, or IPv4 addresses.
 
-    Without interfaces, the system's routes decide. `ttl` is how many networks a datagram crosses.
+    Without interfaces, the system's routes decide. `ttl` is the number of networks that a datagram may cross.
     """
 
     group: str = REFERENCE_GROUP
@@ -34,12 +34,12 @@ class GroupAddress:
     ttl: int = 1
 
     def checked(self) -> GroupAddress:
-        """Return the place if its group is a numeric address. Raises ConfigError."""
+        """Return the address itself if its group is numeric. Raises ConfigError."""
         try:
             ipaddress.ip_address(self.group)
         except ValueError:
             raise ConfigError(
-                f"{self.group!r:.200} is not a group's address; write for instance 239.255.82.83"
+                f"{self.group!r:.200} is not a numeric IP address, such as 239.255.82.83"
             ) from None
         return self
 
@@ -118,7 +118,7 @@ def open_unicast(address: GroupAddress) -> socket.socket | None:
 
 
 def join_group(sock: socket.socket, address: GroupAddress, interface: str) -> None:
-    """Join the group, after leaving it if it was joined, so that switches are informed again.
+    """Join the group, after leaving it if it was joined, so that switches get a new report.
 
     Raises OSError where the interface is missing or has no address.
     """
@@ -136,7 +136,7 @@ def join_group(sock: socket.socket, address: GroupAddress, interface: str) -> No
 
 
 def _scope(address: GroupAddress) -> int:
-    """Return the index of the interface that an IPv6 group of one link (ff02::1) is bound to, else 0."""
+    """Return the interface index that a link-local IPv6 group (ff02::1) is bound to, else 0."""
     is_of_link = address.is_multicast and ipaddress.ip_address(address.group).exploded[3] in "12"
     return socket.if_nametoindex(address.interfaces[0]) if is_of_link and address.interfaces else 0
 

@@ -1,4 +1,4 @@
-"""The robots that answer a sender: last status, loss, and who needs unicast. Without sockets or clocks."""
+"""The robots that answer a sender: last status, loss, and need for unicast. Without sockets or clocks."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rostether.platform.status_frame import RobotStatus, decode_status
 # A robot with a higher loss also gets its commands by unicast.
 MAX_LOSS = 0.1
 
-# The loss is not computed from fewer frames.
+# Fewer frames are not enough to compute the loss.
 _LEAST_FRAMES = 10
 
 # A robot that does not answer for this time gets no more unicast.
 _FORGET_S = 10.0
 
-# A base station commands about ten robots; forged ids must not fill the memory.
+# A base station commands about ten robots; the limit keeps forged ids from filling the memory.
 _MAX_ROBOTS = 1000
 
 _U32 = 1 << 32
@@ -36,7 +36,7 @@ class Robot:
     answered_s: float
     loss: float | None = None
     needs_unicast: bool = False
-    # The counts of the status where `loss` was measured last.
+    # The counts in the status of the last measurement of `loss`.
     received_count: int = 0
     lost_count: int = 0
 

@@ -27,7 +27,7 @@ from rostether.serde.values import Message
 
 # The interval between checks of the states; fast enough for a display.
 JUDGE_PERIOD_S = 0.5
-# When a fleet starts, many sensors register at once: the list is published once for those of this time.
+# When a fleet starts, many sensors register at once: registrations within this time cause one publication.
 GATHER_S = 0.05
 
 
@@ -132,7 +132,7 @@ class SensingManager:
         for name, entry in snapshot.topics.items():
             if name.startswith(prefix) and entry.publishers:
                 platform = entry.publishers[0].lstrip("/") or "Platform"
-                # Too many: the list is full.
+                # The list is full.
                 with suppress(ServiceCallError):
                     self._registry.adopt(name.rpartition("/")[2], entry.type, platform, now_s)
 
@@ -180,7 +180,7 @@ class SensingManager:
         sensor, refusal = self._registry.register_by_id(wanted, now_s)
         topic = self._graph.resolve(sensor.topic)
         if before is None:
-            # A sensor that was registered with an earlier manager publishes already.
+            # A sensor that was registered with an earlier manager already publishes.
             self._note_publisher(sensor, now_s)
             self._report(Level.INFO, f"registered {sensor.id} on topic {topic}")
         if sensor != before:
@@ -191,7 +191,7 @@ class SensingManager:
 
     def _rename(self, request: Message) -> dict[str, object]:
         sensor = self._registry.rename(request.id, request.name)
-        self._report(Level.INFO, f"sensor {sensor.id} has the name {sensor.name!r} now")
+        self._report(Level.INFO, f"sensor {sensor.id} now has the name {sensor.name!r}")
         self._remember()
         return {"sensor": self._shown(sensor)}
 

@@ -15,7 +15,7 @@ from rostether.errors import ConfigError, InvalidNameError
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
 
-# A thousand sensors need about 200 KB; a larger file was given by mistake.
+# A thousand sensors need about 200 KB; a larger file is a mistake.
 MAX_FILE_BYTES = 1024 * 1024
 
 _FORMAT = 1
@@ -49,7 +49,7 @@ def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
         raise ConfigError(f'{path}: write the topic "{topic}" with a slash before it')
     if _REGISTERED_TOPIC.fullmatch(topic):
         raise ConfigError(
-            f"{path}: {topic} belongs to a registered sensor; name it with: rostether sensor rename"
+            f"{path}: {topic} belongs to a registered sensor; name it with `rostether sensor rename`"
         )
     if not isinstance(entry, dict):
         raise ConfigError(f'{path}: write "{topic}" = {{ name = "Distance", unit = "m" }}')

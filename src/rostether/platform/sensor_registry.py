@@ -13,19 +13,19 @@ from enum import Enum
 from rostether.errors import ServiceCallError
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED, Condition
 
-# By the sensor types of the registration service.
+# The message type for each sensor type of the registration service.
 MESSAGE_TYPES = {
     "CAMERA": "sensor_msgs/CompressedImage",
     "ANALOG": "std_msgs/Float64",
     "DIGITAL": "std_msgs/Float64",
 }
 
-# Each costs a subscription; the longest lost one is replaced.
+# Each costs a subscription; a new sensor replaces the one that is lost longest.
 MAX_SENSORS = 1000
 
 MAX_TEXT_CHARACTERS = 100
 
-# Below it, renewals load the manager; above it, a robot without power is shown as alive too long.
+# Shorter leases load the manager with renewals; with longer ones, a robot without power looks alive too long.
 MIN_LEASE_S = 1.0
 MAX_LEASE_S = 3600.0
 MAX_RATE_HZ = 1e6
@@ -37,13 +37,13 @@ _COUNTED_TOPIC = re.compile(r"sensor_node(\d{1,9})")
 
 
 class Origin(Enum):
-    """How a sensor became known."""
+    """How the manager learned of a sensor."""
 
     # The reference's service: the topic is `sensor_node` and a number.
     COUNTED = "counted"
     # The service with an id: the topic is `/sensors/` and the id.
     ID = "id"
-    # A line in the sensors' file: the topic is the board's.
+    # An entry in sensors.toml: the topic is a board's.
     FILE = "file"
 
 
@@ -51,7 +51,8 @@ class Origin(Enum):
 class Sensor:
     """The identity and description of a sensor.
 
-    `number` is that of a counted topic, else -1. `registered_name` is the name in the last registration.
+    `number` is the one in the name of a numbered topic, else -1. `registered_name` is the name in the last
+    registration.
     """
 
     id: str
@@ -69,7 +70,7 @@ class Sensor:
 
     @property
     def origin(self) -> Origin:
-        """How it became known."""
+        """How the manager learned of it."""
         if self.number >= 0:
             return Origin.COUNTED
         return Origin.ID if self.lease_s else Origin.FILE
@@ -84,7 +85,7 @@ class Sensor:
 class Registration:
     """A request to register by id, or to renew the lease.
 
-    `instance` identifies the process: while it holds the lease, others are refused.
+    `instance` identifies the process: while it holds the lease, other processes are refused.
     """
 
     id: str
@@ -129,7 +130,7 @@ class SensorRegistry:
 
     def __init__(self, sensors: Iterable[Sensor] = (), now_s: float = 0.0) -> None:
         self._sensors: dict[str, Sensor] = {each.id: each for each in sensors}
-        # They have published in an earlier run, so that a returning sensor gets its old entry.
+        # They published in an earlier run: a returning sensor gets its old entry.
         self._conditions = {
             key: Condition(
                 now_s,
@@ -153,7 +154,7 @@ class SensorRegistry:
         return self._sensors.get(sensor_id)
 
     def state(self, sensor_id: str) -> tuple[str, str, float]:
-        """Return a sensor's state, what the sensor reports about it, and the time since when it is so."""
+        """Return a sensor's state, the sensor's text about it, and the time of its last change."""
         condition = self._conditions[sensor_id]
         return condition.state, condition.text, condition.since_s
 
@@ -162,7 +163,7 @@ class SensorRegistry:
         return sensor_id in self._conditions and self._conditions[sensor_id].state == "ready"
 
     def register(self, platform: str, sensor_type: str, now_s: float) -> Sensor:
-        """Return the sensor of a platform that registers one: a new one, or one of its type that has gone.
+        """Register a sensor of a platform: return a new one, or a disconnected one of the same type.
 
         Raises ServiceCallError for a type or a name that cannot be used.
         """
@@ -177,7 +178,7 @@ class SensorRegistry:
         return found
 
     def register_by_id(self, wanted: Registration, now_s: float) -> tuple[Sensor, str]:
-        """Register a sensor or renew its lease; returns it, and why it must wait, "" if it need not.
+        """Register a sensor or renew its lease; returns it, and why it must wait (another holder), else "".
 
         Raises ServiceCallError for a field that cannot be used.
         """
@@ -193,7 +194,7 @@ class SensorRegistry:
         if condition.instance not in ("", wanted.instance) and condition.holds_lease(now_s):
             remaining_s = (condition.lease_until_s or now_s) - now_s
             return before, f"{condition.instance} is registered as {wanted.id} for {remaining_s:.0f} s more"
-        # The name given last is valid, whether by a registration or by a user.
+        # The latest name wins, from a registration or from a user.
         has_new_name = wanted.name not in ("", before.registered_name)
         self._sensors[wanted.id] = replace(
             before,
@@ -213,7 +214,7 @@ class SensorRegistry:
         return self._sensors[wanted.id], ""
 
     def adopt(self, topic: str, message_type: str, platform: str, now_s: float) -> None:
-        """Add the sensor that publishes on an unregistered counted topic; ignores other topics.
+        """Add the sensor that publishes on an unregistered numbered topic; other topics are ignored.
 
         It was registered with an earlier manager, whose saved state is missing. Raises ServiceCallError
         when there are too many.
@@ -236,7 +237,7 @@ class SensorRegistry:
         if sensor_id not in self._sensors:
             raise ServiceCallError(f"no sensor has the id {sensor_id!r:.100}; see: rostether sensor list")
         if self._sensors[sensor_id].origin is Origin.FILE:
-            raise ServiceCallError(f"the name of {sensor_id} is in the sensors' file: change it there")
+            raise ServiceCallError(f"the name of {sensor_id} is set in sensors.toml; change it there")
         self._sensors[sensor_id] = replace(self._sensors[sensor_id], name=name)
         return self._sensors[sensor_id]
 
@@ -251,7 +252,7 @@ class SensorRegistry:
             condition.heard_s = now_s
 
     def judge(self, now_s: float) -> bool:
-        """Set all states by age; True if any state or text has changed."""
+        """Update all states; True if a state or a text has changed."""
         has_changed = False
         for key, condition in self._conditions.items():
             has_changed |= condition.judge(self._sensors[key].is_camera, now_s)
@@ -269,7 +270,7 @@ class SensorRegistry:
         for sensor in self._sensors.values():
             if (sensor.platform, sensor.sensor_type) == (platform, sensor_type) and sensor.number >= 0:
                 condition = self._conditions[sensor.id]
-                # A new sensor may be about to publish: it has just been registered.
+                # A new sensor has just been registered and may be about to publish.
                 if condition.was_connected and not condition.is_connected:
                     return sensor
         return None
@@ -279,7 +280,7 @@ class SensorRegistry:
             return
         lost = [key for key, each in self._conditions.items() if each.state == "lost"]
         if not lost:
-            raise ServiceCallError(f"there are {MAX_SENSORS} sensors already, and none of them is lost")
+            raise ServiceCallError(f"there are already {MAX_SENSORS} sensors, and none of them is lost")
         oldest = min(lost, key=lambda key: self._conditions[key].since_s)
         del self._sensors[oldest], self._conditions[oldest]
 

@@ -5,17 +5,17 @@ ready         publishes, or a camera that waits for a subscriber
 sleeping      connected, but silent
 alert         connected; the sensor reports a problem
 disconnected  its publisher has gone
-lost          not connected for `LOST_S`, or its lease has passed
+lost          not connected for `LOST_S`, or its lease has expired
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# States that a sensor with a lease may report itself.
+# The states that a sensor with a lease may report.
 REPORTED = ("init", "ready", "sleeping", "alert")
 
-# A sentence with the path of a file.
+# Enough for a sentence with the path of a file.
 MAX_STATE_TEXT_CHARACTERS = 300
 
 SILENT_S = 3.0
@@ -51,11 +51,11 @@ class Condition:
         self.was_connected |= is_connected
 
     def holds_lease(self, now_s: float) -> bool:
-        """Return whether a node publishes as this sensor under a lease that has not passed."""
+        """Return whether a node holds a valid lease for this sensor."""
         return self.is_connected and self.lease_until_s is not None and now_s < self.lease_until_s
 
     def judge(self, is_camera: bool, now_s: float) -> bool:
-        """Set the state, and the sensor's text about it; True if either has changed."""
+        """Update the state and the sensor's text about it; True if either has changed."""
         before = self.state, self.text
         self.state = self._judged(is_camera, now_s)
         self.text = self.reported_text if self.state == self.reported else ""

@@ -9,9 +9,9 @@ _MAX_LINES = 64
 
 
 def read_signal_dbm(interfaces: tuple[str, ...] = (), path: Path = _WIRELESS) -> int | None:
-    """Return the signal in dBm of the first of the interfaces that is wireless, None if there is none.
+    """Return the signal in dBm of the first wireless interface among `interfaces`, None if there is none.
 
-    No interfaces: all count. Only Linux has the file.
+    Without names, all interfaces are searched. Only Linux has the file.
     """
     try:
         lines = path.read_text(encoding="ascii", errors="replace").splitlines()[2:_MAX_LINES]

@@ -31,7 +31,7 @@ from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import NO_KEY
 from rostether.platform.siphash import TAG_BYTES, siphash_2_4
 
-# An IPv6 address with the name of its interface, and a port.
+# The length of an IPv6 address with the name of its interface, and a port.
 MAX_HOLDER_BYTES = 80
 
 _HEADER = struct.Struct("<2sBBIQIIIBbH")
@@ -113,11 +113,13 @@ def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
     body, tag = datagram[:-TAG_BYTES], datagram[-TAG_BYTES:]
     holder, rest = body[_HEADER.size :][:length], body[_HEADER.size + length :]
     if len(holder) != length or len(rest) not in (0, _HOST.size):
-        raise RemoteProtocolError(f"the status announces {length} bytes and has another length")
+        raise RemoteProtocolError(f"the status's length field is {length}, but the text has another length")
     if not hmac.compare_digest(siphash_2_4(key, body), tag):
-        raise RemoteProtocolError("the status's tag is wrong: it is damaged, or made with another key")
+        raise RemoteProtocolError(
+            "the status's tag is wrong: the frame is damaged, or the robot has another key"
+        )
     if refusal not in list(Refusal):
-        raise RemoteProtocolError(f"the status has the unknown refusal {refusal}")
+        raise RemoteProtocolError(f"the status has an unknown refusal code, {refusal}")
     return RobotStatus(
         robot_id,
         epoch_us,

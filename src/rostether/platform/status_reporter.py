@@ -11,7 +11,7 @@ from rostether.platform.status_frame import HostState, RobotStatus
 
 STATUS_PERIOD_S = 1.0
 
-# A sender waits for the answer to a query or stop, and an answer may be lost.
+# The interval between answers to queries and stops; an answer may be lost, and the sender waits for it.
 _QUICK_PERIOD_S = 0.25
 
 # Enough for the obeyed sender, a second one, and some programs that list the fleet.
@@ -30,9 +30,9 @@ class _Sender:
 
 
 class StatusReporter:
-    """Counts the frames of each sender and answers it while its frames come: commands once a second.
+    """Counts the frames of each sender, and answers it while its frames arrive: once a second for commands.
 
-    Only newer frames with a valid tag count, so that a copy from elsewhere gets no answer.
+    Only newer frames with a valid tag count, so a replayed frame from another address gets no answer.
     """
 
     def __init__(self, robot_id: int, key: bytes = NO_KEY) -> None:

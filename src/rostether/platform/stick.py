@@ -26,7 +26,7 @@ def reference_command(left: float, forward: float, deadzone: float) -> DriveComm
     """Return the command that the reference node sends.
 
     The speed is 0 only if both axes are below the dead zone, and 1.414 in the corners. The angle is rounded
-    to 32 bits, because the axes are 32-bit numbers there.
+    to 32 bits, because the reference node uses 32-bit axes.
     """
     angle = _float32(_float32(math.atan2(-left, forward)) * 180)
     is_still = abs(left) < deadzone and abs(forward) < deadzone

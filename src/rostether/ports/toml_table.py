@@ -27,7 +27,7 @@ class TomlTable:
         self._content: Mapping[str, object] = content
         for key in content:
             if known is not None and key not in known:
-                raise self.error(f"unknown key; known are {', '.join(known)}", key)
+                raise self.error(f"unknown key; known: {', '.join(known)}", key)
 
     @property
     def is_given(self) -> bool:

@@ -1,4 +1,4 @@
-"""Renames a finished recording, together with the files that SQLite keeps beside it."""
+"""Renames a finished recording and its SQLite log files."""
 
 from __future__ import annotations
 

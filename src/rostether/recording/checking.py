@@ -26,7 +26,10 @@ class Checked:
 
 
 def check(path: Path, registry: Registry) -> Checked:
-    """Read a recording; `registry` has the types known here. Raises RecordingError when it is none."""
+    """Read a recording; `registry` has the types known here.
+
+    Raises RecordingError if it is not a recording.
+    """
     reader = open_recording(path)
     faults: list[str] = [reader.damage + "; `rostether bag reindex` repairs it"] if reader.damage else []
     faults += file_faults(path)
@@ -64,12 +67,12 @@ def check(path: Path, registry: Registry) -> Checked:
     faults += [
         f"{topic}: {many} messages do not fit their type: {why}" for topic, (many, why) in unfit.items()
     ]
-    # Names in a damaged file may hold anything.
+    # Names in a damaged file may contain anything.
     return Checked(count, tuple(dict.fromkeys(escape_line(fault) for fault in faults)))
 
 
 def file_faults(path: Path) -> list[str]:
-    """Return the errors of the records, regardless of their messages."""
+    """Return the errors of the records, without looking at the messages."""
     if path.is_dir():
         return [
             f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in file_faults(each)

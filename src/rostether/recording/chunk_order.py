@@ -100,7 +100,7 @@ def in_order(
 
 
 def _put_aside(opened: dict[int, _Open[_Chunk]], kept: int) -> int:
-    """Close all chunks but one; returns the number of bytes freed."""
+    """Close all chunks except one; returns the number of bytes freed."""
     freed = 0
     for rank in [each for each in opened if each != kept]:
         chunk = opened.pop(rank)

@@ -22,11 +22,11 @@ DEFAULT_CHUNK_BYTES = 768 * 1024
 class ChunkedWriter(ABC):
     """The writer of a recording without its format; see `recording.recorded.RecordingWriter`.
 
-    `_index` has one row per message in the chunk, in one array per connection:
-    the columns of its time, and its offset in the chunk.
+    `_index` has one array per connection with one row per message: the columns of its time, and its offset in
+    the chunk.
     """
 
-    # The type of the numbers of an index, as `array` names it.
+    # The type code of the index for `array`.
     _index_code: str
 
     def __init__(self, path: Path, compression: str, chunk_bytes: int, file_head: bytes) -> None:
@@ -111,13 +111,13 @@ class ChunkedWriter(ABC):
 
     @abstractmethod
     def _pop_unwritten(self, number: int) -> Iterable[bytes]:
-        """Return the records that must be in the file before a message of a connection; once a chunk."""
+        """Return the records that must come before the first message of a connection in a chunk."""
 
     @abstractmethod
     def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
-        """Return a time as columns of the index, and what makes a message's head from its size.
+        """Return a time as index columns, and a function that makes a message's header from its size.
 
-        All heads have the same length.
+        All headers have the same length.
         """
 
     @abstractmethod

@@ -1,4 +1,4 @@
-"""How chunks of bags are compressed: not at all, by bz2, or as an LZ4 frame (extra `recording`)."""
+"""Compresses and decompresses chunks: none, bz2, or LZ4 frames (extra `recording`)."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ COMPRESSIONS = (NONE, BZ2, LZ4)
 # Read in MCAP files of other programs; never written.
 ZSTD = "zstd"
 
-# Recorders make chunks of a megabyte, or of one message when that is larger. A few bytes can unpack to any
-# size, and must not eat the memory.
+# Recorders make chunks of a megabyte, or of one message when that is larger. Without a limit, a few bytes
+# could unpack to any size.
 MAX_CHUNK_BYTES = 256 << 20
 
 MAX_UNPACKED_BYTES = 1 << 30
-# Packed chunks hold at most as many times their file's size, or MAX_UNPACKED_BYTES; 2 to 50 are usual.
+# The largest ratio of unpacked size to file size, above MAX_UNPACKED_BYTES; 2 to 50 are usual.
 MAX_RATIO = 1000
 
-# A signal is handled between two steps; one step takes about 50 ms.
+# Signals are handled between steps; one step takes about 50 ms.
 _STEP_BYTES = 4 << 20
 
 
 def check_compression(name: str) -> None:
-    """Raise ConfigError when chunks cannot be compressed in that way here."""
+    """Raise ConfigError if a compression is unknown or not installed."""
     if name not in COMPRESSIONS:
-        raise ConfigError(f"no compression has the name {name!r}; known are {', '.join(COMPRESSIONS)}")
+        raise ConfigError(f"no compression {name!r}; known: {', '.join(COMPRESSIONS)}")
     if name == LZ4:
         _lz4_frame()
 
@@ -59,7 +59,7 @@ def compress(name: str, data: bytes) -> bytes:
 
 
 def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
-    """Return a chunk's data, which must have that size. Raises RecordingError, ConfigError."""
+    """Return a chunk's data, which must have the size `size_bytes`. Raises RecordingError, ConfigError."""
     plain: Buffer
     if name in ("", NONE):
         plain = data
@@ -79,7 +79,7 @@ def decompress(name: str, data: Buffer, size_bytes: int) -> bytes | memoryview:
 
 
 def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
-    """Raise RecordingError where a file's packed chunks hold more than those of any recorder."""
+    """Raise RecordingError if a file's chunks unpack to an implausible size."""
     if unpacked_bytes > max(MAX_UNPACKED_BYTES, MAX_RATIO * file_bytes):
         raise RecordingError(
             f"its {file_bytes} bytes would decompress to {unpacked_bytes}, more than {MAX_RATIO} times as "

@@ -1,4 +1,4 @@
-"""A span of time out of many recordings, such as those of one robot, which rotate."""
+"""Cuts a span of time out of many recordings, such as the rotated recordings of one robot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rostether.rostime import NS_PER_S
 
 # A week of recordings of ten minutes.
 MAX_RECORDINGS = 1008
-# Recordings that are open at a time, one for each sensor: a process may have 1024 files.
+# The limit of open recordings, one for each sensor: a process may open 1024 files.
 MAX_OVERLAPPING = 200
 
 _ENDINGS = (".bag", ".mcap", ".db3", ".active")
@@ -55,7 +55,7 @@ def moment_ns(text: str, last_ns: int) -> int:
         clock = clock.zfill(len(clock) + (clock.index(":") == 1))
         moment = datetime.fromisoformat(f"{date or last.date().isoformat()}T{clock}").astimezone()
     except (ValueError, OverflowError):
-        raise ConfigError(f"{text!r:.100} is no time; write 14:02, 14:02:30 or 2026-11-23 14:02") from None
+        raise ConfigError(f"{text!r:.100} is not a time; write 14:02, 14:02:30 or 2026-11-23 14:02") from None
     if not date and moment > last:
         moment = (moment.replace(tzinfo=None) - timedelta(days=1)).astimezone()
     return int(moment.timestamp()) * NS_PER_S + moment.microsecond * 1000
@@ -65,7 +65,7 @@ class Cutting:
     """The recordings to cut from: only those that overlap the span stay open."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
-        """Look at the recordings. Raises RecordingError if none of them has a message."""
+        """Read the time spans of the recordings. Raises RecordingError if none of them has a message."""
         self._spans: dict[Path, tuple[int, int]] = {}
         # Recordings that cannot be read, and why: one damaged file must not hide the others.
         self.unreadable: dict[Path, str] = {}
@@ -81,14 +81,14 @@ class Cutting:
 
     @property
     def span_ns(self) -> tuple[int, int]:
-        """The times of the first and the last message of all."""
+        """The times of the first and the last message of all recordings."""
         return min(first for first, _ in self._spans.values()), max(last for _, last in self._spans.values())
 
     def write(self, target: Path, wanted: Wanted, start_ns: int, end_ns: int) -> tuple[int, int]:
         """Write the messages of a span to a new recording, in the order of their times.
 
-        Returns how many, and from how many recordings; writes no file if there are none. Raises
-        RecordingError, and leaves no file then.
+        Returns the numbers of messages and of recordings; writes no file if there are no messages. On
+        RecordingError, no file remains.
         """
         chosen = [path for path, span in self._spans.items() if span[0] <= end_ns and span[1] >= start_ns]
         if len(chosen) > MAX_OVERLAPPING:
@@ -100,7 +100,7 @@ class Cutting:
         with ExitStack() as opened:
             with closing(open_recording(chosen[0])) as first_reader:
                 form = form_for(target, form_of(first_reader))
-            # ROS 2's messages are copied as they are, unless the new recording is of ROS 1.
+            # ROS 2 messages are copied unchanged, unless the new recording is a ROS 1 recording.
             is_native = form is Form.ROS2
             readers = [
                 opened.enter_context(closing(open_recording(each, is_native=is_native))) for each in chosen

@@ -1,4 +1,4 @@
-"""Keeps two programs from writing one recording at the same time."""
+"""Prevents two programs from writing the same recording."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from rostether.errors import RecordingError
 
 
 class FileLock:
-    """The right to write a file, from the call until `release`; a file that is missing is created.
+    """Locks a file for writing until `release`; a missing file is created.
 
-    Where files have no locks (Windows, some network file systems), or the file cannot be written, it does
-    nothing. Raises RecordingError when another writer has the file.
+    Without file locks (Windows, some network file systems), or if the file is not writable, it does nothing.
+    Raises RecordingError if another writer holds the lock.
     """
 
     def __init__(self, path: Path) -> None:
@@ -23,7 +23,7 @@ class FileLock:
         self._file = _locked(path)
 
     def release(self) -> None:
-        """Let others write the file; it is removed if nothing was written to a new one. Idempotent."""
+        """Release the lock, and remove the file if it is new and still empty. Idempotent."""
         file, self._file = self._file, None
         if file is None:
             return
@@ -58,7 +58,7 @@ def _locked(path: Path) -> int | None:
         except BlockingIOError:
             os.close(file)
             raise RecordingError(
-                f"{path} is being written by another recorder; stop that one, or name another file"
+                f"{path} is being written by another recorder; stop that recorder, or choose another file"
             ) from None
         except OSError:
             os.close(file)

@@ -1,4 +1,4 @@
-"""Opens recordings by their names and first bytes: bags, MCAP, and ROS 2 bags."""
+"""Opens recordings (bags, MCAP files, ROS 2 bags), and detects their format by name and first bytes."""
 
 from __future__ import annotations
 
@@ -30,24 +30,25 @@ _ACTIVE_SUFFIX = ".active"
 
 
 class Form(StrEnum):
-    """Whose messages a recording holds."""
+    """The form of the messages in a recording."""
 
     ROS1 = "ros1"
     ROS2 = "ros2"
 
 
 def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> RecordingReader:
-    """Open a recording to read. Raises RecordingError, ConfigError when an extra is missing.
+    """Open a recording for reading.
 
-    Messages of ROS 2 are given as ROS 1 bytes: in the form that ROS 1's nodes have of their type, or
-    natively, in ROS 2's own fields. `damage` is the reason why the index of a file is invalid.
+    Raises RecordingError, and ConfigError if an extra is missing. ROS 2 messages are returned as ROS 1 bytes:
+    with the fields of the ROS 1 type, or natively, with the fields of the ROS 2 type. `damage` is the reason
+    why the index of a file is invalid.
     """
     if path.is_dir() or path.name == "metadata.yaml":
         from rostether.recording.ros2.bag_reader import Ros2BagReader
 
         return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
     require_regular_file(path)
-    # A file with unknown first bytes is refused as the format that its ending names.
+    # The error for a file with unknown first bytes depends on its suffix.
     ending = "" if is_bag(path) else Path(path.name.removesuffix(_ACTIVE_SUFFIX)).suffix
     if is_mcap(path) or (ending == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
         from rostether.recording.mcap.reader import McapReader
@@ -61,7 +62,7 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
 
 
 def form_of(reader: RecordingReader) -> Form:
-    """Return whose messages a recording holds."""
+    """Return the form of a recording's messages."""
     return Form.ROS2 if any(each.origin is not None for each in reader.counts) else Form.ROS1
 
 
@@ -91,11 +92,11 @@ def create_recording(
     unfit: UnfitMessages | None = None,
     storage: str = "mcap",
 ) -> RecordingWriter:
-    """Create a recording, over one that is there. Raises RecordingError, ConfigError.
+    """Create a recording, or overwrite one.
 
-    `types` know the types of what is written, where they are not those of the environment; `unfit`
-    counts what does not fit them. A name without one of the known endings is that of a folder, a ROS 2 bag,
-    whose file is of `storage`, mcap or sqlite3.
+    Raises RecordingError, ConfigError. `types` replaces the types of the environment; `unfit` counts messages
+    that do not fit their type. A name without a known suffix creates a folder, a ROS 2 bag; `storage` (mcap
+    or sqlite3) is the format of its file.
     """
     name = path.name.removesuffix(_ACTIVE_SUFFIX)
     if name.endswith(MCAP_SUFFIX):
@@ -118,8 +119,8 @@ def create_recording(
         return Db3Writer(path, types=types, unfit=unfit)
     if form is Form.ROS1 or path.suffix[1:].isalpha():
         raise ConfigError(
-            f"{path}: the name of a recording must end with .bag, .mcap or .db3; a ROS 2 bag, a folder, has "
-            f"none of these endings"
+            f"{path}: the name of a recording must end with .bag, .mcap or .db3; "
+            "only a ROS 2 bag, a folder, has no suffix"
         )
     from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
 
@@ -135,21 +136,21 @@ def create_recording(
 
 
 def locked(path: Path) -> AbstractContextManager[object]:
-    """Keep others from writing a recording while this block writes it. Raises RecordingError.
+    """Lock a recording while the block writes it.
 
-    A ROS 2 bag needs no lock: its folder must be empty when it is begun.
+    Raises RecordingError. A ROS 2 bag needs no lock: its folder must be empty at the start.
     """
     is_file = path.name.removesuffix(_ACTIVE_SUFFIX).endswith((BAG_SUFFIX, MCAP_SUFFIX, DB3_SUFFIX))
     return FileLock(path) if is_file else nullcontext()
 
 
 def is_mcap(path: Path) -> bool:
-    """Return whether a file begins as MCAP; False if it cannot be read."""
+    """Return whether a file starts like MCAP; False if it cannot be read."""
     return _begins_with(path, MCAP_MAGIC)
 
 
 def is_bag(path: Path) -> bool:
-    """Return whether a file begins as a ROS 1 bag."""
+    """Return whether a file starts like a ROS 1 bag."""
     return _begins_with(path, MAGIC)
 
 

@@ -12,7 +12,7 @@ from rostether.recording.regular_file import require_regular_file
 
 
 class MappedFile:
-    """The bytes of a file as `view`. Raises RecordingError when it cannot be read or is empty."""
+    """The bytes of a file as `view`. Raises RecordingError if it cannot be read or is empty."""
 
     def __init__(self, path: Path) -> None:
         require_regular_file(path)

@@ -1,4 +1,4 @@
-"""A file that is only appended to, and truncated to its last whole part when the disk is full."""
+"""An append-only file, truncated to its last complete part if the disk is full."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rostether.errors import RecordingError
 
 
 class OutputFile:
-    """Appends; `position` is the end of the last whole part that was written."""
+    """Appends to a file; `position` is the end of the last complete part."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -23,7 +23,7 @@ class OutputFile:
             ) from None
 
     def append(self, data: bytes) -> None:
-        """Write a whole part, or restore the file and raise RecordingError."""
+        """Write a complete part, or restore the file and raise RecordingError."""
         try:
             self._write(data)
         except OSError as error:
@@ -58,5 +58,5 @@ class OutputFile:
         try:
             os.ftruncate(self._file, self.position)
             os.lseek(self._file, self.position, os.SEEK_SET)
-        except OSError:  # devices cannot be truncated; readers find the last whole part themselves
+        except OSError:  # devices cannot be truncated; readers find the last complete part themselves
             return

@@ -15,7 +15,7 @@ class PackedChunk(Protocol):
 
     @property
     def compression(self) -> str:
-        """The compression's name; none may be empty."""
+        """The compression's name; empty or "none" without compression."""
 
     @property
     def size_bytes(self) -> int:
@@ -23,11 +23,11 @@ class PackedChunk(Protocol):
 
     @property
     def data_start(self) -> int:
-        """Where its data begins in the file."""
+        """The position of its data in the file."""
 
     @property
     def data_end(self) -> int:
-        """Where its data ends in the file."""
+        """The end of its data in the file."""
 
 
 def unpack_chunk(view: memoryview, chunk: PackedChunk) -> bytes | memoryview:

@@ -1,4 +1,4 @@
-"""Plays recordings into a graph at the times they were made, faster or slower, with pauses and steps.
+"""Publishes recordings on a graph at their recorded times, or faster or slower, with pauses and steps.
 
 Recorded time advances with the wall clock times the rate, but not while paused. Due messages are sent
 together, in one batch per topic.
@@ -26,17 +26,17 @@ DRAIN_S = 0.5
 # Messages sent before other tasks run: about 2 ms of reading.
 BATCH_MESSAGES = 500
 
-# What leaves before others get a turn where messages are large: less than any queue of a subscriber holds, so
-# that those that are due at once, as pictures are with `--immediate`, do not push one another out of it.
+# Bytes sent before other tasks run: less than a subscriber's queue holds, so that large messages that are due
+# together, such as images with `--immediate`, do not push each other out of it.
 BATCH_BYTES = 1 << 20
 
-# How long the end waits for subscribers that still receive: enough for 50 MB on a busy machine.
+# The time to wait at the end for slow subscribers: enough for 50 MB on a busy machine.
 END_DRAIN_S = 5.0
 
-# How many messages are read to estimate their size, if a queue of a number of messages is requested.
+# The number of messages read to estimate their size, if the queue length is given in messages.
 SAMPLE_MESSAGES = 2000
 
-# The upper limit of a queue, even if more is requested.
+# The largest queue, even if more is requested.
 MAX_QUEUE_BYTES = 1 << 30
 
 # The maximum memory of a queued message besides its payload.

@@ -49,7 +49,7 @@ class Connection:
 
     @classmethod
     def from_fields(cls, topic: str, fields: Mapping[str, str]) -> Connection:
-        """Build from the fields of a connection header; what is missing is empty."""
+        """Build from the fields of a connection header; missing fields are empty."""
         message_type = MessageType(
             fields.get("type", "*"), fields.get("md5sum", "*"), fields.get("message_definition", "")
         )
@@ -69,7 +69,7 @@ class Connection:
         )
 
     def fields(self) -> dict[str, str]:
-        """Return the connection header's fields, in the order of their names as rosbag has them."""
+        """Return the connection header's fields, sorted by name like in rosbag."""
         fields = {"callerid": self.caller_id} if self.caller_id else {}
         if self.is_latching:
             fields["latching"] = "1"
@@ -94,7 +94,7 @@ Wanted: TypeAlias = Callable[[Connection], bool]
 
 
 def wanted_connections(connections: Mapping[int, Connection], wanted: Wanted | None) -> dict[int, Connection]:
-    """Return the connections that are wanted; None wants all."""
+    """Return the wanted connections; None means all."""
     return {number: each for number, each in connections.items() if wanted is None or wanted(each)}
 
 
@@ -169,7 +169,7 @@ class RecordingReader(Protocol):
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
-        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+        """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
 
     def close(self) -> None:
         """Close the file. Idempotent."""

@@ -1,4 +1,4 @@
-"""Records topics of a graph into files, and decides about topics, new files and the end.
+"""Records topics of a graph: chooses topics, starts new files, and ends at the limits.
 
 Payloads pass from the subscription to the writer unchanged, in the same batches. Each publisher has
 its own connection in the file if the graph distinguishes publishers (ROS 1).
@@ -40,10 +40,10 @@ class RecordingProgress:
 
 
 class Recorder:
-    """One recording; `create` opens a file's writer, `name` gives the path of the file of a number.
+    """One recording; `create` opens a file's writer, `name` returns the path of the file with a number.
 
-    `report` gets a line for people: files begun and ended, and errors. With `buffer_bytes`, writers
-    work in the background, as compression needs, and at most that much data waits for them.
+    `report` gets lines for users: new and closed files, and errors. With `buffer_bytes`, writers run in the
+    background, which compression needs, and at most this much data waits for them.
     """
 
     def __init__(
@@ -283,7 +283,7 @@ class Recorder:
                 path.unlink()
         except OSError as error:
             self._failure = self._failure or RecordingError(
-                f"{path}{ACTIVE_SUFFIX} cannot become {path.name}: {error.strerror or error}"
+                f"cannot rename {path}{ACTIVE_SUFFIX} to {path.name}: {error.strerror or error}"
             )
             self._ended.set()
         finally:

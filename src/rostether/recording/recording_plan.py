@@ -1,4 +1,4 @@
-"""Which topics a recording takes, and when its files and the recording end."""
+"""The topics to record, and the limits of each file and of the whole recording."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class TopicChoice:
-    """Which topics are recorded: names, or patterns, or all, or what a node subscribes to."""
+    """The topics to record: names, patterns, all topics, or the subscriptions of a node."""
 
     names: tuple[str, ...] = ()
     patterns: tuple[re.Pattern[str], ...] = ()
@@ -17,16 +17,16 @@ class TopicChoice:
     is_all: bool = False
     node: str = ""
 
-    # Whether all topics are also those with a part that begins with `_`, which ROS 2 calls hidden.
+    # Whether "all topics" includes ROS 2's hidden topics, which have a part that starts with `_`.
     with_hidden: bool = True
 
     @property
     def is_searching(self) -> bool:
-        """Whether topics that appear later count."""
+        """Whether topics that appear later are recorded."""
         return self.is_all or bool(self.patterns) or bool(self.node)
 
     def includes(self, topic: str, subscribers: Sequence[str]) -> bool:
-        """Return whether a topic that was found is recorded."""
+        """Return whether to record a topic."""
         if self.exclude is not None and self.exclude.search(topic):
             return False
         return (
@@ -39,7 +39,7 @@ class TopicChoice:
 
 @dataclass(frozen=True, slots=True)
 class RecordLimits:
-    """When a file is full, and when recording ends; None is never."""
+    """The limits of a file and of the recording; None means no limit."""
 
     size_bytes: int | None = None
     duration_s: float | None = None

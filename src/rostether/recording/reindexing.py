@@ -26,7 +26,7 @@ UNFINISHED_SUFFIX = ".unfinished"
 
 @dataclass(frozen=True, slots=True)
 class Mended:
-    """The contents of a recording, and why it needed a repair (empty if it was complete)."""
+    """The contents of a repaired recording, and the reason for the repair (empty if it was complete)."""
 
     damage: str
     message_count: int
@@ -34,14 +34,15 @@ class Mended:
 
 
 def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> Mended:
-    """Write all readable messages of `path` to `output`, perhaps the same; `keep_original` gets the old file.
+    """Write all readable messages of `path` to `output`, which may be the same file.
 
-    A complete recording is not changed, unless `output` is another path. Raises RecordingError.
+    `keep_original` is the new path of the old file, if wanted. A complete recording is not changed, unless
+    `output` is another path. Raises RecordingError.
     """
     reader = open_recording(path, is_native=True)
     try:
         if not reader.damage and (faults := file_faults(path)):
-            # Only the index is complete.
+            # The index is intact but the records are not: read the file without its index.
             reader.close()
             reader = open_recording(path, is_native=True, damage=faults[0])
         damage = reader.damage
@@ -54,8 +55,9 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> M
 
 
 def repack(path: Path, output: Path, compression: str, *, keep_original: Path | None = None) -> int:
-    """Write `path` with its chunks compressed in another way to `output`, perhaps the same; returns how many
-    messages. Raises RecordingError, ConfigError, also at a recording that is damaged.
+    """Write `path` to `output`, which may be the same file, with another compression.
+
+    Returns the number of messages. Raises RecordingError, also for a damaged recording, and ConfigError.
     """
     reader = open_recording(path, is_native=True)
     try:
@@ -70,7 +72,7 @@ def _rewrite(
     reader: RecordingReader, path: Path, output: Path, compression: str, keep_original: Path | None
 ) -> int:
     with ExitStack() as stack:
-        # A file that is still being written belongs to its writer.
+        # Do not touch a file that is still being written.
         for each in sorted(path.glob("*.active")) if path.is_dir() else [path]:
             stack.enter_context(FileLock(each))
         unfinished = stack.enter_context(_unfinished(path, output))
@@ -105,11 +107,10 @@ def copy(
     storage: str = "mcap",
     types: Ros2Types | None = None,
 ) -> int:
-    """Write a recording's messages, in the order of their times, to another; returns how many.
+    """Copy a recording's messages, sorted by time; returns their number.
 
-    `form` is whose messages the other gets, `storage` what a ROS 2 bag's folder holds, and `types` are those
-    of ROS 2 that are known, where they are not those of the environment.
-    Raises RecordingError, and leaves no file then.
+    `form` is the form of the new messages, `storage` the file format of a ROS 2 bag, and `types` replaces the
+    ROS 2 types of the environment. On RecordingError, no file remains.
     """
     with locked(output):
         writer = create_recording(output, compression=compression, form=form, storage=storage, types=types)

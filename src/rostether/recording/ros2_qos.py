@@ -1,6 +1,6 @@
 """Quality of service in ROS 2 recordings: a YAML list with the profile of each publisher of a topic.
 
-Since Jazzy policies are words; earlier releases use the numbers of rmw.
+Since Jazzy, policies are words; earlier releases use the numbers of rmw.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def profiles_text(profiles: list[dict[str, Any]]) -> str:
 
 
 def is_latching(profiles: list[dict[str, Any]]) -> bool:
-    """Return whether a publisher was latched, in the terms of ROS 1."""
+    """Return whether a publisher was latched in the sense of ROS 1."""
     return any(each.get("durability") == "transient_local" for each in profiles)
 
 

@@ -90,9 +90,9 @@ class ReadType:
 
 
 class ReadTypes:
-    """The types of one recording, in ROS 1's form as ROS 1's nodes have it, or natively.
+    """The types of one recording, in the form of ROS 1, or natively.
 
-    Natively they have ROS 2's own fields, and nothing is lost when they become CDR again.
+    Native types have the fields of ROS 2, so that a conversion back to CDR loses nothing.
     """
 
     def __init__(self, *, is_native: bool) -> None:

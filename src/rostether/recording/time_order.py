@@ -1,10 +1,10 @@
-"""Finds messages of a file whose time goes back, such as after the reset of a simulation."""
+"""Detects messages whose time goes back, such as after the reset of a simulation."""
 
 from __future__ import annotations
 
 from rostether.rostime import NS_PER_S
 
-# Less is not a reset: recorders with threads, and clocks that NTP corrects, go back a little.
+# Smaller steps back are not resets: threads and NTP corrections also cause them.
 _JUMP_NS = NS_PER_S
 
 
@@ -26,11 +26,11 @@ class TimeOrder:
 
     @property
     def fault(self) -> str:
-        """What to report, or an empty string."""
+        """The problem to report, or an empty string."""
         if not self._count:
             return ""
         times = "once" if self._count == 1 else f"{self._count} times, first"
         return (
-            f"its time goes back {times} {self._first}, as when a simulation is reset; "
+            f"its time goes back {times} {self._first}, for instance because a simulation was reset; "
             "`rostether bag filter FILE NEW_FILE True` sorts the messages"
         )

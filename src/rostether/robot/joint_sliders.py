@@ -1,4 +1,4 @@
-"""Sliders for joints, without a screen: which one is chosen, what each key does, the lines to show."""
+"""Sliders for joints, without terminal I/O: the selected slider, the keys, and the lines to show."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_BAR = 60
 
 
 class SliderKey(Enum):
-    """What a person may do."""
+    """The actions of the keys."""
 
     UP = auto()
     DOWN = auto()
@@ -48,7 +48,7 @@ class JointSliders:
         self._choose = choose
 
     def press(self, key: SliderKey) -> None:
-        """Do what a key means."""
+        """Handle a key."""
         if not self._names:
             return
         name = self._names[self._chosen]
@@ -69,7 +69,7 @@ class JointSliders:
             self._states.set_position(name, _position(joint) + step)
 
     def lines(self, width: int, height: int) -> list[str]:
-        """Return what to show in a terminal of that many columns and rows."""
+        """Return the lines to show in a terminal with `columns` and `rows`."""
         if not self._names:
             return ["The robot has no joint that can be set."]
         name_width = min(max(map(len, self._names)), max(width - _MIN_BAR - 16, 8))

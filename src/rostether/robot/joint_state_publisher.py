@@ -1,4 +1,4 @@
-"""The node joint_state_publisher: positions from sources, sliders or its zeros, published at a rate."""
+"""The node joint_state_publisher: publishes positions from sources, sliders or zeros at a rate."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rostether.robot.robot_model import RobotModel
 STATE_TYPE = "sensor_msgs/JointState"
 DEFAULT_RATE_HZ = 10.0
 
-# Sliders elsewhere, such as those of the dashboard, publish positions here.
+# Sliders of other programs, such as the dashboard, publish positions on this topic.
 SLIDERS_TOPIC = "~sliders"
 
 # More than a process can send; a rate beyond it is a mistake.
@@ -57,13 +57,12 @@ async def publish_joint_states(
 ) -> None:
     """Publish until cancelled or the node is shut down; `on_source` is called when a source publishes.
 
-    `more_sources` are topics of positions beside those of the parameter source_list.
-
-    Raises ConfigError when a parameter makes no sense.
+    `more_sources` are topics of positions besides those in the parameter source_list. Raises ConfigError for
+    an invalid parameter.
     """
     rate_hz = await node_number(graph, "rate", DEFAULT_RATE_HZ)
     if not 0 < rate_hz <= MAX_RATE_HZ:
-        raise ConfigError(f"the parameter rate must lie between 0 and {MAX_RATE_HZ:g} Hz, not {rate_hz:g}")
+        raise ConfigError(f"the parameter rate must be between 0 and {MAX_RATE_HZ:g} Hz, not {rate_hz:g}")
     sources = await node_parameter(graph, "source_list", [])
     if not isinstance(sources, list) or not all(isinstance(each, str) for each in sources):
         raise ConfigError(f"the parameter source_list must be a list of topics, not {sources!r}")
@@ -76,7 +75,7 @@ async def publish_joint_states(
         ]
         loop = asyncio.get_running_loop()
         due_s = loop.time()
-        sequence = 0  # counted as rospy's publishers do, from 1 on
+        sequence = 0  # starts at 1, like the publishers of rospy
         try:
             while not left.done():
                 states.step()
@@ -90,7 +89,7 @@ async def publish_joint_states(
                         velocity=values.velocity,
                         effort=values.effort,
                     )
-                # Late after a busy moment: go on from now instead of catching up in a burst.
+                # After a delay, continue from now instead of catching up in a burst.
                 due_s = max(due_s + 1 / rate_hz, loop.time())
                 await asyncio.wait([left], timeout=due_s - loop.time())
         finally:

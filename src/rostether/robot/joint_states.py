@@ -1,6 +1,6 @@
-"""Joint positions as joint_state_publisher holds them: zeros, limits, sources, joints that follow others.
+"""The joint positions of joint_state_publisher: zeros, limits, sources, mimicking joints.
 
-No clock and no graph in here.
+Without clock or graph.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, R
 
 @dataclass(frozen=True, slots=True)
 class Dependence:
-    """A joint that takes its position from another: factor * position + offset."""
+    """A joint that follows another one: factor * position + offset."""
 
     parent: str
     factor: float = 1.0
@@ -52,7 +52,7 @@ class FreeJoint:
 
 @dataclass(frozen=True, slots=True)
 class JointStateValues:
-    """The fields of a sensor_msgs/JointState; lists that nothing is known for are empty."""
+    """The fields of a sensor_msgs/JointState; unknown lists are empty."""
 
     name: list[str]
     position: list[float]
@@ -103,7 +103,7 @@ class JointStates:
             joint.position = joint.zero
 
     def step(self) -> None:
-        """Move all free joints by `delta`, to and fro between their limits, continuous ones around."""
+        """Move all free joints by `delta`, back and forth between their limits; continuous joints rotate."""
         delta = self.settings.delta
         if delta <= 0:
             return
@@ -117,7 +117,7 @@ class JointStates:
             joint.position = position
 
     def values(self) -> JointStateValues:
-        """Return the state of all joints that one number moves, in the order of the robot's description."""
+        """Return the state of all joints with one degree of freedom, in the order of the description."""
         free = self.free.values()
         has_position = bool(self._leaders) or any(each.position is not None for each in free)
         has_velocity = any(each.velocity is not None for each in free)

@@ -1,6 +1,7 @@
 """The transforms of joints at given positions.
 
-The computation is that of KDL, with rotation matrices, so the numbers equal those of robot_state_publisher.
+The computation is the same as in KDL, with rotation matrices, so the results are equal to those of
+robot_state_publisher.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
 
 
 def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:
-    """Return the positions and those of the joints that follow them, also through several others.
+    """Return the positions, with those of all joints that mimic them, directly or indirectly.
 
-    Raises RobotModelError when joints mimic each other in a circle.
+    Raises RobotModelError if joints mimic each other in a circle.
     """
     complete = dict(positions)
     for name, joint in model.joints.items():
@@ -53,7 +54,7 @@ def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, 
 def mimic_chain(
     model: RobotModel, joint: Joint, given: Mapping[str, object] | None = None
 ) -> tuple[float, float, str]:
-    """Return factor, offset and name of the joint that a mimicking joint follows in the end.
+    """Return factor, offset and name of the joint at the end of a chain of mimicking joints.
 
     Joints in `given` end the chain. Raises RobotModelError for a circle.
     """
@@ -71,8 +72,8 @@ def mimic_chain(
 
 
 def _unit(vector: Vector) -> Vector:
-    # By the largest part, as KDL does: where two parts of a quaternion are equal but for rounding, the last
-    # bit decides on its sign.
+    # Chooses the largest part like KDL: if two parts of a quaternion differ only by rounding, the last bit
+    # decides its sign.
     x, y, z = vector
     if abs(x) >= abs(y) and abs(x) >= abs(z):
         length = abs(x) * math.sqrt(1 + (y / x) ** 2 + (z / x) ** 2)

@@ -1,4 +1,4 @@
-"""Parameters of the robot's nodes: the node's own first, then the nearest of that name."""
+"""Parameters of the robot nodes: the private one first, then the one in the nearest namespace."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ async def node_parameter(graph: TypedGraph, name: str, default: ParamValue = Non
 
 
 async def node_number(graph: TypedGraph, name: str, default: float) -> float:
-    """Return a parameter that is a number. Raises ConfigError."""
+    """Return a numeric parameter. Raises ConfigError."""
     return number(await node_parameter(graph, name, default), name)
 
 
 async def node_bool(graph: TypedGraph, name: str, default: bool) -> bool:
-    """Return a parameter that is true or false. Raises ConfigError."""
+    """Return a boolean parameter. Raises ConfigError."""
     value = await node_parameter(graph, name, default)
     if isinstance(value, bool | int):
         return bool(value)

@@ -1,4 +1,4 @@
-"""The content of a URDF, as values: links, joints between them, and the tree they form."""
+"""The content of a URDF: links, joints, and their tree."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rostether.robot.transform import NO_TRANSFORM, Transform, Vector
 
 
 class JointType(StrEnum):
-    """How a child link may move (source: URDF's `type`)."""
+    """How a child link may move (the attribute `type` in URDF)."""
 
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
@@ -24,7 +24,7 @@ MOVED_BY_ONE_NUMBER = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, Joint
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How far a joint may go: radians or metres; `soft_*` of its safety controller, None if not given."""
+    """The range of a joint in radians or metres; `soft_*` are of its safety controller, None if not given."""
 
     lower: float = 0.0
     upper: float = 0.0

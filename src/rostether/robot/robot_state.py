@@ -1,7 +1,8 @@
-"""From joint positions to transforms, as robot_state_publisher makes them. No clock and no graph in here.
+"""Converts joint positions to transforms, like robot_state_publisher. Without clock or graph.
 
-Joints that cannot move, and planar ones, which one number does not describe, are fixed; floating ones are
-left to the localization. Moving joints are published as soon as a state contains them, but not more often
+Fixed joints and planar joints (which one number cannot describe) have fixed transforms; the localization
+publishes those of floating joints. Moving joints are published as soon as a state contains them, but not more
+often
 than `publish_frequency_hz`.
 """
 
@@ -36,9 +37,9 @@ class RobotStateSettings:
 
 
 class RobotState:
-    """Turns a robot's joint states into transforms; `problem` is what was wrong with the last state.
+    """Turns a robot's joint states into transforms; `problem` describes the problem with the last state.
 
-    Raises RobotModelError when joints mimic each other in a circle.
+    Raises RobotModelError if joints mimic each other in a circle.
     """
 
     def __init__(self, model: RobotModel, settings: RobotStateSettings | None = None) -> None:
@@ -64,10 +65,10 @@ class RobotState:
     def moving_transforms(
         self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int
     ) -> list[StampedTransform]:
-        """Return the transforms that a joint state leads to, sorted by joint; none when it comes too early.
+        """Return the transforms for a joint state, sorted by joint; none if it comes too early.
 
-        `problem` then says in one line what was wrong with the state, or is empty. Positions that mimicking
-        joints take from others are added.
+        Positions of mimicking joints are added. Sets `problem` to one line about an invalid state, or to an
+        empty string.
         """
         self.problem = self._defect(names, positions, stamp_ns, now_ns)
         if len(names) != len(positions):
@@ -75,8 +76,8 @@ class RobotState:
         if self._last_call_ns > now_ns:
             self._published_ns.clear()
         self._last_call_ns = now_ns
-        # Of a joint that is values twice the first counts. Names that the robot lacks are not remembered: a
-        # peer could send any number of them.
+        # If a joint occurs twice, the first value counts. Unknown names are not stored: a peer could send any
+        # number of them.
         values = reversed(list(zip(names, positions, strict=True)))
         known = {name: at for name, at in values if name in self._moving and math.isfinite(at)}
         last_ns = min((self._published_ns.get(name, 0) for name in known), default=now_ns)
@@ -132,7 +133,7 @@ class RobotState:
 
 
 def prefixed(prefix: str, frame: str) -> str:
-    """Return a frame's name under tf_prefix; one that starts with `/` stays as it is without it."""
+    """Return a frame's name with tf_prefix; a name that starts with `/` only loses the slash."""
     if frame.startswith("/"):
         return frame[1:]
     return f"{prefix.removeprefix('/')}/{frame}" if prefix else frame

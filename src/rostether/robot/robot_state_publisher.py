@@ -1,4 +1,4 @@
-"""The node robot_state_publisher: joint states in, the robot's transforms out."""
+"""The node robot_state_publisher: publishes the robot's transforms from joint states."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from rostether.robot.robot_state import RobotState, RobotStateSettings
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.rostime import NS_PER_S
 
-# As robot_state_publisher: joint states arrive fifty times a second, and so would their error reports.
+# The same as robot_state_publisher: joint states arrive fifty times a second, and so would their error
+# reports.
 WARNING_INTERVAL_S = 10.0
 
-# So that fixed transforms on /tf hold until the next ones come.
+# Fixed transforms on /tf stay valid until the next ones arrive.
 _FIXED_AHEAD_NS = NS_PER_S // 2
 
-# Two seconds of one source; several sources may each publish some joints.
+# Enough for two seconds of one source; several sources may publish some joints each.
 _QUEUE_MESSAGES = 100
 
 
 async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) -> None:
     """Publish until cancelled or the node is shut down; `warn` receives problems with joint states.
 
-    Raises ConfigError and RobotModelError when robot_description or a parameter makes no sense.
+    Raises ConfigError and RobotModelError if robot_description or a parameter is invalid.
     """
     state = RobotState(await read_model(graph), await read_settings(graph))
     publisher = await tf_publisher(graph)

@@ -1,9 +1,9 @@
-"""static_transform_publisher: a transform typed as arguments, or kept as a parameter, for as long as it runs.
+"""static_transform_publisher: publishes a transform given by arguments or by a parameter.
 
 X Y Z YAW PITCH ROLL PARENT CHILD            on /tf_static (tf2_ros)
 X Y Z QX QY QZ QW PARENT CHILD               likewise
 PARAMETER                                    likewise: a geometry_msgs/TransformStamped as YAML
-X Y Z YAW PITCH ROLL PARENT CHILD PERIOD_MS  on /tf, again and again (tf)
+X Y Z YAW PITCH ROLL PARENT CHILD PERIOD_MS  on /tf, repeatedly (tf)
 X Y Z QX QY QZ QW PARENT CHILD PERIOD_MS     likewise
 """
 
@@ -22,7 +22,7 @@ from rostether.robot.transform import Quaternion, StampedTransform, Transform, q
 
 USAGE = "write X Y Z YAW PITCH ROLL PARENT CHILD, or X Y Z QX QY QZ QW PARENT CHILD"
 
-# What tf buffers accept, on the square of the length.
+# The tolerance of tf buffers for the square of the length.
 _NORM_TOLERANCE = 10e-3
 
 
@@ -37,7 +37,7 @@ class StaticTransform:
 
 
 def parse_static_transform(words: Sequence[str]) -> StaticTransform:
-    """Read the arguments in any of the forms above but the parameter's. Raises ConfigError."""
+    """Read the arguments in any of the forms above except PARAMETER. Raises ConfigError."""
     count = len(words)
     has_quaternion = count == 10 or (count == 9 and _is_number(words[6]))
     if not 8 <= count <= 10:
@@ -89,7 +89,8 @@ async def publish_static_transform(graph: TypedGraph, static: StaticTransform) -
             return
         publisher = await tf_publisher(graph)
         while not left.done():
-            # As tf's own: stamped ahead, so that it holds until the next one comes.
+            # Like in tf, the stamp is in the future, so that the transform is valid until the next one
+            # arrives.
             ahead_ns = graph.now().to_ns() + round(static.period_s * 1e9)
             publisher.publish(to_message([_stamped(static, ahead_ns)]))
             await asyncio.wait([left], timeout=static.period_s)

@@ -1,8 +1,8 @@
-"""The tf buffer: transforms as they came, and where any frame stood in any other at a moment.
+"""The tf buffer: stores transforms, and computes the transform between any two frames at a time.
 
 Frames form a tree: each has one parent at a time. A lookup climbs from both frames towards the root until the
-ways meet, each step interpolated to the moment asked for. Refusals and errors are worded as tf2 words them,
-which is what people search for.
+paths meet, and interpolates each step to the requested time. Errors have the same text as in tf2, because
+users search for it.
 """
 
 from __future__ import annotations
@@ -24,34 +24,37 @@ from rostether.robot.transform import (
     quaternion_from_matrix,
 )
 
-# Steps towards the root, as in tf2: a longer way is a loop.
+# The limit of steps towards the root, as in tf2: a longer path is a loop.
 MAX_DEPTH = 1_000
 
-# Hundreds of robots' worth; names are a peer's, and each costs memory permanently.
+# Enough for hundreds of robots; peers choose the names, and each name uses memory permanently.
 MAX_FRAMES = 10_000
 
-# Real names are a few words with a prefix; a peer's 100 MB must not stay with us.
+# Real names are a few words with a prefix; a name of 100 MB must not stay in memory.
 MAX_FRAME_NAME_LENGTH = 1_024
 
-# tf2's, on the square of the length.
+# The tolerance of tf2 for the square of the length.
 _NORM_TOLERANCE = 10e-3
 
 
 class TransformBuffer:
-    """Transforms of a tree of frames over the last seconds. Times are nanoseconds, zero is the latest."""
+    """The transforms of a tree of frames over the last seconds.
+
+    Times are in nanoseconds; zero means the latest.
+    """
 
     def __init__(self, cache_ns: int = DEFAULT_CACHE_NS) -> None:
         self._cache_ns = cache_ns
         self._caches: dict[str, TimeCache | StaticCache] = {}
-        # In order of their first mention, as tf2 numbers and lists them.
+        # In the order of their first appearance, like in tf2.
         self._frames: dict[str, None] = {}
 
     def set_transform(
         self, stamped: StampedTransform, *, authority: str = "", is_static: bool = False
     ) -> str:
-        """Remember a transform; returns why it was refused, in tf2's words, or an empty string.
+        """Store a transform; returns tf2's error message if it was refused, or an empty string.
 
-        What a frame was first, moving or static, it stays.
+        A frame stays moving or static, as it was first.
         """
         parent, child = stamped.parent.removeprefix("/"), stamped.child.removeprefix("/")
         problem = _defect(parent, child, stamped.transform, authority)
@@ -93,21 +96,21 @@ class TransformBuffer:
     def lookup_through(
         self, target: str, target_time_ns: int, source: str, source_time_ns: int, fixed: str
     ) -> StampedTransform:
-        """Return where `source` stood at one moment in `target` at another, given that `fixed` did not move.
+        """Return the transform from `source` at one time to `target` at another, through the frame `fixed`.
 
-        Raises as `lookup` does.
+        Raises the same errors as `lookup`.
         """
         for frame, role in ((target, "target"), (source, "source"), (fixed, "fixed")):
             self._check(frame, f"lookupTransform argument {role}_frame")
         second = self.lookup(fixed, source, source_time_ns)
         first = self.lookup(target, fixed, target_time_ns)
-        # tf2 takes matrices for this step, which normalizes rotations and settles their signs.
+        # tf2 uses matrices for this step, which normalizes rotations and determines their signs.
         joined = first.transform.normalized() @ second.transform.normalized()
         rotation = quaternion_from_matrix(matrix_from_quaternion(joined.rotation))
         return StampedTransform(target, source, first.stamp_ns, Transform(joined.translation, rotation))
 
     def why_not(self, target: str, source: str, time_ns: int = 0) -> str:
-        """Return why `lookup` would fail, or an empty string when it would not."""
+        """Return why `lookup` would fail, or an empty string."""
         unknown = [
             f"canTransform: {role} {frame} does not exist."
             for frame, role in ((target, "target_frame"), (source, "source_frame"))
@@ -122,7 +125,7 @@ class TransformBuffer:
         return ""
 
     def latest_common_time_ns(self, target: str, source: str) -> int:
-        """Return the latest moment at which every step between two frames is known; 0: all are static.
+        """Return the latest time at which every step between two frames is known; 0 if all steps are static.
 
         Raises UnknownFrameError, UnconnectedFramesError.
         """
@@ -138,7 +141,7 @@ class TransformBuffer:
         return min((stamp for stamp in stamps if stamp), default=0)
 
     def chain(self, target: str, source: str) -> list[str]:
-        """Return the frames that a lookup passes now, from the source's to the target's.
+        """Return the frames on the path of a lookup, from source to target.
 
         Raises UnknownFrameError, UnconnectedFramesError.
         """
@@ -164,7 +167,7 @@ class TransformBuffer:
         return self._caches.get(frame)
 
     def clear(self) -> None:
-        """Forget all transforms, as after a jump back in time; names stay known."""
+        """Remove all transforms, for instance after a jump back in time; names stay known."""
         self._caches.clear()
 
     def _check(self, frame: str, argument: str) -> None:
@@ -189,7 +192,7 @@ class TransformBuffer:
             try:
                 entry = cache.at(time_ns)
             except ExtrapolationError as error:
-                # The target may hang below this very frame.
+                # The target may be below this frame.
                 stopped = error
                 break
             if frame == target:

@@ -9,13 +9,14 @@ from rostether.errors import ExtrapolationError
 from rostether.robot.transform import Transform, interpolate
 from rostether.rostime import NS_PER_S
 
-# How far back tf2 remembers by default.
+# The default history length of tf2.
 DEFAULT_CACHE_NS = 10 * NS_PER_S
 
-# For one frame: ten seconds at 10 kHz, more than any sensor sends; a hostile peer's stamps could all fit.
+# The limit for one frame: ten seconds at 10 kHz, more than any sensor sends. The time limit alone would not
+# stop a hostile peer.
 MAX_TRANSFORMS = 100_000
 
-# tf2's own, so that the rate of a single transform can be shown.
+# The same as in tf2, so that the rate of a single transform can be shown.
 _SHORTEST_SPAN_S = 0.0001
 
 
@@ -40,7 +41,7 @@ class TimeCache:
         self._entries: list[Entry] = []
 
     def insert(self, entry: Entry) -> str:
-        """Remember an entry; returns why it was not, as tf2 words it, or an empty string."""
+        """Store an entry; returns tf2's error message if it was refused, or an empty string."""
         stamps = self._stamps
         if stamps and stamps[-1] > entry.stamp_ns + self._cache_ns:
             return (
@@ -59,7 +60,7 @@ class TimeCache:
         return ""
 
     def at(self, time_ns: int) -> Entry:
-        """Return what holds at a moment, between two entries by interpolation. Raises ExtrapolationError."""
+        """Return the transform at a time, interpolated between two entries. Raises ExtrapolationError."""
         stamps = self._stamps
         if time_ns == 0:
             return self._entries[-1]
@@ -83,7 +84,7 @@ class TimeCache:
 
     @property
     def latest_ns(self) -> int:
-        """The stamp of the newest entry; zero where stamps do not matter."""
+        """The stamp of the newest entry; zero for static transforms."""
         return self._stamps[-1]
 
     @property
@@ -93,7 +94,7 @@ class TimeCache:
 
     @property
     def rate_hz(self) -> float:
-        """Entries a second over the span that is remembered, as tf2 counts them."""
+        """Entries per second over the stored span, as tf2 counts them."""
         return len(self._stamps) / max((self.latest_ns - self.oldest_ns) / NS_PER_S, _SHORTEST_SPAN_S)
 
 

@@ -1,4 +1,4 @@
-"""Filling a tf buffer from /tf and /tf_static."""
+"""Fills a tf buffer from /tf and /tf_static."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
 
 
 class TfListener:
-    """Takes tf messages into `buffer`; `arrived` is set by each that changes it.
+    """Stores tf messages in `buffer`; each change sets `arrived`.
 
-    A jump of ROS time into the past, as of a bag that starts over, empties the buffer.
+    A jump of ROS time into the past, such as a bag that starts again, clears the buffer.
     """
 
     def __init__(self, buffer: TransformBuffer, on_refusal: Callable[[str], None]) -> None:
@@ -38,7 +38,7 @@ class TfListener:
     def batch_handler(
         self, graph: TypedGraph, codec: Codec, authority: str, *, is_static: bool
     ) -> OnMessages:
-        """Return what takes one publisher's messages; ones that do not fit the type are passed over."""
+        """Return the handler for one publisher's messages; it ignores messages that do not fit the type."""
 
         def take(payloads: Sequence[bytes]) -> None:
             self._notice_jump(graph.now().to_ns())
@@ -75,7 +75,7 @@ class TfListener:
 async def tf_listener(
     graph: TypedGraph, on_refusal: Callable[[str], None] = lambda _: None
 ) -> AsyncIterator[TfListener]:
-    """Listen to tf as long as the block lasts; `on_refusal` gets a line about each transform left out."""
+    """Listen to tf while the block runs; `on_refusal` gets a line about each refused transform."""
     listener = TfListener(TransformBuffer(), on_refusal)
     codec = graph.store.codec(TF_TYPE)
     message_type = graph.store.registry.message_type(TF_TYPE)

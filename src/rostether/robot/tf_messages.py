@@ -1,4 +1,4 @@
-"""Transforms as tf's messages carry them, and the topics they are on."""
+"""Converts transforms to and from tf messages, and publishes them on tf's topics."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def from_message(message: Any) -> Iterator[StampedTransform]:
 
 
 async def tf_publisher(graph: TypedGraph) -> TypedPublisher[...]:
-    """Advertise transforms that move."""
+    """Advertise /tf, for moving transforms."""
     return await graph.publisher(TF_TOPIC, TF_TYPE)
 
 
 async def tf_static_publisher(graph: TypedGraph) -> TypedPublisher[...]:
-    """Advertise transforms that stay; the last message holds for who comes later, so send all in one."""
+    """Advertise /tf_static. New subscribers get only the last message, so send all transforms in one."""
     return await graph.publisher(TF_STATIC_TOPIC, TF_TYPE, latch=True)
 
 

@@ -1,4 +1,4 @@
-"""What a tf buffer knows, as text: the tree of frames, tf2's YAML, dot, and transforms as of tf_echo."""
+"""Formats the content of a tf buffer: the tree of frames, dot, and transforms like tf_echo."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class FrameFacts:
 
     @property
     def buffer_length_s(self) -> float:
-        """The span that is remembered."""
+        """The length of the stored history."""
         return self.latest_s - self.oldest_s
 
 
@@ -50,7 +50,7 @@ def frame_facts(buffer: TransformBuffer) -> list[FrameFacts]:
 
 
 def frames_as_dot(buffer: TransformBuffer) -> str:
-    """Return the tree as view_frames draws it, in the language of graphviz."""
+    """Return the tree in the dot language of Graphviz, like view_frames."""
     lines = ["digraph G {"]
     for each in frame_facts(buffer):
         label = "\\n".join(

@@ -1,4 +1,4 @@
-"""How late and how often transforms come: for each frame and for each node that broadcasts them."""
+"""Delays and rates of transforms, for each frame and for each node that broadcasts them."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass, field
 from rostether.robot.transform import StampedTransform
 from rostether.rostime import NS_PER_S
 
-# Delays that are averaged, as in tf_monitor.
+# The number of averaged delays, as in tf_monitor.
 WINDOW = 1_000
 
-# Frames and nodes are a peer's to name; as many as a buffer holds.
+# Peers choose the names of frames and nodes; the limit is the same as in a buffer.
 MAX_ROWS = 10_000
 
 
 @dataclass(slots=True)
 class Delays:
-    """The last delays of one frame or node, in seconds, and when the messages came."""
+    """The last delays of one frame or node, in seconds, and the arrival times of its messages."""
 
     delays_s: deque[float] = field(default_factory=lambda: deque(maxlen=WINDOW))
     arrivals_ns: deque[int] = field(default_factory=lambda: deque(maxlen=WINDOW))
@@ -41,7 +41,7 @@ class Delays:
 
     @property
     def rate_hz(self) -> float:
-        """Messages a second; zero where one came."""
+        """Messages per second; zero after only one message."""
         if len(self.arrivals_ns) < 2:
             return 0.0
         span_ns = self.arrivals_ns[-1] - self.arrivals_ns[0]
@@ -49,7 +49,7 @@ class Delays:
 
 
 class TfStatistics:
-    """Counts what a listener takes in; a static transform has no delay."""
+    """Counts the transforms of a listener; a static transform has no delay."""
 
     def __init__(self) -> None:
         self.frames: dict[str, Delays] = {}

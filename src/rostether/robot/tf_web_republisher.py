@@ -1,7 +1,7 @@
-"""tf2_web_republisher: sends web pages the transforms that they ask for, at their rate, when they change.
+"""tf2_web_republisher: sends web pages the transforms that they request, at their rate, when they change.
 
-A page asks by the service `republish_tfs`, which answers with a topic of the page's own, or by the action
-`tf2_web_republisher`, as roslibjs' `TFClient` does: its feedback has the transforms.
+A page calls the service `republish_tfs`, which returns a topic for this page. Or it uses the action
+`tf2_web_republisher`, like roslibjs' `TFClient`; the feedback contains the transforms.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ MAX_REQUESTS = 256
 MAX_FRAMES = 1_000
 
 MAX_RATE_HZ = 100.0
-# Screens show 60 pictures a second; without a rate ten are enough to follow a robot.
+# Screens show 60 frames a second; the default of ten is enough to follow a robot.
 DEFAULT_RATE_HZ = 10.0
 
-# How long requests outlive their last page: closed pages do not withdraw their requests.
+# The lifetime of a request after its last subscriber: closed pages do not cancel their requests.
 IDLE_S = 15.0
 
 STATUS_PERIOD_S = 1.0
@@ -61,7 +61,7 @@ class Request:
         """Read a goal or a service's request. Raises ConfigError."""
         if len(message.source_frames) > MAX_FRAMES:
             raise ConfigError(
-                f"{len(message.source_frames)} frames are too many: ask for {MAX_FRAMES} at most"
+                f"{len(message.source_frames)} frames are too many; at most {MAX_FRAMES} are allowed"
             )
         rate_hz = message.rate if message.rate > 0 else DEFAULT_RATE_HZ
         return cls(
@@ -73,13 +73,13 @@ class Request:
         )
 
     def news(self, buffer: TransformBuffer) -> list[StampedTransform]:
-        """Return the frames that have moved further than asked for since they were sent, and new ones."""
+        """Return new frames, and those that have moved beyond the requested thresholds since last sent."""
         found = []
         for source in self.sources:
             try:
                 stamped = buffer.lookup(self.target, source)
             except TransformError:
-                continue  # Not known yet, or not any more.
+                continue  # Not known yet, or no longer known.
             if self._is_news(source, stamped.transform):
                 self.sent[source] = stamped.transform
                 found.append(stamped)
@@ -132,7 +132,7 @@ class _Republisher:
     async def _serve(self, message: Any) -> dict[str, str]:
         request = Request.read(message)
         if len(self._tasks) - len(self._goals) >= MAX_REQUESTS:
-            raise GraphError(f"{MAX_REQUESTS} requests are served already: close some pages")
+            raise GraphError(f"{MAX_REQUESTS} requests are already active; close some pages")
         self._count += 1
         publisher = await self._graph.publisher(f"tf_repub_{self._count}", f"{PACKAGE}/TFArray")
         timeout_s = message.timeout.to_ns() / 1e9
@@ -176,7 +176,7 @@ class _Republisher:
 
     async def _follow_cancels(self) -> None:
         async for goal_id in self._graph.messages(f"{NODE_NAME}/cancel", "actionlib_msgs/GoalID"):
-            # As in actionlib: without an id, all goals up to a time; pages give an id, or mean all.
+            # As in actionlib: an empty id cancels all goals up to a time; pages send an id, or cancel all.
             for name in [goal_id.id] if goal_id.id else list(self._goals):
                 self._cancel(name)
 
@@ -206,13 +206,13 @@ class _Republisher:
         timeout_s: float,
         send: Callable[[dict[str, Any]], object],
     ) -> None:
-        """Send changed transforms until there has been no subscriber for a time."""
+        """Send changed transforms until there has been no subscriber for some time."""
         loop = asyncio.get_running_loop()
         heard_s = loop.time()
         while loop.time() - heard_s < timeout_s:
             if publisher.subscriber_count:
                 heard_s = loop.time()
-                # Transforms sent without a subscriber would be missing later.
+                # Without a subscriber, sent transforms would be lost, and missing later.
                 news = request.news(self._buffer)
                 if news:
                     send(to_message(news))
@@ -229,5 +229,5 @@ class _Republisher:
 
 
 def report_to(graph: TypedGraph) -> Callable[[str], None]:
-    """Return what reports a refused request on /rosout."""
+    """Return a function that reports a refused request on /rosout."""
     return lambda problem: graph.log(Level.WARN, problem)

@@ -1,8 +1,8 @@
 """Rigid transforms: rotations as unit quaternions (x, y, z, w), translations in metres.
 
-Formulas follow tf2's and KDL's conventions down to the signs of quaternions, so that what we publish can be
-compared with theirs number by number. Plain floats: a robot has tens of joints, and numpy would cost more at
-start than it saves.
+Formulas follow tf2's and KDL's conventions down to the signs of quaternions, so that results can be compared
+number by number. Plain floats are used: a robot has tens of joints, and importing numpy would cost more time
+than it saves.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 
 NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
-# Below it the trace is zero but for rounding; KDL chooses its formula by the same.
+# A smaller trace is zero except for rounding; KDL uses the same limit.
 _TRACE_EPSILON = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
 class Transform:
-    """Takes points of the child's frame into the parent's: first the rotation, then the translation."""
+    """Converts points from the child's frame to the parent's: first the rotation, then the translation."""
 
     translation: Vector = (0.0, 0.0, 0.0)
     rotation: Quaternion = NO_ROTATION
@@ -71,7 +71,7 @@ def conjugated(rotation: Quaternion) -> Quaternion:
 
 
 def multiply(left: Quaternion, right: Quaternion) -> Quaternion:
-    """Return the rotation that turns by `right` first, then by `left`."""
+    """Return the rotation by `right`, followed by `left`."""
     ax, ay, az, aw = left
     bx, by, bz, bw = right
     return (
@@ -83,7 +83,7 @@ def multiply(left: Quaternion, right: Quaternion) -> Quaternion:
 
 
 def rotate(rotation: Quaternion, vector: Vector) -> Vector:
-    """Return a vector turned by a unit quaternion."""
+    """Return a vector rotated by a unit quaternion."""
     turned = multiply(multiply(rotation, (*vector, 0.0)), conjugated(rotation))
     return turned[0], turned[1], turned[2]
 
@@ -103,7 +103,7 @@ def slerp(start: Quaternion, end: Quaternion, ratio: float) -> Quaternion:
 
 
 def interpolate(start: Transform, end: Transform, ratio: float) -> Transform:
-    """Return the transform a part of the way from one to another: 0 is the start, 1 the end."""
+    """Return the interpolated transform; fraction 0 is the start, 1 the end."""
     x, y, z = ((1.0 - ratio) * a + ratio * b for a, b in zip(start.translation, end.translation, strict=True))
     return Transform((x, y, z), slerp(start.rotation, end.rotation, ratio))
 
@@ -122,7 +122,7 @@ def quaternion_from_rpy(roll: float, pitch: float, yaw: float) -> Quaternion:
 
 
 def rpy_from_quaternion(rotation: Quaternion) -> Vector:
-    """Return roll, pitch and yaw in radians; where pitch is a right angle, yaw is zero."""
+    """Return roll, pitch and yaw in radians; if pitch is ±90 degrees, yaw is zero."""
     (m00, m01, m02), (m10, _, _), (m20, m21, m22) = matrix_from_quaternion(rotation)
     if abs(m20) >= 1.0 - 1e-15:
         pitch = math.copysign(math.pi / 2, -m20)
@@ -172,7 +172,7 @@ def matrix_from_axis_angle(axis: Vector, angle_rad: float) -> Matrix:
 
 def matrix_times_vector(matrix: Matrix, vector: Vector) -> Vector:
     """Return the product of a matrix and a column."""
-    # Written out: newer Pythons' sum() rounds in another way.
+    # Written out, because sum() rounds differently in newer Python versions.
     x, y, z = vector
     a, b, c = (row[0] * x + row[1] * y + row[2] * z for row in matrix)
     return a, b, c

@@ -1,8 +1,7 @@
 """URDF: the XML that describes a robot's links and joints.
 
-Read as urdfdom reads it: what is wrong with a joint or the tree refuses the robot, what is wrong with a
-shape leaves that out. Elements that are not URDF's are passed over, so a .xacro that was not expanded loads
-too as far as it says plain things.
+It is read like in urdfdom: an error in a joint or in the tree refuses the robot; an invalid shape is left
+out. Unknown elements are ignored, so a .xacro file without macros also loads.
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ from rostether.robot.transform import Vector
 from rostether.robot.urdf_link import read_colors, read_link
 from rostether.robot.urdf_numbers import Numbers
 
-# The largest robots with inlined meshes' names have a few MB.
+# The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
 
-# Three orders above real robots; the tree is walked for each of them.
+# A thousand times the links of real robots; the tree is searched for each link.
 MAX_LINKS = 100_000
 
 _NEED_LIMITS = frozenset({JointType.REVOLUTE, JointType.PRISMATIC})
@@ -30,12 +29,12 @@ def parse_urdf(text: str | bytes, *, file: str = "robot_description") -> RobotMo
     root = parse_robot_xml(text, file=file)
     if root.tag != "robot":
         what = "COLLADA is not supported; convert it to URDF" if root.tag == "COLLADA" else "it is not URDF"
-        raise root.error(f"the outermost element is <{root.tag}>, not <robot>: {what}")
+        raise root.error(f"the root element is <{root.tag}>, not <robot>: {what}")
     return _Reader(Numbers(file)).read(root)
 
 
 def parse_robot_xml(text: str | bytes, *, file: str) -> XmlElement:
-    """Return the outermost element of a URDF or a xacro file. Raises RobotModelError with file and line."""
+    """Return the root element of a URDF or xacro file. Raises RobotModelError with file and line."""
 
     def make_error(reason: str, line: int) -> RobotModelError:
         return RobotModelError(f"{file}:{line}: {reason}" if line else f"{file}: {reason}")
@@ -60,7 +59,7 @@ class _Reader:
         if not name:
             raise robot.error('the robot has no name; write <robot name="...">')
         if robot.get("version") not in (None, "1.0", "1"):
-            raise robot.error(f"version {robot.get('version')} is not known; known is 1.0")
+            raise robot.error(f"version {robot.get('version')} is not supported; only 1.0 is")
         problems: list[str] = []
         colors = read_colors(robot, self._numbers, problems)
         links: dict[str, Link] = {}
@@ -112,12 +111,12 @@ class _Reader:
             raise element.error("a joint has no name")
         kind = element.get("type")
         if kind is None:
-            raise element.error(f"joint {name!r} has no type; known are {', '.join(JointType)}")
+            raise element.error(f"joint {name!r} has no type; known: {', '.join(JointType)}")
         try:
             joint_type = JointType(kind)
         except ValueError:
             raise element.error(
-                f"joint {name!r} is of the type {kind!r}; known are {', '.join(JointType)}"
+                f"joint {name!r} has the unknown type {kind!r}; known: {', '.join(JointType)}"
             ) from None
         ends = [self._end(element, name, role) for role in ("parent", "child")]
         limits = self._limits(element, name)
@@ -151,7 +150,7 @@ class _Reader:
             return 1.0, 0.0, 0.0
         vector = self._numbers.vector(axis, given, f"the axis of joint {name!r}")
         if not math.hypot(*vector):
-            raise axis.error(f"the axis of joint {name!r} is zero; give it a direction")
+            raise axis.error(f"the axis of joint {name!r} is zero; set a direction")
         return vector
 
     def _limits(self, element: XmlElement, name: str) -> Limits | None:

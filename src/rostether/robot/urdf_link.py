@@ -15,7 +15,7 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def read_colors(robot: XmlElement, numbers: Numbers, problems: list[str]) -> dict[str, Color]:
-    """Return the colours of the materials that a robot names for all of its links."""
+    """Return the colors of the materials that a robot defines for all links."""
     colors = {}
     for material in robot.all("material"):
         try:
@@ -29,7 +29,7 @@ def read_colors(robot: XmlElement, numbers: Numbers, problems: list[str]) -> dic
 
 
 def read_link(element: XmlElement, numbers: Numbers, colors: dict[str, Color], problems: list[str]) -> Link:
-    """Return one link; what cannot be read of it goes to `problems`."""
+    """Return one link; its errors are added to `problems`."""
     name = element.get("name") or ""
     if not name:
         problems.append(f"line {element.line}: a link has no name")
@@ -82,7 +82,7 @@ def _form(form: XmlElement, numbers: Numbers, what: str) -> tuple[str, tuple[flo
             return "mesh", numbers.vector(form, form.get("scale") or "1 1 1", f"the scale of {what}"), mesh
         case _:
             raise RobotModelError(
-                f"line {form.line}: {what} is a <{form.tag}>; known are box, cylinder, sphere, mesh"
+                f"line {form.line}: {what} is a <{form.tag}>; known: box, cylinder, sphere, mesh"
             )
 
 

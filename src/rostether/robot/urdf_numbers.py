@@ -1,4 +1,4 @@
-"""Numbers in URDF attributes, with the line in every refusal."""
+"""Reads numbers in URDF attributes; errors contain the line."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Numbers:
         return default if text is None else self._number(element, text, f"{name} of {what}")
 
     def needed(self, element: XmlElement, name: str, what: str) -> float:
-        """Return an attribute that must be there as a number."""
+        """Return a required attribute as a number."""
         text = element.get(name)
         if text is None:
             raise RobotModelError(f"{self._file}:{element.line}: {what} has no {name}")

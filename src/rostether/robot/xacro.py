@@ -1,6 +1,6 @@
-"""Expanding xacro files, by the package xacro (extra `robot`), with $(find) answered from package folders.
+"""Expands xacro files with the package xacro (extra `robot`), and finds packages for $(find).
 
-xacro evaluates expressions of the file with Python, so it is used on files that the user names only.
+xacro evaluates expressions with Python, so it is used only for files that the user names.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 
 
 def is_xacro(data: bytes) -> bool:
-    """Return whether a robot description is xacro, to be expanded before it is read."""
+    """Return whether a robot description is a xacro file, which must be expanded."""
     return _XACRO.search(data) is not None
 
 
 def parse_mappings(words: Iterable[str]) -> dict[str, str]:
-    """Return what `name:=value` arguments set. Raises ConfigError for other words."""
+    """Return the values of `name:=value` arguments. Raises ConfigError for other arguments."""
     mappings = {}
     for word in words:
         name, assignment, value = word.partition(ASSIGNMENT)
@@ -41,12 +41,12 @@ def parse_mappings(words: Iterable[str]) -> dict[str, str]:
 def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[str, Path]) -> str:
     """Return the URDF that a xacro file expands to.
 
-    `packages` are the folders that $(find) answers with. Raises RobotModelError, also when the package xacro
-    is not installed.
+    `packages` are the folders for $(find). Raises RobotModelError, also if the package xacro is not
+    installed.
     """
     xacro = _xacro(file)
     try:
-        # Its DTD, if it had one, would be expanded without bounds.
+        # xacro would expand a DTD without limits.
         parse_robot_xml(file.read_bytes(), file=str(file))
     except OSError as error:
         raise RobotModelError(f"{file}: {error.strerror}") from error
@@ -57,7 +57,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
             raise
         except RecursionError as error:
             raise RobotModelError(f"{file}: its macros or files call each other endlessly") from error
-        # Expressions of the file may raise anything.
+        # Expressions in the file may raise any exception.
         except Exception as error:
             raise RobotModelError(_explain(file, xacro, error)) from error
     text: str = document.toprettyxml(indent="  ")
@@ -85,7 +85,7 @@ def _xacro(file: Path) -> Any:
 
 @contextmanager
 def _finding(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
-    # xacro asks ROS 2's ament index, which is not there.
+    # xacro uses the ament index of ROS 2, which is not installed.
     arguments = xacro.substitution_args
     before = arguments._eval_find
 

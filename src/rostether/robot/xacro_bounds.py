@@ -1,4 +1,4 @@
-"""Bounds what the package xacro computes: the elements, the characters, and its expressions."""
+"""Limits the work of the package xacro: elements, characters and expressions."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from rostether.bounded_yaml import load, safe_loader
 from rostether.errors import RobotModelError
 from rostether.expression.python_expression import PythonEvaluator
 
-# A large robot has some 100,000 elements; a macro that calls another twice, 30 levels deep, has 10**9.
+# A large robot has about 100,000 elements; macros that call two others, 30 levels deep, make 10**9.
 MAX_ELEMENTS: Final = 1_000_000
 MAX_CHARACTERS: Final = 64 * 1024 * 1024
 
 _MISSING: Final = object()
 
-# Of one character class, without a way out of it.
+# A single character class that cannot be closed early.
 _SEPARATORS: Final = re.compile(r"\^?\]?(?:[^\]\\]|\\.)*", re.DOTALL)
 
 
@@ -28,7 +28,7 @@ def bounded(xacro: Any, file: Path) -> Iterator[None]:
     counter, evaluate = _Counter(xacro, file), PythonEvaluator().evaluate
     symbols, arguments = xacro._global_symbols, xacro.substitution_args
     load_yaml = _load_yaml(xacro)
-    # A quantifier inside a quantifier takes exponential time for a quote without its end.
+    # Nested quantifiers would take exponential time for an unclosed quote.
     macro_argument = re.compile(xacro.re_macro_arg.pattern.replace(r"""[^\s'\"]+)+""", r"""[^\s'\"])+"""))
     replacements: list[tuple[dict[str, Any], str, Any]] = [
         (vars(xacro), "eval_all", counter.eval_all),

@@ -49,7 +49,7 @@ class NodeClock:
         return self._wall_time() if self._simulated is None else self._simulated
 
     async def close(self) -> None:
-        """Follow no more. Idempotent."""
+        """Stop following. Idempotent."""
         self._is_closed = True
         self._store.unlisten(self._take_changes)
         if self._following is not None:

@@ -1,4 +1,4 @@
-"""Finds which distribution of ROS 2 is there."""
+"""Finds the ROS 2 distribution."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from rostether.ros2.endpoint_info import Ros2Graph
 
 
 async def find_distribution(graph: Graph, environ: Mapping[str, str]) -> str:
-    """Return the distribution of a ROS 2 graph: ROS_DISTRO, what the graph shows, or the default."""
+    """Return the distribution of a ROS 2 graph: ROS_DISTRO, else the graph's, else the default."""
     shown = await graph.distribution() if isinstance(graph, Ros2Graph) else ""
     return named_distro(environ) or shown or BUNDLED_DISTRO

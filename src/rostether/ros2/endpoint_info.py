@@ -12,7 +12,7 @@ INFINITE = "Infinite"
 
 
 class EndpointKind(Enum):
-    """What an end is; the names are rclpy's."""
+    """The kind of an endpoint; the names are those of rclpy."""
 
     PUBLISHER = "PUBLISHER"
     SUBSCRIPTION = "SUBSCRIPTION"
@@ -54,7 +54,7 @@ class Ros2Graph(Graph, Protocol):
     """A `graph.ports.Graph` of ROS 2."""
 
     async def endpoints(self) -> list[EndpointInfo]:
-        """Return every end of every topic and service that is known now."""
+        """Return all known endpoints of topics and services."""
 
     async def distribution(self) -> str:
         """Return the name of the distribution that the graph shows; empty if it shows none."""

@@ -1,7 +1,7 @@
-"""The ROS 2 environment variables, read as the middlewares read them.
+"""The ROS 2 environment variables, read like in the middlewares.
 
-Sources: ROS 2's own documentation of ROS_DOMAIN_ID and of the discovery range, and rmw_zenoh's of its
-ZENOH_* variables.
+Sources: the ROS 2 documentation of ROS_DOMAIN_ID and of the discovery range, and rmw_zenoh's documentation of
+its ZENOH_* variables.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError
 
-# The highest domain whose DDS ports still fit below 65536; every middleware keeps to it.
+# The highest domain with DDS ports below 65536; all middlewares have this limit.
 MAX_DOMAIN_ID = 232
 
 _DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
@@ -21,7 +21,7 @@ _DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 @dataclass(frozen=True, slots=True)
 class Ros2Environment:
-    """Where the ROS 2 graph is. Empty strings and None: not set, so the middleware's default applies.
+    """The settings of a ROS 2 graph. Empty strings and None mean "not set": the middleware's default applies.
 
     `zenoh_overrides` are pairs of a zenoh configuration path and its value in JSON5.
     """

@@ -13,7 +13,7 @@ class ListedClient:
         self._is_closed = False
 
     async def close(self) -> None:
-        """Be listed no more. Idempotent."""
+        """Remove the client from the graph. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             await self._withdraw()

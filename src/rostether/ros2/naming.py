@@ -1,4 +1,4 @@
-"""The names of ROS 2: types as DDS and zenoh spell them, and which node, namespace and topic names are legal.
+"""The names of ROS 2: types in the spelling of DDS and zenoh; rules for node, namespace and topic names.
 
 Source: rmw's validate_full_topic_name, validate_namespace and validate_node_name.
 """
@@ -12,21 +12,21 @@ from rostether.errors import InvalidNameError
 # rmw's limit.
 MAX_NODE_NAME_CHARACTERS = 255
 
-# rmw's: leaves room for the node's name and DDS's prefix.
+# rmw's limit, which leaves room for the node's name and DDS's prefix.
 MAX_NAMESPACE_CHARACTERS = 245
 
-# rmw's: a DDS topic has 255, of which a prefix takes 8.
+# rmw's limit: a DDS topic has 255 characters, including a prefix of 8.
 MAX_TOPIC_NAME_CHARACTERS = 247
 
 _DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_", re.ASCII)
 _ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
 
-# A peer can send any name; the error stays one readable line.
+# A peer can send any name; this keeps the error to one readable line.
 _MAX_QUOTED_CHARACTERS = 80
 
 
 def dds_name(name: str) -> str:
-    """Return how middlewares call a type: `std_msgs/msg/String` -> `std_msgs::msg::dds_::String_`."""
+    """Return a type's name in the middlewares: `std_msgs/msg/String` -> `std_msgs::msg::dds_::String_`."""
     package, kind, short_name = name.split("/")
     return f"{package}::{kind}::dds_::{short_name}_"
 

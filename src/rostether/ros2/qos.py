@@ -1,4 +1,4 @@
-"""Quality of service: what two ends of a ROS 2 topic promise and ask for."""
+"""Quality of service: what publishers offer and subscribers request."""
 
 from __future__ import annotations
 

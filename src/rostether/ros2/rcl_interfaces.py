@@ -1,6 +1,6 @@
-"""The interfaces every ROS 2 node speaks (rcl_interfaces), in ROS 1's words: what the graph port carries.
+"""The interfaces of every ROS 2 node (rcl_interfaces) in the form of ROS 1, which the graph port carries.
 
-A ROS 2 graph finds the definitions of the same names in ROS 2's words and converts between the two.
+A ROS 2 graph finds the ROS 2 definitions with the same names, and converts between both.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ _SERVICES = {
 
 
 class RclInterfaces:
-    """Types and codecs by their short names; halves of services are `NameRequest` and `NameResponse`."""
+    """Types and codecs by their short names; requests and responses are `NameRequest` and `NameResponse`."""
 
     def __init__(self) -> None:
         self._registry = Registry(bundled=False)
@@ -89,11 +89,11 @@ class RclInterfaces:
         return self._services[name]
 
     def codec(self, name: str) -> Codec:
-        """Return the codec of a message or of half a service."""
+        """Return the codec of a message, a request or a response."""
         return self._store.codec(f"{PACKAGE}/{name}")
 
     def add_to(self, registry: Registry) -> None:
-        """Teach another table these types, so that its users can call the services of every node."""
+        """Add these types to another registry, so that its users can call the services of every node."""
         for name, text in _MESSAGES.items():
             registry.add_full_text(f"{PACKAGE}/{name}", text)
         for name, text in _SERVICES.items():
@@ -115,5 +115,5 @@ class RclInterfaces:
 
 @cache
 def rcl_interfaces() -> RclInterfaces:
-    """Return the one table of this process."""
+    """Return the only instance of this process."""
     return RclInterfaces()

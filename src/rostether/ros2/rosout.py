@@ -1,7 +1,7 @@
-"""A node's own log messages on /rosout, as rcl names and marks them.
+"""A node's log messages on /rosout, with the names and levels of rcl.
 
-They are made as rosgraph_msgs/Log, the graph port's log; on ROS 2 they travel as rcl_interfaces/msg/Log with
-that one's levels. The topic's quality of service is `qos.ROSOUT_QOS`.
+They are created as rosgraph_msgs/Log, the graph port's log type; on ROS 2 they are sent as
+rcl_interfaces/msg/Log with its levels. The topic's quality of service is `qos.ROSOUT_QOS`.
 """
 
 from __future__ import annotations

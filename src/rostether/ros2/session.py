@@ -1,4 +1,4 @@
-"""Being on a ROS 2 graph from a program, over the middleware that it names."""
+"""Joins a program to a ROS 2 graph over the chosen middleware."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from rostether.ros2.types.type_support import Ros2Types
 async def open_ros2(
     middleware: str, types: Ros2Types, environ: Mapping[str, str] | None = None
 ) -> AsyncIterator[JoinGraph]:
-    """Yield what makes nodes, as long as the block lasts; `middleware` is zenoh or rclpy.
+    """Yield a factory of nodes for the block; `middleware` is zenoh or rclpy.
 
-    Raises ConfigError saying what to install, GraphError where the graph cannot be joined.
+    Raises ConfigError with the command to install it, GraphError if the graph cannot be joined.
     """
     environment = Ros2Environment.read(environ)
     if middleware == "rclpy":

@@ -20,14 +20,14 @@ from rostether.serde.store import TypeStore
 SERVICE: Final = "get_type_description"
 SERVICE_TYPE: Final = "type_description_interfaces/srv/GetTypeDescription"
 
-# A node that hangs must not hold up a tool for longer than it would wait for the topic.
+# A node that hangs must not delay a tool longer than waiting for a topic would.
 TIMEOUT_S: Final = 3.0
 
 
 async def learn_type(graph: Graph, types: Ros2Types, node_name: str, name: str, type_hash: str) -> None:
-    """Add the definitions of a type, and of all below it, that a node describes.
+    """Add the definitions of a type and of its nested types from a node.
 
-    Raises UnknownTypeError saying why they cannot be learned.
+    Raises UnknownTypeError with the reason.
     """
     where = f"{node_name}/{SERVICE}"
     try:
@@ -58,8 +58,8 @@ async def _ask(graph: Graph, types: Ros2Types, service: str, name: str, type_has
 
 
 def _check(messages: list[Ros2Message], name: str, type_hash: str) -> None:
-    """Check that the descriptions are complete and have the hash that was asked for."""
+    """Check that the descriptions are complete and have the requested hash."""
     source = Ros2Definitions(bundled=False)
     source.add(messages)
     if not source.has(name) or rihs01(source.message(name), source) != type_hash:
-        raise DefinitionError(f"it describes another type than {name} of the hash {type_hash}")
+        raise DefinitionError(f"it describes another type than {name} with the hash {type_hash}")

@@ -311,7 +311,7 @@ def _split_scheme(text: str, place: str) -> tuple[str, str]:
         scheme = match[1].lower()
         if scheme not in _KNOWN_OPTIONS:
             raise ConfigError(
-                f"unknown kind of link {scheme!r} in address {text!r}; known are a serial port's path, "
+                f"unknown kind of link {scheme!r} in address {text!r}; known: a serial port's path, "
                 f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
             )
         return scheme, match[2]
@@ -342,9 +342,7 @@ def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
     for part in query.split("&") if query else ():
         key, equals, value = part.partition("=")
         if key not in known:
-            raise ConfigError(
-                f"unknown option {key!r} in link address {text!r}; known are {', '.join(known)}"
-            )
+            raise ConfigError(f"unknown option {key!r} in link address {text!r}; known: {', '.join(known)}")
         if not equals or not value:
             raise ConfigError(f"option {key!r} in link address {text!r} has no value; write {key}=VALUE")
         if key in options:

@@ -85,7 +85,11 @@ def ours(name: str) -> dict[str, object]:
     ("tls", "here", "there"),
     [
         (ours("laptop"), "", ""),
-        (ours("stranger"), "it refuses our certificate", "its certificate is not from our authority"),
+        (
+            ours("stranger"),
+            "it refuses our certificate",
+            "its certificate is not from the configured authority",
+        ),
         (OURS, "it asks for a certificate", "it has no certificate"),
         (
             {"root_ca_certificate": "others.pem"},

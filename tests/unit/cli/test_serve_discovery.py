@@ -35,5 +35,5 @@ async def test_a_mistake_in_the_file_is_one_line(tmp_path: Path) -> None:
     async with started("serve", "--config", str(config)) as serve:
         text = await serve.finish()
     assert serve.process.returncode == 1
-    assert text.startswith(f"rostether: error: {config}:devices.arm.baudrate: unknown key; known are ")
+    assert text.startswith(f"rostether: error: {config}:devices.arm.baudrate: unknown key; known: ")
     assert len(text.splitlines()) == 1

@@ -62,7 +62,7 @@ def test_an_unknown_board_names_those_that_are_near(table: BoardTable) -> None:
 
 
 def test_a_board_like_no_other_names_the_usual_ones(table: BoardTable) -> None:
-    with pytest.raises(ConfigError, match=r"no board 'zzzz'; known are uno, nano, promini and more"):
+    with pytest.raises(ConfigError, match=r"no board 'zzzz'; known: uno, nano, promini and more"):
         table.find("zzzz")
 
 

@@ -25,7 +25,7 @@ def _explained(folder: Path, text: str, output: str) -> str:
 def test_lines_that_a_web_page_joined_are_named(tmp_path: Path, text: str, place: str, rest: str) -> None:
     first = _explained(tmp_path, text, "S.ino:9:1: error: nonsense").splitlines()[0]
     assert f"S.ino:{place}: error: a web page joined several lines into this one" in first
-    assert first.endswith(f"begin a new line before `{rest}`")
+    assert first.endswith(f"start a new line before `{rest}`")
 
 
 def test_lines_as_they_should_be_are_not(tmp_path: Path) -> None:

@@ -111,7 +111,7 @@ async def test_the_shared_prologues_of_the_c_library_are_understood(tmp_path: Pa
         ("String s;\nvoid setup() { s += millis(); Serial.print(s); }\nvoid loop() {}\n", "the heap"),
         (
             "volatile int n; ISR(TIMER1_OVF_vect) { sei(); n = millis(); }\n" + EMPTY,
-            "an interrupt lets others interrupt it",
+            "an interrupt handler enables interrupts",
         ),
     ],
 )

@@ -158,7 +158,7 @@ async def test_a_taker_that_fails_leaves_the_others_alone(
     await shared.subscribe(TOPIC, taker.batches.append)
     publisher.publish_raw([HELLO])
     await until(lambda: taker.payloads)
-    assert "taker of /chatter failed: ValueError: no" in caplog.text
+    assert "subscriber of /chatter failed: ValueError: no" in caplog.text
 
 
 async def test_takers_that_come_at_once_share_and_a_cancelled_one_harms_nobody(

@@ -23,7 +23,7 @@ LINES = {
     "param_failing_command": (2, "the command 'false' failed with code 1"),
     "rosparam_broken_file": (2, "broken.yaml:2:1: this is not YAML"),
     "eval_division": (2, "division by zero"),
-    "include_itself": (2, "is included again and again"),
+    "include_itself": (2, "includes itself endlessly"),
 }
 
 
@@ -102,7 +102,7 @@ def test_document_type_is_refused_before_entities_are_read() -> None:
 
 
 def test_two_includes_of_itself_end() -> None:
-    with pytest.raises(LaunchError, match="again and again"):
+    with pytest.raises(LaunchError, match="includes itself endlessly"):
         load_launch([ROBOT / "wrong" / "include_itself.launch"], {}, {}, {"corpus_robot": ROBOT})
 
 

@@ -46,7 +46,7 @@ async def test_queries_change_nothing_and_a_drive_ends_with_a_halt_and_a_release
 
 
 def test_addresses_that_are_wrong() -> None:
-    with pytest.raises(ConfigError, match="'robots' is not a group's address"):
+    with pytest.raises(ConfigError, match="'robots' is not a numeric IP address"):
         FleetSender(FleetSettings(address=GroupAddress("robots")), Lines())
     with pytest.raises(ConfigError, match="at most 100 unicast addresses"):
         FleetSender(FleetSettings(unicast=("10.0.0.1",) * 101), Lines())

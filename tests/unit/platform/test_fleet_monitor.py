@@ -50,7 +50,7 @@ async def test_robots_are_shown_stopped_and_missed(monkeypatch: pytest.MonkeyPat
         answer = await page.call("/fleet_stop", "sensing_platform/StopRobots", {"robot": 0})
         assert answer.confirmed == [1, 2]
         await until(lambda: states == {1: "stopped", 2: "stopped"})
-        with pytest.raises(TransportError, match="later than this sender"):
+        with pytest.raises(TransportError, match="after this sender started"):
             await driving
         sender.close()
         robots[2].cancel()

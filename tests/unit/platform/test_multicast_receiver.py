@@ -91,7 +91,7 @@ async def test_a_framed_robot_stops_when_it_is_told_and_when_its_sender_is_gone(
             # Nothing more comes: the time to live of 300 ms ends it.
             await until(lambda: robot.speeds == [1.0, 0.0, 1.0, 0.0])
     assert "is not a framed command" in lines.texts[1]
-    assert lines.texts[2:] == ["no command for its time to live; /multicast_topic is stopped"]
+    assert lines.texts[2:] == ["no command within the time to live; stopping /multicast_topic"]
 
 
 async def test_a_robot_that_moves_is_stopped_when_its_receiver_ends() -> None:
@@ -136,7 +136,7 @@ async def test_an_interface_that_comes_later(monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize(
     ("settings", "reason"),
     [
-        (ReceiverNodeSettings(CONTROL, address=GroupAddress("x")), "not a group's address"),
+        (ReceiverNodeSettings(CONTROL, address=GroupAddress("x")), "not a numeric IP address"),
         (ReceiverNodeSettings(CONTROL, sources=("lab",)), "~sources: 'lab' is not a network"),
         (
             ReceiverNodeSettings(CONTROL, address=GroupAddress("192.0.2.1")),

@@ -92,13 +92,13 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
     [
         ("[devices.a", "", "not TOML"),
         (f"a = {'9' * 5000}", "", "not TOML"),
-        ("device = 1", "device", "unknown key; known are discovery, defaults, devices"),
+        ("device = 1", "device", "unknown key; known: discovery, defaults, devices"),
         ("devices = 1", "devices", "must be a table, not 1"),
         ("[devices]\na = 1", "devices.a", "must be a table, not 1"),
         (
             '[devices.a]\nport = "/x"\nbaudrate = 9600',
             "devices.a.baudrate",
-            "unknown key; known are serial_n",
+            "unknown key; known: serial_n",
         ),
         (
             '[devices.a]\nport = "/x"\nbaud = "fast"',
@@ -118,14 +118,14 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
         ('[devices.a]\nport = "/x"\nrequired_topics = "/x"', "devices.a.required_topics", "a list in bra"),
         ('[devices.a]\nport = "/x"\nqueue_depths = { a = 0 }', "devices.a.queue_depths.a", "from 1 to"),
         ('[devices.a]\nport = "/x"\nlimits = 3', "devices.a.limits", "must be a table"),
-        ('[devices.a]\nport = "/x"\nlimits.frames = 3', "devices.a.limits.frames", "known are frame_bytes"),
+        ('[devices.a]\nport = "/x"\nlimits.frames = 3', "devices.a.limits.frames", "known: frame_bytes"),
         ("[defaults]\nlimits.endpoints = 1.5", "defaults.limits.endpoints", "from 1 to 4096, not 1.5"),
         ("[defaults]\nlimits.messages_hz = 0", "defaults.limits.messages_hz", "from 1 to 1e+07, not 0"),
         ('[devices.a]\nport = "/x"\ngrace_s = nan', "devices.a.grace_s", "from 0 to 86400, not nan"),
         (
             '[devices.a]\nport = "/x"\naccess = { read = {} }',
             "devices.a.access.read",
-            "known are publish, sub",
+            "known: publish, sub",
         ),
         (
             '[devices.a]\nport = "/x"\naccess.publish = { allow = ["imu"] }',

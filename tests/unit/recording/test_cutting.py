@@ -45,7 +45,7 @@ def test_times_are_local(text: str, moment: str) -> None:
 
 @pytest.mark.parametrize("text", ["", "14", "25:00", "yesterday", "2026-13-01 10:00"])
 def test_what_is_no_time(text: str) -> None:
-    with pytest.raises(ConfigError, match="is no time; write 14:02"):
+    with pytest.raises(ConfigError, match="is not a time; write 14:02"):
         moment_ns(text, START_NS)
 
 

@@ -17,6 +17,8 @@ def test_time_that_goes_on_or_back_a_little_is_no_fault() -> None:
 
 
 def test_jumps_back_are_counted_and_the_first_is_shown() -> None:
-    assert "goes back once from 90.00 s to 1.50 s, as when a simulation is reset" in _fault(80, 90, 1.5, 2)
+    assert "goes back once from 90.00 s to 1.50 s, for instance because a simulation was reset" in _fault(
+        80, 90, 1.5, 2
+    )
     assert "goes back 2 times, first from 9.00 s to 0.00 s" in _fault(9, 0, 8, 2)
     assert "`rostether bag filter FILE NEW_FILE True` sorts the messages" in _fault(9, 0)

@@ -113,11 +113,11 @@ async def test_a_page_asks_by_the_action_as_roslibjs_does(world: World) -> None:
         assert len(feedback) <= count + 1
         goals.publish(goal_id={"id": "goal_2"}, goal={"source_frames": ["a"] * (MAX_FRAMES + 1)})
         await until(lambda: [each.status.status for each in results] == [2, 5])
-    assert world.problems == [f"{MAX_FRAMES + 1} frames are too many: ask for {MAX_FRAMES} at most"]
+    assert world.problems == [f"{MAX_FRAMES + 1} frames are too many; at most {MAX_FRAMES} are allowed"]
 
 
 async def test_requests_are_bounded(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tf_web_republisher, "MAX_REQUESTS", 1)
     await world.page.call("/republish_tfs", "tf2_web_republisher/RepublishTFs", ASK)
-    with pytest.raises(ServiceCallError, match="1 requests are served already"):
+    with pytest.raises(ServiceCallError, match="1 requests are already active"):
         await world.page.call("/republish_tfs", "tf2_web_republisher/RepublishTFs", ASK)

@@ -56,7 +56,7 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
         (f'<robot name="x">{TWO}{TWO}</robot>', "link 'a' is not unique"),
         (with_joint('type="fixed"'), "a joint has no name"),
         (with_joint('name="j"'), "joint 'j' has no type"),
-        (with_joint('name="j" type="bar"'), "of the type 'bar'; known are revolute"),
+        (with_joint('name="j" type="bar"'), "has the unknown type 'bar'; known: revolute"),
         (with_joint('name="j" type="fixed"', '<parent link="a"/>'), "no child link"),
         (
             with_joint('name="j" type="fixed"', '<parent link="q"/><child link="b"/>'),
@@ -64,7 +64,7 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
         ),
         (with_joint('name="j" type="revolute"'), "has no limits"),
         (with_joint('name="j" type="revolute"', ENDS + '<limit effort="1"/>'), "has no velocity"),
-        (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0 0"/>'), "zero; give it a direction"),
+        (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0 0"/>'), "zero; set a direction"),
         (with_joint('name="j" type="continuous"', ENDS + '<axis xyz="0 0"/>'), "2 numbers"),
         (with_joint('name="j" type="continuous"', ENDS + "<mimic/>"), "mimics no joint"),
         (with_joint('name="j" type="fixed"', ENDS + '<origin xyz="a 0 0"/>'), "'a', not a number"),
@@ -141,7 +141,7 @@ def test_shapes_and_masses() -> None:
     ("inside", "said"),
     [
         ("<visual/>", "no geometry"),
-        ("<visual><geometry><cone/></geometry></visual>", "known are box"),
+        ("<visual><geometry><cone/></geometry></visual>", "known: box"),
         ('<visual><geometry><box size="1 1"/></geometry></visual>', "2 numbers"),
         ("<visual><geometry><mesh/></geometry></visual>", "no filename"),
         ('<collision><geometry><sphere radius="${r}"/></geometry></collision>', "not a number"),

@@ -107,7 +107,7 @@ def run_host(
     """Serve one board as that host does until cancelled."""
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
-        reporter.line(Level.WARN, f"unknown parameter _{name}; known are _{', _'.join(host.parameters)}")
+        reporter.line(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
     variables = {
         _ENVIRONMENT_OF_SPECIAL[key]: value
         for key, value in parsed.special.items()

@@ -1,6 +1,6 @@
-"""Files of packages for clients: the meshes and pictures of a robot description.
+"""Serves files of packages to clients: the meshes and images of a robot description.
 
-Only files inside packages on this machine, and no hidden ones; nothing is downloaded.
+It reads only visible files inside packages on this machine, and downloads nothing.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rostether.errors import ConfigError
 # Maps the packages' names to their folders.
 FindPackages = Callable[[], Mapping[str, Path]]
 
-# Read at once: some 0.3 ms in which nothing else runs.
+# The size of one read: about 0.3 ms in which no other task runs.
 _CHUNK_BYTES = 1 << 20
 
 
@@ -26,7 +26,7 @@ class Assets:
         self._find_packages = find_packages
         self._max_bytes = max_bytes
         self._folders: Mapping[str, Path] = {}
-        # Clients ask for all meshes of a robot at once: one search serves them.
+        # Clients request all meshes of a robot at the same time: one search serves them.
         self._turn = asyncio.Lock()
 
     async def read(self, uri: str) -> bytes:
@@ -50,42 +50,42 @@ class Assets:
         try:
             parts = urlsplit(uri)
         except ValueError:
-            raise ConfigError(f"{uri[:200]!r} is no address of a file") from None
+            raise ConfigError(f"{uri[:200]!r} is not the address of a file") from None
         # Text after ? and # belongs to the name of a file.
         rest = unquote(uri.partition("://")[2])
         if "\0" in rest:
-            raise ConfigError("an address with a zero byte is no address of a file")
+            raise ConfigError("the address of a file cannot contain a zero byte")
         if parts.scheme == "package":
             name, _, below = rest.partition("/")
             return self._in_package(uri, name, below)
         if parts.scheme == "file":
             return self._in_any_package(uri, rest)
         raise ConfigError(
-            f"{uri[:200]} is not fetched: only package:// and file:// of found packages are; "
-            "clients fetch http themselves"
+            f"{uri[:200]} is not served: only package:// and file:// addresses of known "
+            "packages are; clients fetch http themselves"
         )
 
     def _in_package(self, uri: str, name: str, below: str) -> Path:
         folder = self._folder(name)
         if folder is None:
             raise ConfigError(
-                f"there is no package {name[:80]!r} for {uri[:200]}: "
-                "give its folder with --msg-path or ROS_PACKAGE_PATH"
+                f"there is no package {name[:80]!r} for {uri[:200]}; give its folder "
+                "with --msg-path or ROS_PACKAGE_PATH"
             )
         path = _inside(folder, folder / below)
         if path is None:
-            raise ConfigError(f"{uri[:200]} is no file of the package {name}")
+            raise ConfigError(f"{uri[:200]} is not a file of the package {name}")
         return path
 
     def _in_any_package(self, uri: str, rest: str) -> Path:
-        # Neither another host nor a relative path is a file here.
+        # Addresses with another host or a relative path are not files of this machine.
         text = rest if rest.startswith("/") else "/" + rest.partition("/")[2]
         if rest.startswith(("/", "localhost/")):
             self._folders = self._find_packages()
             for folder in self._folders.values():
                 if (path := _inside(folder, Path(text))) is not None:
                     return path
-        raise ConfigError(f"{uri[:200]} is no file of any package that is found here")
+        raise ConfigError(f"{uri[:200]} is not a file of any known package")
 
     def _folder(self, name: str) -> Path | None:
         folder = self._folders.get(name)

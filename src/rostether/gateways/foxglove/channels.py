@@ -23,7 +23,7 @@ from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 
-# More topics than any graph has; their offer to one client is then some 20 MB.
+# More topics than any graph has; announcing them to a client needs about 20 MB.
 MAX_CHANNELS = 20_000
 
 # Topics that are subscribed only to learn their types.
@@ -92,12 +92,13 @@ class Channels:
         if actual.md5sum in (channel.type.md5sum, ANY_MD5SUM) or self.by_id.get(channel.id) is not channel:
             return
         if channel.topic in self._learned:
-            # Two publishers disagree: the first one counts, as long as it is connected.
+            # Two publishers disagree: the first one counts while it is connected.
             return
         if not self._is_sound(actual):
             self._report(
-                f"{channel.topic} is sent as {actual.name} of another definition than is known here, which "
-                "its publisher does not send: give its package with --msg-path or ROS_PACKAGE_PATH"
+                f"{channel.topic} is sent with another definition of {actual.name} than the known one, and "
+                "its publisher does not send the definition; give its package with --msg-path or "
+                "ROS_PACKAGE_PATH"
             )
             return
         self._learned.add(channel.topic)

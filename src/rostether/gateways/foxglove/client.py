@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from rostether.gateways.foxglove.line import Line
     from rostether.graph.ports import Publisher
 
-# Statuses about a client's own mistakes; one that makes more would only be flooded by the answers.
+# The limit of statuses about a client's mistakes; more statuses would only flood the client.
 MAX_REPORTED_MISTAKES = 100
 
-# The refusal for a client that may only view, and what it may not do.
+# The refusal for a client that may only view.
 _VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
 _ACTIONS = (
     asked.Advertise,
@@ -162,7 +162,7 @@ class Client:
                 # It is not a mistake of the client if the channel has just ended.
                 self.mistake(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
-                self.mistake(f"channel {channel_id} or subscription {subscription_id} is subscribed already")
+                self.mistake(f"channel {channel_id} or subscription {subscription_id} is already subscribed")
             elif len(self._subscriptions) >= self._gateway.limits.subscriptions:
                 self.mistake(f"a client may have {self._gateway.limits.subscriptions} subscriptions")
             else:
@@ -182,11 +182,11 @@ class Client:
     def _advertise(self, request: asked.Advertise) -> None:
         for channel in request.channels:
             if channel.id in self._topics:
-                self.mistake(f"channel {channel.id} is advertised already")
+                self.mistake(f"channel {channel.id} is already advertised")
             elif len(self._topics) >= self._gateway.limits.client_channels:
                 self.mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
             elif not channel.topic.strip("/"):
-                self.mistake(f"channel {channel.id} names no topic")
+                self.mistake(f"channel {channel.id} has no topic")
             elif not self._may_publish(channel.topic):
                 self.mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
@@ -206,7 +206,7 @@ class Client:
         try:
             return self._gateway.settings.client_topics.includes(self._gateway.graph.resolve(topic))
         except InvalidNameError:
-            # The graph reports what is wrong with it.
+            # The graph reports the error.
             return True
 
     def _unadvertise(self, request: asked.Unadvertise) -> None:

@@ -27,7 +27,7 @@ class Unsubscribe:
 class ClientChannel:
     """A topic that a client publishes, with the id that it chose.
 
-    With a `driver`, a name for people, it is driven under a lease.
+    With a `driver`, a display name, it is driven under a lease.
     """
 
     id: int
@@ -169,7 +169,7 @@ class StopPlayback:
 
 @dataclass(frozen=True, slots=True)
 class AskTime:
-    """Asks what time it is on the robot; an op of this gateway. The answer has the id."""
+    """Requests the robot's time; an op of this gateway. The answer has the id."""
 
     request_id: int
 

@@ -42,7 +42,7 @@ from rostether.gateways.foxglove.client_messages import (
 # Subscriptions, channels or names in one message; a large system has some thousand topics.
 MAX_ITEMS = 10_000
 
-# Of a name, an encoding or an id; ROS names are below 256.
+# The limit of a name, an encoding or an id; ROS names have less than 256 characters.
 MAX_TEXT_CHARACTERS = 4096
 
 _MESSAGE_DATA, _SERVICE_REQUEST = 0x01, 0x02
@@ -65,7 +65,7 @@ def parse_binary(data: bytes) -> MessageData | ServiceRequest:
             encoding = data[_SERVICE_HEADER.size : start].decode("utf-8", "replace")
             return ServiceRequest(service_id, call_id, encoding, data[start:])
     raise RemoteProtocolError(
-        f"a binary message of {len(data)} bytes with opcode {opcode} is none that the protocol has"
+        f"a binary message of {len(data)} bytes with opcode {opcode} is not part of the protocol"
     )
 
 
@@ -74,13 +74,13 @@ def parse_text(text: str) -> ClientMessage:
     try:
         message = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise RemoteProtocolError(f"a text message is no JSON: {error}") from None
+        raise RemoteProtocolError(f"a text message is not JSON: {error}") from None
     if not isinstance(message, dict):
-        raise RemoteProtocolError("a text message is no JSON object with an op")
+        raise RemoteProtocolError("a text message is not a JSON object with an op")
     op = message.get("op")
     parse = _PARSERS.get(op) if isinstance(op, str) else None
     if parse is None:
-        raise RemoteProtocolError(f"there is no op {_shown(op)}; this server knows {', '.join(_PARSERS)}")
+        raise RemoteProtocolError(f"unknown op {_shown(op)}; known: {', '.join(_PARSERS)}")
     return parse(_Fields(str(op), message))
 
 
@@ -150,7 +150,7 @@ class _Fields:
         return value
 
     def _wrong(self, name: str, wanted: str) -> RemoteProtocolError:
-        return RemoteProtocolError(f"{self._where} wants {wanted} as {name}, not {self._shown(name)}")
+        return RemoteProtocolError(f"{self._where} needs {wanted} as {name}, not {self._shown(name)}")
 
     def _shown(self, name: str) -> str:
         return _shown(self._fields.get(name))
@@ -178,7 +178,9 @@ def _given_parameter(fields: _Fields) -> GivenParameter:
         try:
             value = base64.b64decode(value, validate=True)
         except (binascii.Error, ValueError, TypeError):
-            raise RemoteProtocolError(f"parameter {name[:80]} is no byte_array: no base64") from None
+            raise RemoteProtocolError(
+                f"parameter {name[:80]} is not a byte_array: it is not base64"
+            ) from None
     return GivenParameter(name, value, kind)
 
 

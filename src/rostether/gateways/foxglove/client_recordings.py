@@ -21,7 +21,7 @@ from rostether.gateways.foxglove.recording_control import RecordingControl
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
 
-# Requests of one client at once; a user makes one.
+# Concurrent requests of one client; a user makes one at a time.
 MAX_REQUESTS = 4
 
 
@@ -94,7 +94,7 @@ class ClientRecordings:
                 self._changes -= 1
             await reports.report()
 
-        # It is finished even if the client leaves.
+        # The request is finished even if the client disconnects.
         self._gateway.run(work())
 
     def _refuse(self) -> None:

@@ -21,7 +21,7 @@ MAX_EARLY_MESSAGES = 10_000
 # Messages that a client sends before its topic is advertised: a second of a flood, or two large images.
 MAX_EARLY_BYTES = 32 << 20
 
-# Kinds of mistakes of one topic; each is reported once.
+# The limit of different mistakes per topic; each is reported once.
 MAX_REPORTED_MISTAKES = 20
 
 
@@ -79,13 +79,13 @@ class ClientTopic:
             await wait_for_subscribers(graph, publisher)
         finally:
             self._publisher = publisher
-        # The only message of a client that disconnects at once is published, too.
+        # A client may send one message and disconnect at once; its message is also published.
         while self._early:
             self.publish(self._early.popleft())
 
     def _keep(self, payload: bytes) -> None:
         if len(self._early) >= MAX_EARLY_MESSAGES or self._early_bytes + len(payload) > MAX_EARLY_BYTES:
-            self._report_once(f"{self.channel.topic[:200]} is not advertised yet: some messages are left out")
+            self._report_once(f"{self.channel.topic[:200]} is not advertised yet; some messages were dropped")
             return
         self._early_bytes += len(payload)
         self._early.append(payload)
@@ -97,12 +97,12 @@ class ClientTopic:
 
 
 async def drained(publisher: Publisher) -> None:
-    """Wait until the subscribers have received enough, or count as slow."""
+    """Wait until the subscribers have caught up, or count as slow."""
     await publisher.drained(DRAIN_S)
 
 
 def knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
-    """Return types that include the client's type: known here, else as the client defines it."""
+    """Return a registry that includes the client's type: the known definition, else the client's."""
     try:
         store.registry.message(type_name)
     except UnknownTypeError:

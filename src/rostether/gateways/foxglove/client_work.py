@@ -19,7 +19,7 @@ class ClientWork:
         self._requests: Counter[str] = Counter()
 
     def start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        """Run something as a task; its errors are reported."""
+        """Run a coroutine as a task; its errors are reported."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
         task.add_done_callback(self._finish)
@@ -32,9 +32,9 @@ class ClientWork:
         limit: int,
         what: str = "requests",
     ) -> None:
-        """Start a longer task, a bounded number at once; an error is reported in one line."""
+        """Start a longer task; their number is limited, and an error is reported in one line."""
         if self._requests[what] >= limit:
-            fail(f"more than {limit} {what} at once: wait for answers")
+            fail(f"more than {limit} {what} at once; wait for the responses")
             return
 
         async def contained() -> None:
@@ -50,7 +50,7 @@ class ClientWork:
         self.start(contained()).add_done_callback(lambda _: self._requests.subtract([what]))
 
     def cancel(self) -> None:
-        """End everything."""
+        """Cancel all tasks."""
         for task in self._tasks:
             task.cancel()
 

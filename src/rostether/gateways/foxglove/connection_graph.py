@@ -1,4 +1,4 @@
-"""The publishers, subscribers and servers, as differences from what clients received before.
+"""The publishers, subscribers and servers, as changes since the last update.
 
 A topic that has subscribers and no publisher is not a channel, so its type comes here, in the fields
 `schemaName` and `schema` of its entry: with them a page can publish what a board waits for. The protocol has

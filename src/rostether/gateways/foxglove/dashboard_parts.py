@@ -16,8 +16,8 @@ from rostether.transports.web_boards import WebBoards
 class DashboardParts:
     """All parts are optional.
 
-    `site` are files that it serves, `join_teleop` makes the node of clients that drive, `recordings` records
-    for clients, `boards` are serial ports of the devices that show the page.
+    `site` has the files to serve, `join_teleop` makes the node of clients that drive, `recordings` records
+    for clients, `boards` are boards on serial ports of the devices that show the page.
     """
 
     site: Site | None = None
@@ -26,7 +26,7 @@ class DashboardParts:
     boards: WebBoards | None = None
 
     def metadata(self, rights: Rights) -> dict[str, str]:
-        """Return the metadata about the parts for a client with these rights."""
+        """Return the metadata about the parts for a client with `rights`."""
         features = ["drive"] if self.join_teleop is not None and rights is Rights.FULL else []
         if self.recordings is not None:
             features.append("record")

@@ -1,7 +1,7 @@
-"""The messages of topics for one client: collected during a turn of the event loop, or waiting.
+"""Sends the messages of topics to one client: collects them during one loop iteration, or queues them.
 
-They are written past the WebSocket library (see `data_outlet.py`); what a client reads too slowly waits in
-bounded queues, where the oldest is lost first.
+They bypass the WebSocket library, which would cost too much per message. If a client reads slowly, messages
+wait in bounded queues, which drop the oldest first.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ _SHORT = struct.Struct("<BBBIQ")
 _MEDIUM = struct.Struct("<BB2sBIQ")
 _LONG = struct.Struct("<BB8sBIQ")
 
-# A message is sent at once when none was sent for so long; those of a flood are sent together, less often
-# than a screen is drawn: each write costs more than all the rest.
+# If no message was sent for this time, a message is sent at once. In a flood, messages are sent together,
+# less often than a screen is drawn: a write costs more than all other steps.
 GATHER_S = 0.01
 
-# A loop that is busy writes earlier than `GATHER_S`: this is what a socket accepts at once.
+# Above this size, collected data is written before `GATHER_S`: a socket accepts this much at once.
 _GATHERED_BYTES = 256 << 10
 
-# The waiting data written at once: enough for one system call.
+# The amount of waiting data per write: enough for one system call.
 _DRAIN_BYTES = 64 << 10
 
 
@@ -81,7 +81,7 @@ class DataOutlet:
             self._is_flush_due = True
             due_s = self._flushed_s + GATHER_S
             if self._loop.time() >= due_s:
-                # Later messages of this turn of the loop are sent together with it.
+                # Later messages of this iteration of the loop are sent together with it.
                 self._loop.call_soon(self._flush_due)
             else:
                 self._loop.call_at(due_s, self._flush_due)

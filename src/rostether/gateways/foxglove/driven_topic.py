@@ -1,4 +1,4 @@
-"""A command topic that a client drives under the lease of `teleop/`: its channel names a driver."""
+"""A command topic that a client drives under the lease of `teleop/`: its channel has a driver."""
 
 from __future__ import annotations
 
@@ -65,10 +65,10 @@ class DrivenTopic:
             self._report({"op": "drive", "channelId": self.channel.id, "state": state, "driver": holder})
 
     def ended(self, reason: str) -> None:
-        """Report that the topic cannot be driven any more."""
+        """Report that the topic can no longer be driven."""
         self._commands = None
         self._warn(
-            f"{self.channel.topic[:200]} is not driven any more: the node was shut down ({reason}); "
+            f"{self.channel.topic[:200]} can no longer be driven: the node was shut down ({reason}); "
             "advertise it again"
         )
 

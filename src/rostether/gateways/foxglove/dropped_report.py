@@ -15,7 +15,7 @@ _PERIOD_S = 5.0
 
 
 class DroppedReport:
-    """Counts lost messages; the status goes away when no more are lost for a while."""
+    """Counts lost messages; the status is removed after some time without losses."""
 
     def __init__(self, send: Callable[[str], None]) -> None:
         self._send = send

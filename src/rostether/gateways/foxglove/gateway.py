@@ -42,15 +42,15 @@ from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
 _TIME_CAPABILITY = "time"
-# Clients that may only view still read parameters.
+# View-only clients may still read parameters.
 _CAPABILITIES_TO_ACT = ("clientPublish", "services")
 
 # Lines that later clients also receive.
 _MAX_SHOWN_STATUSES = 50
 
-# For a graph that could not be read.
+# The delay after the graph could not be read.
 _RETRY_S = 1.0
-# Foxglove's own web application, app.foxglove.dev, is what the gateway is for.
+# Pages of Foxglove's web application may always connect.
 FOXGLOVE_SITE = "foxglove.dev"
 
 # Boards on the serial ports of devices that show the page.
@@ -195,7 +195,7 @@ class FoxgloveGateway:
             outgoing.server_info(
                 name=self.settings.name,
                 capabilities=capabilities,
-                # A client that reconnects can use its ids again: they are valid during this run.
+                # A client that reconnects can reuse its ids: they stay valid during this run.
                 session_id=self._session_id,
                 metadata={
                     "ROS_DISTRO": "noetic",
@@ -292,10 +292,10 @@ class FoxgloveGateway:
         self._broadcast(outgoing.time(time_ns))
 
     def _restart_clients(self) -> None:
-        # A connection learns only once which clock is used.
+        # Each connection gets the clock only once.
         self._session_id = str(time.time_ns())
         for client in list(self._clients):
-            client.line.close(_SERVICE_RESTART, "the clock is another one now")
+            client.line.close(_SERVICE_RESTART, "the clock has changed")
 
 
 def _no_packages() -> Mapping[str, Path]:
@@ -306,5 +306,5 @@ async def _contained(work: Coroutine[Any, Any, None]) -> None:
     try:
         await work
     except RostetherError:
-        # The graph is gone, and with it all endpoints.
+        # The node has left the graph, and all its endpoints with it.
         return

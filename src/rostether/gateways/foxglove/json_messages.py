@@ -1,7 +1,7 @@
-"""Messages as Foxglove's panels write them in JSON, for clients that publish or call without serializing.
+"""Converts messages from the JSON of Foxglove's panels, for clients that do not serialize.
 
-Times and durations are `{sec, nsec}` as in Foxglove's own messages, or with the fields' names of either ROS;
-uint8[] is base64 or a list. What is missing is zero.
+Times and durations are `{sec, nsec}` as in Foxglove's own messages, or use the field names of ROS 1 or ROS 2;
+uint8[] is base64 or a list. Missing fields are zero.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
     try:
         value = json.loads(data.decode("utf-8", "replace") or "{}")
     except (ValueError, RecursionError) as error:
-        raise SerializationError(f"a JSON message for {codec.type_name} is no JSON: {error}") from None
+        raise SerializationError(f"a JSON message for {codec.type_name} is not JSON: {error}") from None
     if not isinstance(value, dict):
-        raise SerializationError(f"a JSON message for {codec.type_name} is no object of its fields")
+        raise SerializationError(f"a JSON message for {codec.type_name} is not a JSON object")
     return _fields(codec.tree, value)
 
 

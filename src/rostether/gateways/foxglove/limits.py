@@ -11,25 +11,27 @@ from rostether.gateways.websocket.settings import ConnectionLimits
 class FoxgloveLimits:
     """Bounds of one gateway and its clients."""
 
-    # A class in front of one robot; each may cost `waiting_bytes`.
+    # A school class with one robot; each client may need `waiting_bytes`.
     clients: int = 64
 
-    # Connections beside clients: a page asks for some ten files at once, a few pages are loaded together.
+    # Connections besides clients: a page requests about ten files at once, and several pages may load
+    # together.
     others: int = 32
 
     # The largest message of a client: an image or map that it publishes.
     message_bytes: int = 16 << 20
 
-    # For each slow client: some five camera images, or seconds of everything else.
+    # For each slow client: about five camera images, or seconds of all other data.
     waiting_bytes: int = 32 << 20
 
-    # Unread answers of a client; beyond it the client is disconnected. Large ones wait for their turn.
+    # Unread responses of a client; above this limit, the client is disconnected. Large responses are sent one
+    # by one.
     control_bytes: int = 32 << 20
 
-    # The largest meshes that robots have are some ten megabytes.
+    # The largest meshes of robots have about ten megabytes.
     asset_bytes: int = 64 << 20
 
-    # Service calls and parameter requests of one client at once, as Foxglove's own server takes.
+    # Service calls and parameter requests of one client at once, the same limit as in Foxglove's own server.
     calls: int = 32
 
     # Requests of one client at once, read one after another: all meshes of a robot's description.
@@ -53,11 +55,11 @@ class FoxgloveLimits:
     # Longer than a user waits for a service; Foxglove itself has no limit.
     call_timeout_s: float = 60.0
 
-    # For an answer about parameters; a ROS 2 node that hangs must not delay all.
+    # The time limit for a request about parameters; a ROS 2 node that hangs must not delay all others.
     parameters_timeout_s: float = 10.0
 
     def of_connections(self, unsent_bytes: int) -> ConnectionLimits:
-        """Return the limits of the WebSocket server; `unsent_bytes` is what the socket of a client holds."""
+        """Return the limits of the WebSocket server; `unsent_bytes` is the socket buffer's size."""
         return ConnectionLimits(
             clients=self.clients,
             others=self.others,

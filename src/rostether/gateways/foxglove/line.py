@@ -1,6 +1,6 @@
-"""The messages to one Foxglove client: answers in order, and messages of topics beside them.
+"""The messages to one Foxglove client: responses in order, and messages of topics.
 
-Messages of topics are written past the WebSocket library (see `data_outlet.py`).
+Messages of topics bypass the WebSocket library (see `data_outlet.py`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rostether.gateways.foxglove.data_outlet import DataOutlet
 from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.websocket.connection import Connection
 
-# 50 ms of a fast network; beyond it messages wait in queues where they can be dropped.
+# 50 ms of a fast network; further messages wait in queues where they can be dropped.
 HIGH_WATER_BYTES = 1 << 20
 
 
@@ -68,7 +68,7 @@ class Line:
 
     @property
     def peer(self) -> str:
-        """The client's address for people."""
+        """The client's address as text."""
         return self._connection.peer
 
     def pause_reading(self) -> None:
@@ -81,7 +81,7 @@ class Line:
 
     def send(self, message: str | bytes) -> None:
         """Send an answer or an announcement; a client that does not read them is disconnected."""
-        # The collected messages are older.
+        # The collected messages are older: send them first.
         self._data.flush()
         self._connection.send(message)
         if self._connection.unsent_bytes > self._limits.control_bytes + HIGH_WATER_BYTES + self._large_bytes:

@@ -1,7 +1,8 @@
 """Parameters in the protocol: a name, a JSON value, and a type if JSON does not determine it.
 
-`byte_array` is base64, `float64` and `float64_array` are numbers that may look whole. JSON has no NaN and no
-infinity: they are sent as texts, which a set takes back as floats where the parameter is one.
+`byte_array` is base64, `float64` and `float64_array` are numbers without a decimal point in JSON. JSON has no
+NaN and no infinity: they are sent as strings; a set request converts these strings back if the parameter is a
+float.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from rostether.gateways.foxglove.client_messages import GivenParameter
 from rostether.graph.ports import ParamValue
 from rostether.serde.plain_form import clean_text
 
-# The depth of nested mappings and lists: deeper than in use, and far below Python's limit.
+# The limit of nested mappings and lists: deeper than real ones, and far below Python's recursion limit.
 MAX_DEPTH = 64
 
 _SPECIAL = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
@@ -48,7 +49,7 @@ def given_value(given: GivenParameter, before: ParamValue) -> ParamValue:
         return _float(given.name, value)
     if given.type == _FLOATS or (given.type is None and _is_float_list(before) and isinstance(value, list)):
         if not isinstance(value, list):
-            raise ConfigError(f"parameter {given.name} wants a list of numbers")
+            raise ConfigError(f"parameter {given.name} must be a list of numbers")
         return [_float(given.name, each) for each in value]
     return _native(given.name, value)
 
@@ -57,7 +58,7 @@ def _float(name: str, value: Any) -> float:
     if isinstance(value, str) and value in _SPECIAL:
         return _SPECIAL[value]
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigError(f"parameter {name} wants a number, not {str(value)[:40]!r}")
+        raise ConfigError(f"parameter {name} must be a number, not {str(value)[:40]!r}")
     try:
         return float(value)
     except OverflowError:
@@ -70,7 +71,7 @@ def _is_float_list(value: ParamValue) -> bool:
 
 def _native(name: str, value: Any, depth: int = 0) -> ParamValue:
     if depth > MAX_DEPTH:
-        raise ConfigError(f"parameter {name} is nested more than {MAX_DEPTH} deep")
+        raise ConfigError(f"parameter {name} is nested more than {MAX_DEPTH} levels deep")
     if isinstance(value, dict):
         return {str(key): _native(name, each, depth + 1) for key, each in value.items()}
     if isinstance(value, list):

@@ -12,7 +12,7 @@ from rostether.gateways.foxglove.parameter_values import describe, given_value
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.graph.ports import Graph, ParamValue, Watch
 
-# In one answer; a large robot has some thousand.
+# The limit in one response; a large robot has some thousand parameters.
 MAX_PARAMETERS = 20_000
 
 _ASKED_AT_ONCE = 16
@@ -35,7 +35,7 @@ class Parameters:
             return await self._get_each([name for name in names if self._offers(name)])
         listed = await self.names()
         try:
-            # On ROS 1 one request has them all.
+            # On ROS 1, one request returns all of them.
             tree = await self._graph.get_param("/")
         except RostetherError:
             tree = None

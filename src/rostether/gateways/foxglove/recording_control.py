@@ -1,4 +1,4 @@
-"""Recording on a client's request: the gateway's Protocol of a recorder, and reports to clients."""
+"""Recording at a client's request: the Protocol of a recorder, and reports to clients."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class RecordingReports:
         changes = True
         while changes:
             await asyncio.sleep(PERIOD_S)
-            # Once more after its end.
+            # Report once more after the end.
             changes = self._changes
             try:
                 state = await self.control.state()

@@ -146,7 +146,7 @@ def connection_graph_update(changes: Mapping[str, Any]) -> str:
 
 
 def drive(state: Mapping[str, Any]) -> str:
-    """Return who drives a client's command topic, see `driven_topic.py`; an op of this gateway."""
+    """Return the driver of a client's command topic, see `driven_topic.py`; an op of this gateway."""
     return _json(state)
 
 
@@ -156,7 +156,7 @@ def recordings(state: Mapping[str, Any]) -> str:
 
 
 def time_answer(request_id: int, time_ns: int) -> str:
-    """Return the time when a client asked for it; an op of this gateway."""
+    """Return the response to a time request; an op of this gateway."""
     sec, nsec = divmod(time_ns, NS_PER_S)
     return _json({"op": "timeAnswer", "id": request_id, "sec": sec, "nsec": nsec})
 

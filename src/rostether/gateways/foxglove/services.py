@@ -47,7 +47,7 @@ class Services:
         self._on_offer = on_offer
         self._on_end = on_end
         self._by_name: dict[str, OfferedService] = {}
-        # The providers of each: a restarted server may have another type.
+        # The providers of each service: a restarted server may have another type.
         self._providers: dict[str, tuple[tuple[str, ...], str]] = {}
         self._asking: dict[str, asyncio.Task[None]] = {}
         self._asked_at_once = asyncio.Semaphore(_ASKED_AT_ONCE)

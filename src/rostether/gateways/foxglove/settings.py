@@ -13,7 +13,7 @@ from rostether.gateways.websocket.settings import ServerSettings
 # The default port of Foxglove.
 DEFAULT_PORT = 8765
 
-# What clients may do besides reading topics; the time is also sent if it is simulated.
+# The capabilities of clients besides reading topics; simulated time is also sent.
 CAPABILITIES = (
     "clientPublish",
     "parameters",
@@ -26,7 +26,7 @@ CAPABILITIES = (
 
 @dataclass(frozen=True, slots=True)
 class NameFilter:
-    """The offered names: those that a pattern matches as a whole; None offers every name."""
+    """The offered names: those that fully match a pattern; None offers every name."""
 
     patterns: tuple[re.Pattern[str], ...] | None = None
 
@@ -36,7 +36,7 @@ class NameFilter:
         try:
             return cls(tuple(re.compile(each) for each in expressions))
         except re.error as error:
-            raise ConfigError(f"{source}: {error.pattern!r} is no regular expression: {error}") from None
+            raise ConfigError(f"{source}: {error.pattern!r} is not a regular expression: {error}") from None
 
     def includes(self, name: str) -> bool:
         """Return whether a name is offered."""
@@ -47,8 +47,8 @@ class NameFilter:
 class FoxgloveSettings(ServerSettings):
     """How a gateway serves.
 
-    `name` is the server's in the clients' windows, `metadata` what they get with it; lines of the log begin
-    with `label`. The filters limit what
+    `name` is the server's in the clients' windows, `metadata` is sent with it; log lines start with `label`.
+    The filters limit what
     clients reach.
     """
 

@@ -45,7 +45,7 @@ class SimClock:
         try:
             self._watch = await self._graph.watch_param(_USE_SIM_TIME, self._take_choice)
         except RostetherError:
-            # A graph that has no such parameter has the wall clock.
+            # Without the parameter, the wall clock is used.
             return
 
     def now_ns(self) -> int:

@@ -62,6 +62,6 @@ class Subscription:
         self._channels.met(self.channel, connection)
 
     def _take(self, batch: Batch) -> None:
-        # Messages of another type than the channel's definition would be decoded as nonsense.
+        # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
             self._line.send_data(self.id, self._now_ns(), batch.payloads)

@@ -1,7 +1,7 @@
-"""ROS messages in CBOR, as rosbridge sends them to subscribers that ask for `cbor` or `cbor-raw`.
+"""ROS messages in CBOR, as rosbridge sends them to subscribers that request `cbor` or `cbor-raw`.
 
 Arrays of numbers are RFC 8746's typed arrays in little-endian order, uint8[] and char[] byte strings, times
-as in JSON. `cbor-raw` holds the serialization itself, as it went over ROS 1's wire, with the time of receipt.
+as in JSON. `cbor-raw` contains the ROS 1 serialization and the time of receipt.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rostether.rostime import Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import clean_text
 
-# By `struct` format; uint8[] is a byte string, and flags have no tag.
+# RFC 8746 tags by `struct` format; uint8[] is a byte string, and booleans have no tag.
 _TYPED_ARRAY_TAGS: Final = {
     "H": 69,
     "I": 70,

@@ -1,4 +1,4 @@
-"""Raw messages for clients on a ROS 2 graph: CDR, with ROS 2's own definitions."""
+"""Raw messages for clients on a ROS 2 graph: CDR with ROS 2 definitions."""
 
 from __future__ import annotations
 
@@ -25,5 +25,8 @@ class CdrForm:
         return self._types.message(message_type).converter.to_cdr(payload)
 
     def full_text(self, message_type: MessageType) -> str:
-        """Return a type's definition and those of all below. Raises UnknownTypeError, TypeMismatchError."""
+        """Return the definitions of a type and of its nested types.
+
+        Raises UnknownTypeError, TypeMismatchError.
+        """
         return self._types.full_text(message_type)

@@ -23,12 +23,12 @@ from rostether.ros2.types.native_registry import NativeRegistry
 Send = Callable[[dict[str, Any], Wish], None]
 
 
-# A robot that follows a goal should stop when the page is gone; the page does not wait for it.
+# A robot with a goal should stop if the page disconnects; the time limit of the cancel request.
 _CANCEL_LIMIT_S = 2.0
 
 
 class ClientActions:
-    """What one client does with actions. Methods raise RostetherError for what cannot be done."""
+    """What one client does with actions. Methods raise RostetherError."""
 
     def __init__(self, context: GatewayContext, send: Send) -> None:
         self._context = context
@@ -38,13 +38,13 @@ class ClientActions:
         self._offered: dict[str, _OfferedAction] = {}
 
     def send_goal(self, request: Request) -> None:
-        """Send a goal; feedback and the result are sent when they are there."""
+        """Send a goal; feedback and result are sent to the client when they arrive."""
         action, types = self._action(request, request.word("action_type"))
         goal_id, wish = request.id, Wish.read(request)
         if len(self._goals) >= MAX_GOALS:
             raise RemoteProtocolError(f"send_action_goal: at most {MAX_GOALS} goals at once are allowed")
         if goal_id in self._by_id:
-            raise RemoteProtocolError(f"send_action_goal: the goal {show(goal_id)} is under way")
+            raise RemoteProtocolError(f"send_action_goal: the goal {show(goal_id)} is already active")
         forms, feedback = self._context.forms, request.flag("feedback")
         payload = forms.from_json(types.goal, request.fields.get("args") or {})
         answer = {"action": request.word("action"), **({} if goal_id is None else {"id": goal_id})}
@@ -80,7 +80,7 @@ class ClientActions:
         await call.cancel()
 
     async def advertise(self, request: Request) -> None:
-        """Offer an action that the client carries out."""
+        """Offer an action that the client executes."""
         action, types = self._action(request, request.word("type"))
         if action in self._offered:
             return
@@ -117,7 +117,7 @@ class ClientActions:
             async with asyncio.timeout(_CANCEL_LIMIT_S):
                 await call.cancel()
         except (RostetherError, TimeoutError):
-            # The server is gone, or hangs.
+            # The server has ended or hangs.
             return
 
     def _ended(self, task: asyncio.Task[None], goal_id: object) -> None:
@@ -147,7 +147,7 @@ class ClientActions:
 
 
 class _OfferedAction:
-    """One action that a client carries out; its goals have ids of text there."""
+    """One action that a client executes; the client uses strings as goal ids."""
 
     def __init__(
         self,

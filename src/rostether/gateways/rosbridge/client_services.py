@@ -20,14 +20,14 @@ from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
 from rostether.gateways.rosbridge.type_names import short_type
 
-# Answers that the gateway computes for one client at once: a page that requests all must not delay others.
+# Responses that the gateway computes for one client at once: a page with many requests must not delay others.
 MAX_LOCAL_CALLS = 2
 
 Send = Callable[[dict[str, Any], Wish], None]
 
 
 class ClientServices:
-    """What one client does with services. Methods raise RostetherError for what cannot be done."""
+    """What one client does with services. Methods raise RostetherError."""
 
     def __init__(self, context: GatewayContext, send: Send) -> None:
         self._context = context
@@ -44,7 +44,7 @@ class ClientServices:
         if len(self._calls) >= MAX_CALLS or is_too_large:
             # Refused rather than delayed: the client's next message may stop a robot.
             most = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
-            reason = f"this client has {most} calls under way: {service} is not called"
+            reason = f"this client has {most} pending calls; {service} is not called"
             self._send(_response(request, service) | {"values": reason, "result": False}, wish)
             return
         task = asyncio.ensure_future(self._call(request, service, wish, timeout_s))
@@ -65,7 +65,7 @@ class ClientServices:
         )
         old = await self._context.offered.offer(service)
         if old is not None and old.owner is not self:
-            return f"advertise_service: {name} was offered by another client, which offers it no more"
+            return f"advertise_service: {name} was offered by another client; this client replaces it"
         return ""
 
     async def unadvertise(self, request: Request) -> None:
@@ -83,7 +83,7 @@ class ClientServices:
         for call in self._calls:
             call.cancel()
         withdrawals = (
-            self._context.offered.withdraw(each, "has lost the client that offers it")
+            self._context.offered.withdraw(each, "ended: the client that offers it has disconnected")
             for each in self._context.offered.of(self)
         )
         await asyncio.gather(*withdrawals, *self._calls, return_exceptions=True)
@@ -117,7 +117,8 @@ class ClientServices:
         service_type = await context.service_types.find(name)
         args = self._by_name(service_type.request.name, request.fields.get("args"))
         payload = context.forms.from_json(service_type.request.name, args)
-        # The call may take long, and the parsed request twenty times the memory of its JSON.
+        # Free the parsed request: a call may take long, and the request needs twenty times the memory of its
+        # JSON.
         del args
         request.fields.clear()
         try:

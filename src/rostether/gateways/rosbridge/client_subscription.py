@@ -1,7 +1,7 @@
-"""One client's subscription of one topic: how often, how much and in which form it wants its messages.
+"""One client's subscription of one topic, with rate, queue and form of its messages.
 
-A client may subscribe a topic several times, each under an id of its own; it gets each message once, as the
-most demanding of them asks. `throttle_rate` without a queue drops messages that come too soon; with one, they
+A client may subscribe a topic several times with different ids; it gets each message once, according to the
+most demanding subscription. `throttle_rate` without a queue drops messages that come too soon; with one, they
 are sent at that rate.
 """
 
@@ -22,10 +22,10 @@ from rostether.gateways.rosbridge.type_names import short_type
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
 from rostether.msgdef.interface import ANY_TYPE
 
-# Smaller pieces would be nearly all frame, and a large message millions of them.
+# Smaller fragments would be mostly overhead, and a large message would need millions of them.
 MIN_FRAGMENT_BYTES = 32
 
-# Ids under which one client may subscribe one topic.
+# The limit of subscriptions of one client to one topic.
 MAX_REQUESTS = 100
 
 _MS = 1e-3
@@ -45,7 +45,7 @@ _STRENGTH = list(Compression)
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What one subscribe message asks for."""
+    """The requests of one subscribe message."""
 
     throttle_s: float = 0.0
     queue_length: int = 0
@@ -60,7 +60,7 @@ class Wish:
             compression = Compression(name)
         except ValueError:
             known = ", ".join(Compression)
-            raise RemoteProtocolError(f"compression wants one of {known}, got {show(name)}") from None
+            raise RemoteProtocolError(f"compression must be one of {known}, got {show(name)}") from None
         fragment_bytes = request.count("fragment_size", 0)
         return cls(
             request.number("throttle_rate", 0) * _MS,
@@ -108,7 +108,7 @@ class ClientSubscription:
         """Add a wish, or replace the one of the same id. Raises RemoteProtocolError."""
         if len(self._wishes) >= MAX_REQUESTS and request_id not in self._wishes:
             raise RemoteProtocolError(
-                f"{self.topic} is subscribed {MAX_REQUESTS} times: unsubscribe some ids"
+                f"{self.topic} is subscribed {MAX_REQUESTS} times; unsubscribe some ids"
             )
         if type_name:
             self._type = type_name
@@ -116,7 +116,7 @@ class ClientSubscription:
         self._settle()
 
     def want_no_more(self, request_id: object) -> bool:
-        """Remove the wish of an id (default: all); returns whether any is left."""
+        """Remove the wish of an id (default: all wishes); returns whether any wish is left."""
         if request_id is None:
             self._wishes.clear()
         else:
@@ -156,7 +156,8 @@ class ClientSubscription:
 
     def _settle(self) -> None:
         self.wish = merge(list(self._wishes.values()))
-        # Zero is no queue in the protocol: messages for a slow client then wait within our own bounds.
+        # Zero means no queue in the protocol: messages for a slow client then wait within the server's
+        # limits.
         self.queue_length = min(self.wish.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
         self._held = deque(self._held, maxlen=self.queue_length)
 
@@ -199,7 +200,7 @@ class ClientSubscription:
         self._release()
 
     def _step(self, now_s: float) -> None:
-        # A message that is a little late must not make the next one, in time again, arrive too soon.
+        # A message that is a little late must not shift the schedule of the next one.
         throttle_s = self.wish.throttle_s
         is_in_step = now_s - self._next_s < throttle_s / 2
         self._next_s = (self._next_s if is_in_step else now_s) + throttle_s

@@ -20,7 +20,7 @@ _NOTHING: dict[str, Any] = {}
 
 
 class ClientTopics:
-    """What one client does with topics. Every method raises RostetherError for what cannot be done."""
+    """What one client does with topics. Every method raises RostetherError."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class ClientTopics:
         await self._advertise(topic, message_type, latch=latch)
 
     async def unadvertise(self, request: Request) -> None:
-        """End an announcement; subscribers stay connected for a while, in case it is repeated."""
+        """Unadvertise a topic; subscribers stay connected for a while, in case it is advertised again."""
         topic = request.word("topic")
         publication = self._publications.pop(topic, None)
         if publication is None:
@@ -63,7 +63,7 @@ class ClientTopics:
         await publication.publish([self._context.forms.from_json(publication.type.name, message)])
 
     async def subscribe(self, request: Request) -> None:
-        """Subscribe a topic, whether or not it exists already."""
+        """Subscribe a topic, which need not exist yet."""
         topic = request.word("topic")
         wish = Wish.read(request)
         type_name = request.optional_word("type")
@@ -126,7 +126,7 @@ class ClientTopics:
         name = self._context.graph.resolve(topic)
         known = (await self._context.graph.snapshot()).topics.get(name)
         if known is None or known.type == ANY_TYPE:
-            raise UnknownNameError(f"publish: {topic} has no type yet: advertise it first")
+            raise UnknownNameError(f"publish: {topic} has no type yet; advertise it first")
         return self._context.store.registry.message_type(short_type(known.type))
 
     async def _check_type(self, topic: str, message_type: MessageType) -> None:

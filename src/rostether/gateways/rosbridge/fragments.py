@@ -1,7 +1,8 @@
 """Messages in pieces: rosbridge's `fragment` operation, both ways, without I/O.
 
-A message's text is cut into pieces; each travels as a message of its own with the id of the whole, its number
-from 0, and how many there are. Pieces come in any order; several messages may be on their way at once.
+A message's text is cut into pieces; each one is sent as a separate message with the id of the whole message,
+its number from 0, and the total. Fragments may come in any order, and fragments of several messages may be
+mixed.
 """
 
 from __future__ import annotations
@@ -12,10 +13,10 @@ from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
 
-# Pieces of one message: the largest message in pieces of a hundred characters.
+# The limit of fragments in one message: the largest message in fragments of a hundred characters.
 MAX_FRAGMENTS: Final = 100_000
 
-# Incomplete messages of one client; beyond it the oldest is discarded.
+# The limit of incomplete messages of one client; above it, the oldest is discarded.
 MAX_UNFINISHED: Final = 32
 
 
@@ -29,7 +30,7 @@ def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
         yield json.dumps(fields, separators=(",", ":"))
 
 
-# Waiting pieces of all messages: each takes some hundred bytes, empty ones too.
+# The limit of waiting fragments of all messages: even an empty one needs about a hundred bytes.
 MAX_UNFINISHED_PIECES: Final = 2 * MAX_FRAGMENTS
 
 
@@ -50,11 +51,11 @@ class Defragmenter:
         self._unfinished: dict[str | int, _Unfinished] = {}
 
     def add(self, fields: Mapping[str, Any]) -> str | None:
-        """Take a fragment; returns the whole text with its last one. Raises RemoteProtocolError."""
+        """Add a fragment; returns the whole text after the last one. Raises RemoteProtocolError."""
         message_id, data = fields.get("id"), fields.get("data")
         number, total = fields.get("num"), fields.get("total")
         if not isinstance(message_id, str | int) or not isinstance(data, str):
-            raise RemoteProtocolError("fragment: an id and a text as data are needed")
+            raise RemoteProtocolError("fragment: an id and data (a string) are required")
         if type(number) is not int or type(total) is not int or not 0 <= number < total <= MAX_FRAGMENTS:
             raise RemoteProtocolError(
                 f"fragment: num counts from 0 and stays below total, which is {MAX_FRAGMENTS} at most"

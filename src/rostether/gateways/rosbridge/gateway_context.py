@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # As in rosbridge, a topic stays advertised this long after its client has left: pages are reloaded.
 LINGER_S = 10.0
 
-# Publications that linger at once; the oldest end early.
+# The limit of lingering publications; above it, the oldest end early.
 MAX_LINGERING = 1000
 
 Report: TypeAlias = Callable[[Level, str], None]
@@ -31,7 +31,7 @@ class LocalServices(Protocol):
     """The services that the gateway itself answers, without the graph: those of rosapi."""
 
     def find(self, service: str) -> Callable[[Any], Awaitable[dict[str, Any]]] | None:
-        """Return the handler of a service by its full name; it takes and returns values of JSON."""
+        """Return the handler of a service by its full name; it accepts and returns JSON values."""
 
 
 class GatewayContext:
@@ -97,5 +97,5 @@ async def _close(publication: Publication) -> None:
     try:
         await publication.close()
     except RostetherError:
-        # The graph is gone, and with it the publication.
+        # The node has left the graph, and its publications with it.
         return

@@ -1,6 +1,6 @@
-"""Writes the Python source that turns a message into JSON text: one format a type, its values put in at once.
+"""Generates Python source that converts a message to JSON: one format string per type, filled in one step.
 
-For geometry_msgs/PointStamped it comes out as:
+For geometry_msgs/PointStamped the result is:
 
     def write_0(m):
         v0 = m.header
@@ -10,7 +10,7 @@ For geometry_msgs/PointStamped it comes out as:
         if not isfinite(v3 + v4 + v5): raise not_finite
         return '{"header":{"seq":%d,"stamp":{"secs":%d,...},"frame_id":%s},"point":{"x":%r,...}}' % (...)
 
-A sum is finite only if all its numbers are. What JSON cannot express is left to the slow way.
+A sum is finite only if all its numbers are. Messages that JSON cannot express use the slow path.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rostether.serde.values import Message
 
 WriteText: TypeAlias = Callable[[Message], str]
 
-# The values in one format; nested types with more get their own function.
+# The limit of values in one format; nested types with more values get their own function.
 _MAX_INLINE: Final = 256
 
 

@@ -1,4 +1,4 @@
-"""Messages in the forms of clients, made once for all clients that receive the same form."""
+"""Converts messages to the forms of clients, once for all clients with the same form."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ class MessageForms:
         self._now = now
 
     def to_json(self, type_name: str, payload: bytes) -> dict[str, Any]:
-        """Return a payload of a type known here as a value of JSON. Raises SerializationError."""
+        """Return a payload of a known type as a JSON value. Raises SerializationError."""
         return self._json.to_json(self._store.codec(type_name), payload)
 
     def from_json(self, type_name: str, value: Any) -> bytes:
-        """Return the payload of a value of JSON. Raises SerializationError naming the field."""
+        """Return the payload of a JSON value. Raises SerializationError with the name of the field."""
         return self._json.from_json(self._store.codec(type_name), value, self._now())
 
     def published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
         """Return the protocol's message with one message of a topic.
 
-        Raises SerializationError, and what `PublisherConnection.codec` raises.
+        Raises SerializationError, and the errors of `PublisherConnection.codec`.
         """
         key = (compression, topic, index)
         frame: str | bytes | None = batch.forms.get(key)

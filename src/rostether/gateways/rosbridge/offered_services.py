@@ -14,7 +14,7 @@ from rostether.graph.ports import Graph, ServiceServer
 from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import ServiceType
 
-# Turns of the loop that an answer takes from a client's handler to the caller.
+# Iterations of the event loop until an answer is sent to its caller.
 _TURNS_TO_ANSWER = 4
 
 
@@ -41,7 +41,7 @@ class OfferedService:
     async def handle(self, request: bytes) -> bytes:
         """Pass a call to the client and wait for its answer. Raises ServiceCallError."""
         if len(self._waiting) >= MAX_CALLS:
-            raise ServiceCallError(f"the client that offers {self.name} has {MAX_CALLS} calls unanswered")
+            raise ServiceCallError(f"the client that offers {self.name} has {MAX_CALLS} pending calls")
         call_id = f"service_request:{self.name}:{next(self._numbers)}"
         answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
         self._waiting[call_id] = answer
@@ -56,11 +56,9 @@ class OfferedService:
         """Handle the client's answer. Raises UnknownNameError, SerializationError."""
         waiting = self._waiting.get(call_id) if isinstance(call_id, str) else None
         if waiting is None or waiting.done():
-            raise UnknownNameError(
-                f"service_response: no call of {self.name} waits for the id {call_id!r:.80}"
-            )
+            raise UnknownNameError(f"service_response: no call of {self.name} has the id {call_id!r:.80}")
         if not is_done:
-            text = values if isinstance(values, str) and values else "the service says that it failed"
+            text = values if isinstance(values, str) and values else "the service reports a failure"
             waiting.set_exception(ServiceCallError(fold_line(text)))
             return
         try:
@@ -82,12 +80,12 @@ class OfferedService:
 
 
 class OfferedServices:
-    """All services that clients offer; the last client to offer one provides it: a reloaded page."""
+    """All services that clients offer; the latest client provides a service, for instance a reloaded page."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._services: dict[str, OfferedService] = {}
-        # A new provider of a name must find the previous one complete, or removed.
+        # Offers of the same name run one after the other.
         self._lock = asyncio.Lock()
 
     def of(self, owner: object) -> list[OfferedService]:
@@ -95,7 +93,7 @@ class OfferedServices:
         return [service for service in self._services.values() if service.owner is owner]
 
     def find(self, name: str, owner: object) -> OfferedService | None:
-        """Return a client's service of a name."""
+        """Return a client's service by name."""
         service = self._services.get(name)
         return service if service is not None and service.owner is owner else None
 
@@ -104,7 +102,7 @@ class OfferedServices:
         async with self._lock:
             old = self._services.pop(service.name, None)
             if old is not None:
-                await old.close("is offered by another client now")
+                await old.close("is now offered by another client")
             service.server = await self._graph.advertise_service(service.name, service.type, service.handle)
             self._services[service.name] = service
         return old

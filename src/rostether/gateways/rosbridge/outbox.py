@@ -1,8 +1,7 @@
-"""The queues of one client: its answers first, then the messages of its topics in turn.
+"""The queues of one client: responses first, then the messages of its topics in turn.
 
-A topic that comes faster than its client reads loses its oldest messages, counted; a client that does not
-read the answers that it asked for is disconnected. Messages are encoded when they are sent: a dropped one
-costs nothing.
+If a topic is faster than its client, its oldest messages are dropped and counted; a client that does not read
+its responses is disconnected. Messages are encoded when they are sent: a dropped message costs nothing.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from rostether.gateways.websocket.topic_queues import TopicQueues
 
 Frame: TypeAlias = str | bytes
 
-# Statuses that wait; a client that sends mistakes faster than it reads the answers misses some.
+# The limit of waiting statuses; a client that causes more than it reads misses some.
 MAX_STATUSES = 100
 
 
@@ -43,7 +42,7 @@ class Outbox(Generic[ReceiverT]):
     """The bounded queues of one client."""
 
     def __init__(self, max_topic_bytes: int, max_control_bytes: int) -> None:
-        # Whether the client has left too many answers unread; then nothing more is kept.
+        # Whether the client has too many unread responses; then nothing more is queued.
         self.is_overflowing = False
         self._max_control_bytes = max_control_bytes
         self._control_bytes = 0

@@ -1,8 +1,8 @@
-"""Texts in PNG pictures: rosbridge's oldest compression, with the picture in base64.
+"""Texts in PNG images: rosbridge's oldest compression, with the image in base64.
 
-The text's bytes are the pixels of a picture of three bytes a pixel, about as wide as high, the rest
-filled with line ends (source: rosbridge_suite's protocol and behaviour). Pictures that come in may be grey,
-coloured or with transparency; all PNG row filters are undone.
+The bytes of the text are the pixels of an approximately square image with three bytes per pixel; the rest is
+filled with newlines (source: rosbridge_suite's protocol and behavior). Received images may be gray, color or
+with alpha; all PNG row filters are supported.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from rostether.errors import RemoteProtocolError
 
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
-# Grey, colour, each with transparency.
+# Bytes per pixel by color type: gray, color, both also with alpha.
 _BYTES_A_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}
 _COLOR: Final = 2
 
-# Rows are unfiltered byte by byte, a tenth of a second for these; packed texts need no row filters.
+# Row filters are undone byte by byte, which takes 0.1 s for this size; packed texts need no row filters.
 MAX_FILTERED_BYTES: Final = 1 << 18
 
-# Three times as fast as the usual 6, and a tenth larger: boards wait while a picture is packed.
+# Three times as fast as the default 6, and 10 % larger: boards wait while an image is packed.
 _LEVEL: Final = 1
 
 
@@ -36,7 +36,7 @@ def pack_png(text: str) -> str:
     height = max(1, math.ceil(len(content) / 3 / width))
     row = width * 3
     padded = content.ljust(row * height, b"\n")
-    # Each row is preceded by its filter: none.
+    # Each row starts with its filter type, 0 for none.
     rows = b"".join(b"\0" + padded[at : at + row] for at in range(0, len(padded), row))
     picture = (
         _SIGNATURE
@@ -52,7 +52,7 @@ def unpack_png(data: str, max_bytes: int) -> str:
     try:
         return _text(a2b_base64(data), max_bytes)
     except (Base64Error, ValueError, struct.error, zlib.error) as error:
-        raise RemoteProtocolError(f"png: this is no picture that a text was packed into: {error}") from None
+        raise RemoteProtocolError(f"png: this image does not contain a packed text: {error}") from None
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:
@@ -60,9 +60,9 @@ def _chunk(kind: bytes, content: bytes) -> bytes:
 
 
 def _text(picture: bytes, max_bytes: int) -> str:
-    """Return the text in a picture. Raises ValueError, struct.error, zlib.error."""
+    """Return the text in an image. Raises ValueError, struct.error, zlib.error."""
     if not picture.startswith(_SIGNATURE):
-        raise ValueError("it does not begin as a PNG does")
+        raise ValueError("it is not a PNG file")
     header = b""
     packed = []
     at = len(_SIGNATURE)
@@ -76,12 +76,14 @@ def _text(picture: bytes, max_bytes: int) -> str:
         at += length + 12
     width, height, depth, color, _, _, interlace = struct.unpack(">IIBBBBB", header)
     if depth != 8 or color not in _BYTES_A_PIXEL or interlace:
-        raise ValueError("only 8 bits a colour, no palette and no interlacing are understood")
+        raise ValueError(
+            "only images with 8 bits per channel, without palette and interlacing, are supported"
+        )
     pixel = _BYTES_A_PIXEL[color]
     row = width * pixel
     size = (row + 1) * height
     if not 0 < row * height <= max_bytes:
-        raise ValueError(f"it holds {row * height} bytes; 1 to {max_bytes} are taken")
+        raise ValueError(f"it contains {row * height} bytes; 1 to {max_bytes} are allowed")
     rows = zlib.decompressobj().decompress(b"".join(packed), size)
     if len(rows) < size:
         raise ValueError("it ends early")
@@ -93,7 +95,9 @@ def _unfiltered(rows: bytes, size: int, pixel: int) -> bytes:
     if len(rows) > MAX_FILTERED_BYTES:
         filtered = sum(kind != 0 for kind in rows[:: size + 1]) * size
         if filtered > MAX_FILTERED_BYTES:
-            raise ValueError(f"{filtered} of its bytes have row filters; {MAX_FILTERED_BYTES} are taken")
+            raise ValueError(
+                f"{filtered} of its bytes have row filters; at most {MAX_FILTERED_BYTES} are allowed"
+            )
     content = bytearray()
     above = bytes(size)
     for at in range(0, len(rows), size + 1):
@@ -120,7 +124,7 @@ def _undo(kind: int, row: bytearray, above: bytes, pixel: int) -> None:
         elif kind == 4:
             guess = _paeth(left, up, above[index - pixel] if index >= pixel else 0)
         else:
-            raise ValueError(f"there is no row filter {kind}")
+            raise ValueError(f"unknown row filter {kind}")
         row[index] = (row[index] + guess) & 0xFF
 
 

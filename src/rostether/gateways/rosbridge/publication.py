@@ -9,7 +9,7 @@ from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import MessageType
 
-# Messages that wait for subscribers; a client that sends more at first may lose the oldest.
+# The limit of messages that wait for subscribers; a client that sends more may lose the oldest.
 MAX_FIRST_BYTES = 4 << 20
 
 

@@ -10,12 +10,12 @@ from typing import Any, Final
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.rosbridge.status import show
 
-# Names and ids: thousands are kept, and the whole graph sees them; those in use are below 150.
+# The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
 MAX_WORD_CHARACTERS: Final = 512
 
 
 class Request:
-    """A JSON object with an `op`, which came in a frame of `size_bytes`."""
+    """A JSON object with an `op`, received in a frame of `size_bytes`."""
 
     def __init__(self, fields: dict[str, Any], size_bytes: int = 0) -> None:
         self.fields = fields
@@ -39,7 +39,7 @@ class Request:
         """Return a required text field. Raises RemoteProtocolError."""
         value = self.fields.get(name)
         if not isinstance(value, str):
-            raise self._wrong(name, "a text")
+            raise self._wrong(name, "a string")
         return value
 
     def word(self, name: str) -> str:
@@ -78,13 +78,13 @@ class Request:
 
     def _check_length(self, name: str, value: str) -> None:
         if len(value) > MAX_WORD_CHARACTERS:
-            raise self._wrong(name, f"{MAX_WORD_CHARACTERS} characters at most")
+            raise self._wrong(name, f"at most {MAX_WORD_CHARACTERS} characters")
 
     def _wrong(self, name: str, wanted: str) -> RemoteProtocolError:
         op = self.fields.get("op")
         subject = f"{show(op)[1:-1]}: " if isinstance(op, str) and name != "op" else ""
         got = show(self.fields[name]) if name in self.fields else "nothing"
-        return RemoteProtocolError(f"{subject}field '{name}' wants {wanted}, got {got}")
+        return RemoteProtocolError(f"{subject}field '{name}' must be {wanted}, got {got}")
 
 
 # For larger frames, garbage collection may take longer than parsing.
@@ -98,14 +98,14 @@ def read_request(data: str | bytes) -> Request:
     except RecursionError:
         raise RemoteProtocolError("this JSON is nested too deeply") from None
     except ValueError as error:
-        raise RemoteProtocolError(f"this is no JSON: {error}; got {show(data)}") from None
+        raise RemoteProtocolError(f"this is not JSON: {error}; got {show(data)}") from None
     if not isinstance(fields, dict):
-        raise RemoteProtocolError(f"a message is a JSON object with an op, got {show(fields)}")
+        raise RemoteProtocolError(f"a message must be a JSON object with an op, got {show(fields)}")
     return Request(fields, len(data))
 
 
 def _parsed(data: str | bytes) -> Any:
-    """Return parsed JSON; without garbage collection, as none of it is garbage yet."""
+    """Return parsed JSON; without garbage collection, because none of it is garbage yet."""
     if len(data) < _LARGE_BYTES or not gc.isenabled():
         return json.loads(data)
     gc.disable()

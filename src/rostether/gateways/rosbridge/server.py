@@ -1,6 +1,6 @@
 """The rosbridge server: the v2 protocol of rosbridge over WebSockets, on the graph port.
 
-It serves web pages with roslibjs and programs with roslibpy as rosbridge_suite does. By default it listens
+Like rosbridge_suite, it serves web pages with roslibjs and programs with roslibpy. By default it listens
 on loopback only.
 """
 
@@ -129,7 +129,7 @@ class RosbridgeServer:
 
     async def _end_with_node(self) -> None:
         reason = await self._context.graph.wait_closed()
-        self._report(Level.WARN, f"rosbridge: its node was shut down ({reason}); it serves no more")
+        self._report(Level.WARN, f"rosbridge: its node was shut down ({reason}); the server has stopped")
         await self._close()
 
     async def _close(self) -> None:
@@ -157,7 +157,7 @@ class RosbridgeServer:
     async def _serve(self, session: Session, connection: Connection, *, is_known: bool) -> None:
         try:
             await session.run(is_known=is_known)
-        except Exception as error:  # noqa: BLE001 - one client's failure is not that of others
+        except Exception as error:  # noqa: BLE001 - one client's failure must not affect others
             report_error(f"rosbridge client {session.name}", error)
         finally:
             connection.close()

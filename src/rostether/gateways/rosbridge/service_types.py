@@ -1,4 +1,4 @@
-"""The types of services: clients call by name alone, and a ROS 1 master does not know the types."""
+"""The types of services: clients call services only by name, and a ROS 1 master does not know the types."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ AskServer: TypeAlias = Callable[[str], Awaitable[str]]
 # A page that calls often asks the server once; a new type after a restart is seen soon.
 REMEMBERED_S = 5.0
 
-# Names of services come from clients.
+# The limit of cached names, because they come from clients.
 MAX_REMEMBERED = 1000
 
 
@@ -51,7 +51,7 @@ class ServiceTypes:
     async def _name(self, service: str) -> str:
         listed = (await self._graph.snapshot()).services.get(service)
         if listed is None:
-            raise ServiceUnavailableError(f"service {service} does not exist: is its node running?")
+            raise ServiceUnavailableError(f"service {service} does not exist; check that its node is running")
         if listed.type != ANY_TYPE:
             return listed.type
         if self._ask_server is None:

@@ -41,7 +41,7 @@ import hashlib
 
 from rostether.gateways.websocket.admission import is_same_secret
 
-# How old a MAC may be, as in rosauth: a MAC that was overheard cannot be used later.
+# The maximum age of a MAC, as in rosauth: an intercepted MAC cannot be used later.
 MAX_CLOCK_OFFSET_S = 5.0
 
 # How often the client and the log receive a report that a topic is too fast for the client.
@@ -50,10 +50,10 @@ REPORT_INTERVAL_S = 5.0
 # Frames are written together up to this size: for small messages, system calls cost most.
 MAX_WRITE_BYTES = 64 << 10
 
-# Different mistakes of one client in the log; a program that makes more receives statuses.
+# The limit of different mistakes of one client in the log; further mistakes are only sent as statuses.
 MAX_LOGGED = 10
 
-# A message in a picture in fragments; deeper nesting is nonsense.
+# Enough for a message in an image in fragments; deeper nesting makes no sense.
 MAX_DEPTH = 3
 
 # RFC 6455's code for a policy violation.
@@ -105,7 +105,7 @@ class Session:
             await self._unpacked(whole)
 
     async def handle_png(self, request: Request) -> None:
-        """Handle a message that is packed into a picture."""
+        """Handle a message that is packed into an image."""
         await self._unpacked(unpack_png(request.text("data"), self._context.settings.max_message_bytes))
 
     async def _unpacked(self, text: str) -> None:
@@ -128,11 +128,11 @@ class Session:
                 fields = read_request(first).fields
         if fields.get("op") == "auth" and authenticates(self._token, fields, time.time()):
             return True
-        reason = "this server wants a token: connect to ?token=TOKEN, or send the op auth first"
+        reason = "this server requires a token; connect to ?token=TOKEN, or send the op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
         self._connection.close(CLOSE_POLICY, reason)
         self._context.report(
-            Level.WARN, f"rosbridge: {self.name} has not given the token; its connection was closed"
+            Level.WARN, f"rosbridge: {self.name} did not send the token; its connection was closed"
         )
         return False
 
@@ -152,9 +152,7 @@ class Session:
             request_id = request.id
             operation = OPERATIONS.get(request.op)
             if operation is None:
-                raise RemoteProtocolError(
-                    f"there is no op {show(request.op)}; known are {', '.join(OPERATIONS)}"
-                )
+                raise RemoteProtocolError(f"unknown op {show(request.op)}; known: {', '.join(OPERATIONS)}")
             waiting = operation(self, request)
             if waiting is not None:
                 async with asyncio.timeout(OPERATION_LIMIT_S):
@@ -165,7 +163,7 @@ class Session:
             self._mistake(
                 f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
             )
-        except Exception as error:  # noqa: BLE001 - whatever a client sends must not end its connection
+        except Exception as error:  # noqa: BLE001 - a client's message must not end its connection
             self._mistake(f"{type(error).__name__}: {error}", request_id)
 
     def _mistake(self, text: str, request_id: object) -> None:
@@ -195,13 +193,13 @@ class Session:
             await self._connection.send(*self._next_frames())
             await asyncio.sleep(0)
         self._context.report(
-            Level.WARN, f"rosbridge: {self.name} does not read its answers; its connection was closed"
+            Level.WARN, f"rosbridge: {self.name} does not read its responses; its connection was closed"
         )
         # An orderly close would wait for data that it does not read.
         self._connection.abort()
 
     def _next_frames(self) -> list[Frame]:
-        """Return what fits into one turn and one write."""
+        """Return the frames that fit into one iteration and one write."""
         loop = asyncio.get_running_loop()
         turn_ends_s = loop.time() + TURN_S
         frames: list[Frame] = []
@@ -240,9 +238,7 @@ class Session:
         subscription.reported_count += lost
         subscription.next_report_s = now_s + REPORT_INTERVAL_S
         topic, messages = subscription.topic, "message" if lost == 1 else "messages"
-        self.status(
-            StatusLevel.WARNING, f"{topic} comes faster than this client reads: {lost} {messages} lost"
-        )
+        self.status(StatusLevel.WARNING, f"{topic} is too fast for this client: {lost} {messages} lost")
         self._context.report(
             Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {lost} {messages} lost"
         )

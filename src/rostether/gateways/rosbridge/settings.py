@@ -7,19 +7,19 @@ from fnmatch import fnmatchcase
 
 from rostether.gateways.websocket.settings import ServerSettings
 
-# The port of roslibjs' examples and of every page made for rosbridge.
+# The default port of rosbridge, which pages and examples use.
 DEFAULT_PORT = 9090
 
 # rosbridge's own default. It applies before parsing, and to joined fragments.
 DEFAULT_MAX_MESSAGE_BYTES = 10_000_000
 
-# Pages and programs of a large laboratory; each costs a descriptor and some 100 kB.
+# Enough for the pages and programs of a large laboratory; each needs a descriptor and about 100 kB.
 MAX_CLIENTS = 1024
 
-# Connections before their request; websockets gives each ten seconds for it.
+# The limit of connections without a request yet; websockets allows ten seconds for it.
 MAX_GREETING = 256
 
-# Topics of one client: a page that shows a whole robot has some hundred.
+# Topics of one client: a page that shows a whole robot has about a hundred.
 MAX_SUBSCRIPTIONS = 1000
 
 # Topics that one client advertises; each is known to the whole graph.
@@ -28,10 +28,10 @@ MAX_PUBLICATIONS = 1000
 # Services that one client offers; each is known to the whole graph.
 MAX_SERVICES = 200
 
-# Service calls of one client in flight, and as many of others that it has not answered yet.
+# The limit of pending service calls of one client, and of calls to it that it has not answered.
 MAX_CALLS = 1024
 
-# Goals of one client under way.
+# Active goals of one client.
 MAX_GOALS = 100
 
 # Actions that one client offers; each is three services and two topics of the graph.
@@ -54,10 +54,10 @@ GREETING_LIMIT_S = 10.0
 
 PING_PERIOD_S = 20.0
 
-# A client that answers none of them is gone. A slow client answers late, after it has read earlier data.
+# A client that answers no ping has disconnected. A slow client answers late, after it has read earlier data.
 PINGS = 3
 
-# What the socket holds for a slow client; the rest waits in queues that drop their oldest messages.
+# The size of a slow client's socket buffer; further messages wait in queues that drop the oldest.
 UNSENT_BYTES = 32 << 10
 
 # How long one client's work may delay others, including boards.

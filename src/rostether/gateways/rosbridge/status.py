@@ -10,7 +10,7 @@ from rostether.errors import RemoteProtocolError
 
 
 class StatusLevel(IntEnum):
-    """Levels of statuses, the worst is the lowest: a client receives those up to its level."""
+    """Levels of statuses; the worst level is the lowest, and a client receives those up to its level."""
 
     NONE = 0
     ERROR = 1
@@ -24,7 +24,7 @@ class StatusLevel(IntEnum):
             return cls[text.upper()] if isinstance(text, str) else cls[""]
         except KeyError:
             names = ", ".join(each.name.lower() for each in cls)
-            raise RemoteProtocolError(f"level wants one of {names}, got {show(text)}") from None
+            raise RemoteProtocolError(f"level must be one of {names}, got {show(text)}") from None
 
 
 # Losses are reported unless a client wants only errors; the protocol's text says `error`.

@@ -1,8 +1,8 @@
 """ROS messages in rosbridge's JSON, in both directions.
 
-As rosbridge has them: uint8[] and char[] are base64, times and durations `{"secs": ..., "nsecs": ...}` (of a
-ROS 2 graph `{"sec": ..., "nanosec": ...}`), numbers that JSON does not know (NaN, infinities) null. Bytes of
-a text that are not UTF-8 become U+FFFD. What comes in is taken in either ROS's words.
+As in rosbridge, uint8[] and char[] are base64, times and durations `{"secs": ..., "nsecs": ...}` (of a
+ROS 2 graph `{"sec": ..., "nanosec": ...}`), numbers that JSON does not support (NaN, infinities) null.
+Bytes of a string that are not UTF-8 become U+FFFD. Input may use the field names of ROS 1 or ROS 2.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
 class Style(Enum):
-    """The field names of either ROS: names of times, and the header field of only one ROS."""
+    """The field names of ROS 1 or ROS 2: those of times, and header fields that only one of them has."""
 
     ROS1 = 1
     ROS2 = 2
@@ -38,7 +38,7 @@ def stamp_reader(style: Style) -> Any:
     return _ros2_stamp
 
 
-# Fields that a style's clients do not know.
+# Fields that clients of a style do not expect.
 OMITTED: Final = {Style.ROS1: frozenset[str](), Style.ROS2: frozenset({"std_msgs/Header.seq"})}
 
 
@@ -52,7 +52,10 @@ class JsonForm:
         self._writers = CompiledForms(compile_text, leaves)
 
     def text(self, codec: Codec, payload: bytes) -> str:
-        """Return a payload as the JSON that `write_json` makes of it, faster. Raises SerializationError."""
+        """Return a payload as JSON text, the same as from `write_json` but faster.
+
+        Raises SerializationError.
+        """
         message = codec.decode(payload)
         try:
             return self._writers.of(codec)(message)
@@ -67,13 +70,13 @@ class JsonForm:
         """Return the payload of a JSON value.
 
         Missing fields are zero; stamps of headers that are missing, and times that are "now", become `now`.
-        Raises SerializationError naming the field that does not fit.
+        Raises SerializationError with the name of the field that does not fit.
         """
         return message_payload(codec, value, now)
 
 
 def write_json(value: object) -> str:
-    """Return values of `to_json`, and dicts and lists of them, as JSON; floats it has not become null."""
+    """Return values of `to_json`, and dicts and lists of them, as JSON; NaN and infinities become null."""
     try:
         return _encode(value)
     except ValueError:

@@ -22,7 +22,8 @@ HEADER: Final = "std_msgs/Header"
 # The type of times in ROS 2's own definitions.
 ROS2_TIME: Final = "builtin_interfaces/Time"
 
-# Messages and texts in the arrays of one message, a path of many hours: more would hold up all others.
+# The limit of messages and strings in the arrays of one message, enough for a path of many hours: larger
+# messages would delay all clients.
 MAX_ELEMENTS: Final = 1 << 18
 
 _MAX_SHOWN: Final = 40
@@ -44,7 +45,7 @@ def message_payload(codec: Codec, value: object, now: Time) -> bytes:
 
 
 class _MisfitError(Exception):
-    """A value does not fit; the path to it grows on the way out."""
+    """A value does not fit; the path to it is completed while the exception propagates."""
 
     def __init__(self, wanted: str, got: object) -> None:
         super().__init__(wanted)
@@ -61,7 +62,7 @@ class _MisfitError(Exception):
         if not self._wanted:
             return f"{type_name} has no field {self.path}; {self._got}"
         where = f" for field {self.path}" if self.path else ""
-        return f"{type_name} wants {self._wanted}{where}, got {_show(self._got)}"
+        return f"{type_name} needs {self._wanted}{where}, got {_show(self._got)}"
 
 
 class _Reader:
@@ -123,7 +124,7 @@ class _Reader:
         if not isinstance(value, list):
             raise _MisfitError(f"a list ({array.name})", value)
         if isinstance(element, Number) and element.code != "?":
-            # The bulk of large messages; whether each number fits is found out when it is packed.
+            # Most data of large messages; packing checks whether each number fits.
             kinds = set(map(type, value))
             if kinds <= (_FLOATS if element.code in "fd" else _INTEGERS):
                 return _packed(value) if array.is_bytes else value
@@ -148,11 +149,14 @@ class _Reader:
 
 
 def _decoded(text: str) -> bytes:
-    """Return decoded base64. Raises ValueError, also for data URLs: their head would become garbage."""
+    """Return decoded base64.
+
+    Raises ValueError, also for data URLs, whose prefix would decode to wrong data.
+    """
     try:
         return a2b_base64(text, strict_mode=True)
     except ValueError:
-        # Some break it into lines.
+        # Some clients insert line breaks.
         return a2b_base64("".join(text.split()), strict_mode=True)
 
 
@@ -166,7 +170,7 @@ def _packed(values: list[int]) -> bytes | list[int]:
 def _refuse_unknown(tree: Struct, value: Mapping[Any, Any]) -> None:
     known = [member.name for member in tree.members]
     for name in value:
-        # A page made for ROS 1 counts its headers; ROS 2 has no number for that.
+        # Pages written for ROS 1 send `seq` in headers, which ROS 2 does not have.
         if name not in known and not (name == "seq" and tree.name == HEADER):
             has = f"it has {', '.join(known)}" if known else "it has no fields"
             misfit = _MisfitError("", has)
@@ -216,7 +220,7 @@ def _stamp(node: Stamp, value: Any, now: Time) -> Time | Duration:
 
 
 def _sound_text(text: str) -> str:
-    """Return a text with halves of pairs joined, and those that stand alone replaced: UTF-8 has neither."""
+    """Return a string with surrogate pairs joined and lone surrogates replaced, because UTF-8 has none."""
     try:
         text.encode()
     except UnicodeEncodeError:
@@ -231,7 +235,7 @@ def _show(value: object) -> str:
 
 
 def _is_short(value: object) -> bool:
-    # The repr of a huge array would be built whole.
+    # Do not build the whole repr of a huge array.
     return not isinstance(value, list | dict | str | int) or (
         abs(value) < 1 << 128 if isinstance(value, int) else len(value) <= _MAX_SHOWN
     )

@@ -1,6 +1,6 @@
-"""Writes the Python source that turns a message into values of JSON or CBOR: one function a type.
+"""Generates Python source that converts a message to JSON or CBOR values: one function per type.
 
-For geometry_msgs/TwistStamped it comes out as:
+For geometry_msgs/TwistStamped the result is:
 
     def read_0(m): return {"x": m.x, "y": m.y, "z": m.z}
     def read_1(m): return {"linear": read_0(m.linear), "angular": read_0(m.angular)}
@@ -22,7 +22,7 @@ from rostether.serde.values import Message
 ReadValues: TypeAlias = Callable[[Message], dict[str, Any]]
 FormT = TypeVar("FormT")
 
-# Types of one gateway whose functions are kept; definitions come from peers.
+# The limit of cached functions of one gateway; definitions come from peers.
 _MAX_FORMS: Final = 512
 
 

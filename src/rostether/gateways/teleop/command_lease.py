@@ -1,4 +1,4 @@
-"""Who may drive, and when a command has become too old; without I/O.
+"""Decides which client may drive, and when a command is too old; without I/O.
 
     free -- command --> driving -- no command for KEEP_S --> stopped -- no command for HOLD_S --> free
                            ^------------- command ---------------'
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 
-# Pages command 20 times a second; after two that are missing and half a third, the robot must stop.
+# Pages send 20 commands a second; the robot must stop after two and a half missing commands.
 KEEP_S = 0.125
 
 # Lifting a finger for a moment does not pass the robot to another client.
@@ -27,7 +27,7 @@ class CommandLease:
 
     @property
     def due_s(self) -> float | None:
-        """When `expire` must be called, None when never."""
+        """When `expire` must be called; None if not at all."""
         if self.driver is None:
             return None
         return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)

@@ -41,7 +41,7 @@ class DriveLimits:
         return cls(**known)
 
     def most(self, kind: str) -> tuple[float, float]:
-        """Return the limits of a kind of value: the value itself, and its change per second."""
+        """Return the limits of a kind of value: its maximum, and its maximum change per second."""
         return getattr(self, f"max_{kind}"), getattr(self, f"max_{kind}_acceleration")
 
 
@@ -107,7 +107,7 @@ class DriveCommands:
 
 
 def _approach(old: float, wanted: float, step: float) -> float:
-    # To zero at once, then at most one step away from it.
+    # A change of direction goes to zero at once, then at most one step away from it.
     start = old if old * wanted > 0 else 0.0
     if abs(wanted) <= abs(start) + step:
         return wanted

@@ -22,7 +22,7 @@ MAX_TOPICS = 32
 
 
 class Driver(Hashable, Protocol):
-    """A client that wants to drive; `name` is for people."""
+    """A client that wants to drive; `name` is its display name."""
 
     name: str
 
@@ -207,7 +207,7 @@ class Teleop:
     async def _forget_when_gone(self, graph: Graph) -> None:
         reason = await graph.wait_closed()
         if self._graph is graph:
-            # The next driver makes a new node.
+            # The next driver starts a new node.
             self._graph = None
             topics, self._topics = self._topics, {}
             for topic in topics.values():

@@ -1,4 +1,4 @@
-"""Who may connect to a gateway: which web pages, and which clients have the token.
+"""Decides which web pages and clients may connect to a gateway.
 
 Any page in a browser may open a WebSocket to this machine, even on loopback; only the `Origin` that
 browsers send names the page. Programs send none.
@@ -25,7 +25,7 @@ _BEARER = "bearer"
 
 @dataclass(frozen=True, slots=True)
 class PageRule:
-    """Which pages may connect: this machine's to this machine, and those of the address connected to.
+    """The pages that may connect: pages of this machine to this machine, and pages of the same address.
 
     `origins` are pages that the user named, such as `https://panel.example` (`*`: all), `own_names` this
     machine's names. A gateway for a viewer names the viewer's own `viewer_site`: its pages may connect too,
@@ -120,7 +120,7 @@ def single_header(headers: Headers, name: str) -> str | None:
 
 def foreign_host(host: str) -> str:
     """Return why a request to another machine's name is refused."""
-    return f"{host!r:.200} is no name of this machine: use its address, set ROS_HOSTNAME, or use a --token"
+    return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use a --token"
 
 
 def _is_carried(token: Token, path: str, headers: Headers) -> bool:
@@ -179,11 +179,11 @@ class Admission:
         return self._refusal(path, headers, self._pages)
 
     def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Return why a WebSocket is refused that is for the full token, and not for pages of a viewer."""
+        """Return why a WebSocket that requires the full token, and no viewer's page, is refused."""
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
         if self.token.is_wanted and not self.has_token(path, headers):
-            return HTTPStatus.FORBIDDEN, "this needs the full token, not the one to view"
+            return HTTPStatus.FORBIDDEN, "this requires the full token, not the view token"
         return None
 
     def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
@@ -192,10 +192,10 @@ class Admission:
         if not pages.admits(origin, host) and not (has_token and is_of_program(origin)):
             if origin is None:
                 return HTTPStatus.FORBIDDEN, foreign_host(host)
-            reason = f"pages of {origin:.200} may not connect: allow them with --origin {origin:.200}"
+            reason = f"pages of {origin:.200} may not connect; allow them with --origin {origin:.200}"
             return HTTPStatus.FORBIDDEN, reason
         if self.token.is_wanted and self._wants_token_first and not has_token:
-            reason = "the token is missing or wrong: connect to ws://HOST:PORT/?token=TOKEN"
+            reason = "the token is missing or wrong; connect to ws://HOST:PORT/?token=TOKEN"
             return HTTPStatus.FORBIDDEN, reason
         if self._path and path.partition("?")[0].strip("/") != self._path:
             return HTTPStatus.NOT_FOUND, f"nothing is served at {path!r:.200}"
@@ -220,5 +220,5 @@ class Admission:
             return "pages of other sites may not download recordings"
         is_known = self.has_token(path, headers) or self._has_view_token(path, headers)
         if self.token.is_wanted and not is_known:
-            return "the token is missing or wrong: add ?token=TOKEN to the address"
+            return "the token is missing or wrong; add ?token=TOKEN to the address"
         return None

@@ -31,10 +31,10 @@ _CLOSE_S = 5.0
 # Long enough for a phone on a weak network to read the largest file of the page.
 _FILE_S = 30.0
 
-# The part of a download that one call reads.
+# The size of one read of a download.
 _CHUNK_BYTES = 256 << 10
 
-# No method of HTTP is longer.
+# HTTP methods are not longer.
 _METHOD_BYTES = 16
 
 _ORDERLY = (CloseCode.NORMAL_CLOSURE, CloseCode.GOING_AWAY, CloseCode.NO_STATUS_RCVD)
@@ -102,7 +102,7 @@ class Connection(asyncio.Protocol):
 
     @property
     def peer(self) -> str:
-        """The client's address for people."""
+        """The client's address as text."""
         return peer_name(self._transport) if self._transport is not None else "a client"
 
     @property
@@ -111,7 +111,7 @@ class Connection(asyncio.Protocol):
         sent = self._websocket.close_sent
         return "" if sent is None or sent.code in _ORDERLY else sent.reason or str(sent.code)
 
-    # asyncio's side
+    # Methods that asyncio calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Wait for the request, if the connection is admitted."""
@@ -169,7 +169,7 @@ class Connection(asyncio.Protocol):
         if self._user is not None:
             self._user.resumed()
 
-    # the user's side
+    # Methods for the user.
 
     def pause_reading(self) -> None:
         """Read no more, so that the client waits."""
@@ -198,7 +198,7 @@ class Connection(asyncio.Protocol):
         self._write_protocol()
 
     def write(self, frames: bytes) -> None:
-        """Write whole frames that were made by hand."""
+        """Write complete frames that the user has built."""
         if self.is_open and self._transport is not None:
             # Not writelines: in Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never pauses the writer
             # (CVE-2024-12254).
@@ -220,7 +220,7 @@ class Connection(asyncio.Protocol):
         if self._transport is not None:
             self._transport.abort()
 
-    # within
+    # Internal methods.
 
     def _handle_events(self) -> None:
         for event in self._websocket.events_received():
@@ -231,7 +231,7 @@ class Connection(asyncio.Protocol):
         if self._websocket.handshake_exc is not None and not self._is_shaken and not self._is_answered:
             self._refuse_malformed()
         if self._is_answered:
-            # What the library makes of the body is no WebSocket.
+            # The library would parse the body as WebSocket frames.
             return
         self._write_protocol()
         if self._websocket.close_expected() and not self._is_ending:
@@ -240,7 +240,7 @@ class Connection(asyncio.Protocol):
             self._set_timer(_CLOSE_S, self.abort)
 
     def _refuse_malformed(self) -> None:
-        """Answer what the library does not parse, such as a request with a body."""
+        """Answer a request that the library does not parse, such as one with a body."""
         method = self._start.partition(b" ")[0]
         if self._server.site is None or not method.isalpha() or not method.isupper():
             return
@@ -303,7 +303,7 @@ class Connection(asyncio.Protocol):
             with file:
                 while chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES):
                     self._transport.write(chunk)
-                    # A client that reads nothing for this time is gone.
+                    # A client that reads nothing for this time has disconnected.
                     self._set_timer(_FILE_S, self.abort)
                     await self.has_room.wait()
         self._set_timer(_FILE_S, self.abort)
@@ -348,8 +348,8 @@ class Connection(asyncio.Protocol):
             self._transport.close()
 
     def _ping(self) -> None:
-        # A client that still reads is alive, even if its pong is late. A client whose data is not read
-        # here cannot answer.
+        # A client that still reads is alive, even if its pong is late. The pong of a paused client cannot be
+        # read here.
         is_there = self._is_moving() or not self._is_reading
         if self._unanswered_pings >= self._limits.pings and not is_there:
             self.abort()

@@ -40,7 +40,7 @@ class ConnectionLimiter:
         return True
 
     def release(self) -> None:
-        """Free the place of an admitted connection."""
+        """Stop counting an admitted connection."""
         self.open_count -= 1
 
     def report_refusal(self, transport: asyncio.BaseTransport, reason: str) -> None:
@@ -69,7 +69,7 @@ class ConnectionLimiter:
 
 
 def peer_name(transport: asyncio.BaseTransport) -> str:
-    """Return a peer's address for people."""
+    """Return a peer's address as text."""
     address = transport.get_extra_info("peername")
     if not address:
         return "a client"

@@ -21,6 +21,6 @@ def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:
         files = f"{certificate} and its key {key}" if key else certificate
         raise ConfigError(
             f"the certificate {files} cannot be used: {error.strerror or error}; "
-            "give files in PEM format that can be read"
+            "give readable files in PEM format"
         ) from None
     return context

@@ -31,10 +31,10 @@ class MessageStream:
             self._connection.pause_reading()
 
     def paused(self) -> None:
-        """Nothing to do: `send` waits."""
+        """Do nothing: `send` waits."""
 
     def resumed(self) -> None:
-        """Nothing to do: `send` continues."""
+        """Do nothing: `send` continues."""
 
     def closed(self) -> None:
         """End the stream after the received messages."""

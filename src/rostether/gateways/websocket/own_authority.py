@@ -56,10 +56,10 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
     """Return this machine's certificate from a folder; makes or renews it if needed.
 
     Args:
-        folder: Holds the authority as well; only this user can read the keys.
+        folder: Also contains the authority; only this user can read the keys.
         names: Names and addresses of the page, in addition to those that are found.
 
-    Raises ConfigError naming what to install, or the file that cannot be written.
+    Raises ConfigError with the package to install, or the file that cannot be written.
     """
     if find_spec("cryptography") is None:
         raise ConfigError(f"--tls auto needs another package; run: {install_command('tls')}")
@@ -88,7 +88,7 @@ def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:
         except ValueError:
             if name:
                 hosts.add(name.lower())
-    # Public addresses of IPv6 change from day to day, and each would need another authority.
+    # Public IPv6 addresses change daily, and each new address would need another authority.
     return hosts, {each for each in addresses if each.version == 4 or _is_local(each)}
 
 
@@ -235,7 +235,7 @@ def _write_key(file: Path, key: EllipticCurvePrivateKey) -> None:
 
     text = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     file.unlink(missing_ok=True)
-    # Other users must never be able to read it.
+    # Other users must not be able to read it.
     with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
         opened.write(text)
 

@@ -32,10 +32,10 @@ class WebSocketServer:
     """Listens for connections.
 
     Args:
-        name: The prefix of messages for people, such as `foxglove`.
+        name: The prefix of log lines, such as `foxglove`.
         settings: Where to listen, and who may connect.
         limits: The bounds of the server and its connections.
-        open_user: Makes the user of a WebSocket whose handshake is done.
+        open_user: Creates the user of a WebSocket after its handshake.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
         viewer_site: A web site whose pages may connect, as well as the viewer that this machine serves.
         path: The only path that is served; empty: all.
@@ -43,8 +43,8 @@ class WebSocketServer:
         subprotocols: The WebSocket subprotocols, the best first.
         deflates: Whether messages are compressed for clients that support it.
         site: Files that are served by plain GET.
-        routes: Makers of users for paths of their own, for this server's pages and for programs, with the
-            full token; None: not offered.
+        routes: Functions that create users for other paths; only for this server's pages and programs with
+        the full token. None: not offered.
     """
 
     def __init__(  # noqa: PLR0913 - each is an independent setting
@@ -110,7 +110,7 @@ class WebSocketServer:
         return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     async def start(self) -> None:
-        """Listen. Raises TransportOpenError when it cannot, ConfigError for a certificate."""
+        """Listen. Raises TransportOpenError, and ConfigError for an invalid certificate."""
         host, port = self._settings.host, self._settings.port
         hosts = _LOOPBACK_HOSTS if host == DEFAULT_HOST else (host or None,)
         encryption = server_encryption(self._settings.certificate, self._settings.key)
@@ -152,7 +152,7 @@ class WebSocketServer:
             self._are_gone.clear()
             await self._are_gone.wait()
 
-    # for connections
+    # Methods that connections call.
 
     def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
         """Return whether a connection may stay, and count it."""
@@ -162,7 +162,7 @@ class WebSocketServer:
         return True
 
     def forget(self, connection: Connection) -> None:
-        """Free the place of a connection that has ended."""
+        """Stop counting a connection that has ended."""
         if self._connections.pop(connection, None) is not None:
             self._limiter.release()
         if not self._connections:
@@ -187,7 +187,7 @@ class WebSocketServer:
         return refused
 
     def open_user(self, connection: Connection) -> ConnectionUser:
-        """Return the user of a connection whose handshake is done."""
+        """Return the user of a connection after its handshake."""
         open_user = self._routes.get(connection.path.partition("?")[0]) or self._open_user
         return open_user(connection)
 

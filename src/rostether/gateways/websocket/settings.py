@@ -1,4 +1,4 @@
-"""Where a WebSocket server listens, who may use it, and its limits."""
+"""The address of a WebSocket server, its access rules, and its limits."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ class ConnectionLimits:
 class ServerSettings:
     """How a server is reached.
 
-    `host` is one name or address of this machine, `localhost` both loopback addresses. Clients must give
-    `token` where it is not empty; those who give `view_token` instead may only view. `origins` are more web
-    pages that may connect (`*`: all), `allow` networks. With a certificate and its key, files, connections
-    are encrypted (wss).
+    `host` is one name or address of this machine, `localhost` both loopback addresses. Clients must send
+    `token` if it is not empty; clients with `view_token` may only view. `origins` are more web
+    pages that may connect (`*`: all), `allow` networks. With `certificate` and `key` (files), connections are
+    encrypted (wss).
     """
 
     host: str = DEFAULT_HOST

@@ -1,7 +1,7 @@
-"""Files that a gateway also serves by plain GET, such as the page of the dashboard.
+"""Files that a gateway serves by plain GET, such as the dashboard page.
 
-All files are read and compressed once, when the site is loaded. A request is a look-up of its path in a
-table, so no path leads out of the folder.
+All files are read and compressed once, when the site is loaded. A request only looks up its path in a table,
+so no path leads out of the folder.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _TILE = re.compile(r"/tiles/(\d{1,2})/(\d{1,9})/(\d{1,9})")
 MAX_FILES = 1000
 MAX_BYTES = 64 << 20
 
-# Only scripts, styles and pictures of this page; only connections to this server; no embedding in frames.
+# Only scripts, styles and images of this page; only connections to this server; no embedding in frames.
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self' ws: wss:; worker-src 'self' blob:; manifest-src 'self'; "
@@ -88,7 +88,7 @@ class SiteFile:
     @classmethod
     def of(cls, name: str, content: bytes) -> SiteFile:
         """Prepare the file of a name for many requests."""
-        # Without a time, so that the same content always has the same bytes.
+        # Without a timestamp, so that the same content always has the same bytes.
         compressed = gzip.compress(content, mtime=0)
         return cls(
             content_type=_content_type(name),

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
-# What a waiting message takes beside its payload, so that a flood of empty ones is bounded too.
+# The overhead of a waiting message, so that the limit also applies to many empty messages.
 MESSAGE_COST_BYTES = 100
 
 # Full queues shrink to this share, so that the fullest topic is not searched for with each message.
@@ -19,7 +19,7 @@ TagT = TypeVar("TagT")
 class TopicQueues(Generic[TopicT, TagT]):
     """One queue for each topic; when all together exceed `max_bytes`, the fullest loses its oldest messages.
 
-    A topic is any hashable key, and every message has a tag beside its payload. `on_drop` is called with the
+    A topic is any hashable key, and every message has a tag and a payload. `on_drop` is called with the
     topic for each message that is lost.
     """
 

@@ -1,4 +1,4 @@
-"""What a machine is for, as a robot.toml."""
+"""Makes the robot.toml of a machine from its role."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """The answers that make a robot.toml; `core` is the address of the base station's master."""
+    """What a robot.toml is made from; `core` is the address of the base station's master."""
 
     kind: Kind
     name: str

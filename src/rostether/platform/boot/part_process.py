@@ -17,13 +17,13 @@ from rostether.errors import ConfigError
 from rostether.mechanisms.backoff import Backoff
 from rostether.platform.boot.robot_file import Part
 
-# As systemd's units: a part whose event loop does not run for so long is killed and started again.
+# The same as in the systemd units: a part whose event loop is blocked for this time is killed and restarted.
 WATCHDOG_S = 20.0
-# How long a part may take to end. systemd waits 10 s for all of them.
+# The time that a part gets to end. systemd waits 10 s for all parts together.
 END_LIMIT_S = 8.0
-# A part that ran for so long has started well; the next restart is quick again.
+# A part that ran for this time has started successfully: the restart delay is short again.
 SETTLED_S = 30.0
-# The exit code of a command whose words are wrong: starting it again would not help.
+# The exit code of a command with wrong arguments: a restart would not help.
 EXIT_USAGE = 2
 MAX_LINE_BYTES = 1 << 16
 
@@ -31,7 +31,7 @@ _NUMBERS = itertools.count()
 
 
 class PartProcess:
-    """Runs `command` with the part's words; its lines go to `report`, with what happened to it."""
+    """Runs `command` with the part's arguments; `report` gets its output lines and its restarts."""
 
     def __init__(
         self,
@@ -52,7 +52,10 @@ class PartProcess:
         self._last_sign_s: float | None = None
 
     async def run(self) -> None:
-        """Keep the part running until cancelled; then end it. Raises ConfigError if its words are wrong."""
+        """Keep the part running until cancelled; then end it.
+
+        Raises ConfigError if its arguments are wrong.
+        """
         loop = asyncio.get_running_loop()
         while True:
             started_s = loop.time()
@@ -62,11 +65,11 @@ class PartProcess:
             if loop.time() - started_s > SETTLED_S:
                 self._backoff.reset()
             delay_s = self._backoff.next_delay_s()
-            self._report(self.part.name, f"ended ({_words_of(code)}); starts again in {delay_s:.0f} s")
+            self._report(self.part.name, f"ended ({_words_of(code)}); restarts in {delay_s:.0f} s")
             await asyncio.sleep(delay_s)
 
     async def _run_once(self) -> int:
-        # setpriv: the kernel ends the part when we are killed.
+        # setpriv: the kernel ends the part if this process is killed.
         guard = [program, "--pdeathsig", "INT"] if (program := shutil.which("setpriv")) else []
         folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="rostether-up-")
         address = str(Path(folder) / f"{next(_NUMBERS)}")
@@ -87,7 +90,7 @@ class PartProcess:
                     "WATCHDOG_USEC": str(round(self._watchdog_s * 1e6)),
                     "PYTHONUNBUFFERED": "1",
                 },
-                # Ctrl-C reaches us alone, and we end the parts.
+                # Only this process receives Ctrl-C; it ends the parts.
                 start_new_session=True,
             )
             loop = asyncio.get_running_loop()
@@ -125,9 +128,9 @@ class PartProcess:
         loop = asyncio.get_running_loop()
         while True:
             await asyncio.sleep(self._watchdog_s / 4)
-            # A part that never reported, such as a command that only prints, is not watched.
+            # A part without watchdog reports, such as a command that only prints, is not watched.
             if self._last_sign_s is not None and loop.time() - self._last_sign_s > self._watchdog_s:
-                self._report(self.part.name, f"hangs since {self._watchdog_s:.0f} s and is ended")
+                self._report(self.part.name, f"has not responded for {self._watchdog_s:.0f} s; ending it")
                 _signal(process, signal.SIGKILL)
                 return
 
@@ -137,7 +140,7 @@ async def _end(process: asyncio.subprocess.Process) -> None:
     with suppress(TimeoutError):
         async with asyncio.timeout(END_LIMIT_S):
             await process.wait()
-    # Its own children too, which may outlive it.
+    # Its child processes also end: they could outlive it.
     _signal(process, signal.SIGKILL)
     await process.wait()
 

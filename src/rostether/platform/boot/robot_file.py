@@ -18,7 +18,7 @@ _TOP = {"name", "master", "address", "environment", "parts"}
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One program of a robot: a name, and the words of a `rostether` command."""
+    """One program of a robot: a name, and the arguments of `rostether`."""
 
     name: str
     words: tuple[str, ...]
@@ -34,7 +34,7 @@ class RobotFile:
 
 
 def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
-    """Read and check a robot.toml; a part begins with one of `commands`. Raises ConfigError."""
+    """Read and check a robot.toml; each part's first argument must be in `commands`. Raises ConfigError."""
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
@@ -50,7 +50,7 @@ def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
 def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
     unknown = sorted(content.keys() - _TOP)
     if unknown:
-        raise ConfigError(f"unknown key {unknown[0]!r}; known are {', '.join(sorted(_TOP))}")
+        raise ConfigError(f"unknown key {unknown[0]!r}; known keys: {', '.join(sorted(_TOP))}")
     environment = {
         name: _text(f"environment.{name}", value)
         for name, value in _table("environment", content.get("environment", {})).items()

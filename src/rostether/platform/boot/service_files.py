@@ -1,4 +1,4 @@
-"""The files that start a robot's parts at boot: a systemd unit, a udev rule and an entry for log-in."""
+"""The files that start a robot's parts at boot: a systemd unit, a udev rule and a desktop entry."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SERVICE = "rostether"
-# The groups that own serial ports, cameras and pins on Debian, Ubuntu and Raspberry Pi OS.
+# The groups that own serial ports, cameras and GPIO pins on Debian, Ubuntu and Raspberry Pi OS.
 GROUPS = ("dialout", "video", "gpio", "i2c", "spi")
 
 
 @dataclass(frozen=True, slots=True)
 class Installation:
-    """Where a robot's files lie, and who runs it.
+    """The paths of a robot's files, and the user that runs it.
 
-    `program` are the words that start rostether; `user` is empty for a user's own service manager; `groups`
-    are those of GROUPS that this machine has.
+    `program` is the command line that starts rostether; `user` is empty for a user's own service manager;
+    `groups` are the names in GROUPS that exist on this machine.
     """
 
     program: tuple[str, ...]
@@ -27,30 +27,30 @@ class Installation:
 
     @property
     def unit(self) -> Path:
-        """Where the unit lies."""
+        """The path of the systemd unit."""
         if self.is_system:
             return Path("/etc/systemd/system") / f"{SERVICE}.service"
         return Path.home() / ".config/systemd/user" / f"{SERVICE}.service"
 
     @property
     def autostart(self) -> Path:
-        """Where the entry lies that opens the dashboard at log-in."""
+        """The path of the desktop entry that opens the dashboard at login."""
         folder = Path("/etc/xdg/autostart") if self.is_system else Path.home() / ".config/autostart"
         return folder / f"{SERVICE}-dashboard.desktop"
 
     @property
     def rules(self) -> Path:
-        """Where the udev rules lie."""
+        """The path of the udev rules."""
         return Path("/etc/udev/rules.d") / f"60-{SERVICE}.rules"
 
 
 def default_robot_file(is_system: bool) -> Path:
-    """Return where a robot.toml lies that `install` wrote."""
+    """Return the path of the robot.toml that `install` writes."""
     return Path("/etc/rostether/robot.toml") if is_system else Path.home() / ".config/rostether/robot.toml"
 
 
 def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path, str]:
-    """Return the files to write; with `dashboard`, an address, also the one that opens it at log-in."""
+    """Return the files to write; `dashboard` is the address to open at login, if any."""
     files = {installation.unit: unit_text(installation)}
     if installation.is_system:
         files[installation.rules] = RULES
@@ -105,12 +105,12 @@ def unit_text(installation: Installation) -> str:
 
 
 def _quoted(word: str) -> str:
-    # % starts a specifier of systemd, $ a variable.
+    # In systemd units, % starts a specifier and $ a variable.
     word = word.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
     return f'"{word}"' if any(each in word for each in " \t;'\"") else word
 
 
-# ModemManager sends commands to every new serial port, and so resets or disturbs boards.
+# ModemManager sends commands to every new serial port, which resets or disturbs boards.
 RULES = """\
 SUBSYSTEM=="tty", SUBSYSTEMS=="usb", ENV{ID_MM_DEVICE_IGNORE}="1", TAG+="uaccess"
 """

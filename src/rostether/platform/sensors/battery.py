@@ -37,11 +37,11 @@ _TECHNOLOGY = {"NiMH": 1, "Li-ion": 2, "Li-poly": 3, "LiFe": 4, "NiCd": 5, "LiMn
 
 
 def find_battery(folder: Path = FOLDER) -> Path:
-    """Return the folder of the first battery. Raises BoardError if there is none."""
+    """Return the folder of the first battery. Raises BoardError if there is no battery."""
     for supply in sorted(folder.glob("*")):
         if _text(supply, "type") == "Battery" and _text(supply, "scope") != "Device":
             return supply
-    raise BoardError(f"{folder}: has no battery")
+    raise BoardError(f"{folder} has no battery")
 
 
 def read_battery(supply: Path) -> dict[str, Any]:
@@ -84,7 +84,7 @@ async def publish_battery(
 ) -> None:
     """Publish a battery as a sensor until cancelled; `supply` None is the first one. Raises GraphError.
 
-    It is in alert while it discharges below `alert_below`, a part of 1.
+    It is in alert while it discharges below `alert_below`, a fraction of 1.
     """
     async with registered_sensor(graph, description, report) as sensor:
 
@@ -114,7 +114,7 @@ async def _readings(supply: Path | None, rate_hz: float) -> AsyncGenerator[dict[
 def _charge(supply: Path, which: str) -> float:
     charge = _micro(supply, f"charge_{which}")
     if math.isnan(charge):
-        # Some drivers count energy instead; the design voltage makes it a charge.
+        # Some drivers report energy instead; dividing by the design voltage gives the charge.
         energy, voltage = _micro(supply, f"energy_{which}"), _micro(supply, "voltage_min_design")
         return energy / voltage if voltage else math.nan
     return charge
@@ -132,7 +132,7 @@ def _number(supply: Path, name: str) -> float:
 
 
 def _text(supply: Path, name: str) -> str:
-    # A driver answers a property that it cannot measure now with an error.
+    # A driver returns an error for a property that it cannot measure now.
     try:
         with (supply / name).open("rb") as file:
             return file.read(_MAX_FILE_BYTES).decode(errors="replace").strip()

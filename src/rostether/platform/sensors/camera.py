@@ -20,7 +20,7 @@ MESSAGE_TYPE = "sensor_msgs/CompressedImage"
 
 _HINT = "plug the camera in, or choose another ~source, such as test"
 
-# How soon a picture appears after a program subscribes.
+# The longest delay before the first picture for a new subscriber.
 _POLL_S = 0.1
 # A slow subscriber gets fewer pictures.
 _DRAIN_LIMIT_S = 5.0

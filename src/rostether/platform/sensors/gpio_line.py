@@ -1,4 +1,4 @@
-"""A GPIO line as a source of numbers, by the package `gpiod` (extra `gpio`)."""
+"""A GPIO line as a source of numbers, with the package `gpiod` (extra `gpio`)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
 
-# A button that does not change is published so often.
+# The interval for a line that does not change.
 REPEAT_S = 1.0
 
 BIASES = ("as_is", "disabled", "pull_up", "pull_down")

@@ -16,7 +16,7 @@ from rostether.transports.opening import open_transport
 
 MESSAGE_TYPE = "sensor_msgs/NavSatFix"
 
-# Receivers send ten positions a second at most; a program that reads fewer gets the newest.
+# Receivers send at most ten positions per second; a slow subscriber gets the newest ones.
 _MAX_WAITING = 100
 
 
@@ -70,7 +70,7 @@ class _Receiver:
     async def next_position(self) -> Position:
         position = await self._waiting.get()
         if position is None:
-            raise BoardError(f"{self._where}: the connection has ended")
+            raise BoardError(f"{self._where} closed the connection")
         return position
 
     def data_received(self, data: bytes) -> None:

@@ -1,4 +1,4 @@
-"""JPEG pictures: turning, scaling, encoding, and a test picture; by Pillow (extra `camera`)."""
+"""JPEG pictures: rotation, scaling, encoding, and a test picture, with Pillow (extra `camera`)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DEFAULT_QUALITY = 80
 
 @dataclass(frozen=True, slots=True)
 class PictureChange:
-    """What to change in each picture; width and height 0 keep the size, and quality 0 the compression."""
+    """Changes to each picture; width and height 0 keep the size, and quality 0 keeps the compression."""
 
     vflip: bool = False
     hflip: bool = False
@@ -25,7 +25,7 @@ class PictureChange:
 
     @property
     def is_none(self) -> bool:
-        """Whether pictures stay as they are."""
+        """Whether pictures stay unchanged."""
         return self == PictureChange()
 
 
@@ -35,18 +35,18 @@ def pillow() -> Any:
         from PIL import Image
     except ImportError:
         raise ConfigError(
-            f"test pictures and changes of pictures need Pillow; run: {install_command('camera')}"
+            f"test pictures and changes to pictures need Pillow; run: {install_command('camera')}"
         ) from None
     return Image
 
 
 def changed_jpeg(data: bytes, change: PictureChange) -> bytes:
-    """Return a JPEG picture with changes. Raises BoardError for data that is no picture."""
+    """Return a changed JPEG picture. Raises BoardError for invalid data."""
     image_module = pillow()
     try:
         with image_module.open(io.BytesIO(data), formats=["JPEG"]) as image:
             if change.width and change.height:
-                # Decodes only as many pixels as needed.
+                # Decodes at a reduced size, which is faster.
                 image.draft("RGB", (change.width, change.height))
             image.load()
             return _encoded(image, change)
@@ -56,7 +56,7 @@ def changed_jpeg(data: bytes, change: PictureChange) -> bytes:
 
 
 def jpeg_of_yuyv(data: bytes, width: int, height: int, change: PictureChange) -> bytes:
-    """Return a raw picture (YUV 4:2:2, two bytes a pixel) as JPEG. Raises BoardError for a short one."""
+    """Return a raw picture (YUV 4:2:2, two bytes per pixel) as JPEG. Raises BoardError if it is too short."""
     image_module = pillow()
     size = width * height
     if len(data) < 2 * size:
@@ -71,7 +71,7 @@ def jpeg_of_yuyv(data: bytes, width: int, height: int, change: PictureChange) ->
 
 
 def drawn_picture(count: int, change: PictureChange) -> bytes:
-    """Return a JPEG picture with color bars, a moving square, the number of the picture and the time."""
+    """Return a JPEG picture with color bars, a moving square, a counter and the time."""
     image_module = pillow()
     from PIL import ImageDraw
 

@@ -1,4 +1,4 @@
-"""NMEA sentences of a GPS receiver as positions, by the package `pynmea2` (extra `gps`); without I/O."""
+"""NMEA sentences of a GPS receiver as positions, with the package `pynmea2` (extra `gps`); without I/O."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ MAX_LINE_BYTES = 1024
 # The error of one range measurement of a simple receiver, in metres; HDOP multiplies it.
 RANGE_ERROR_M = 5.0
 
-# sensor_msgs/NavSatStatus by the quality in GGA: 2 is corrected by satellites, 4 and 5 by ground stations.
+# sensor_msgs/NavSatStatus by the quality in GGA: 2 means corrections by satellites, 4 and 5 by ground
+# stations.
 _STATUS = {0: -1, 2: 1, 4: 2, 5: 2}
 _SERVICE_GPS = 1
 _COVARIANCE_APPROXIMATED = 1
@@ -47,7 +48,7 @@ class Position:
             "latitude": self.latitude,
             "longitude": self.longitude,
             "altitude": self.altitude_m,
-            # The height is about twice as uncertain.
+            # The error of the altitude is about twice that of the position.
             "position_covariance": [variance, 0, 0, 0, variance, 0, 0, 0, 4 * variance]
             if is_known
             else [0.0] * 9,
@@ -56,7 +57,7 @@ class Position:
 
 
 class NmeaReader:
-    """Cuts bytes into sentences and returns the positions in them."""
+    """Splits bytes into sentences and returns their positions."""
 
     def __init__(self) -> None:
         self._pynmea2 = nmea_package()
@@ -91,14 +92,14 @@ def _position_of_gga(sentence: Any) -> Position:
     status = _STATUS.get(quality, 0)
     if status < 0 or not sentence.lat or not sentence.lon:
         return Position(-1, satellites)
-    # GGA has the height above the geoid, and the geoid's above the ellipsoid.
+    # GGA has the altitude above the geoid, and the height of the geoid above the ellipsoid.
     altitude_m = _number(sentence.altitude) + float(sentence.geo_sep or 0.0)
     hdop = _number(sentence.horizontal_dil)
     return Position(status, satellites, sentence.latitude, sentence.longitude, altitude_m, hdop)
 
 
 def _number(field: object) -> float:
-    # pynmea2 leaves an empty field empty.
+    # pynmea2 returns None or "" for an empty field.
     return math.nan if field in (None, "") else float(str(field))
 
 

@@ -1,4 +1,4 @@
-"""Numbers in files of the system: one of /sys/bus/iio (in its unit), or any file that has a number."""
+"""Reads numbers from system files: /sys/bus/iio (with its unit), or any file that starts with a number."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from pathlib import Path
 from rostether.errors import BoardError
 from rostether.platform.sensors.readings import Pace
 
-# Longer than every number; a larger file is another one.
+# Longer than every number; a larger file is a mistake.
 _MAX_FILE_BYTES = 4096
 
-# in_voltage0_raw, in_temp_raw, in_accel_x_raw, in_distance_input: the kind, and the channel.
+# in_voltage0_raw, in_temp_raw, in_accel_x_raw, in_distance_input: the kind and the channel.
 _IIO_FILE = re.compile(r"in_([a-z]+(?:relative)?)(\d*)(.*)_(raw|input)")
 
 # Source: Linux, Documentation/ABI/testing/sysfs-bus-iio. Kinds in thousandths of the unit.
@@ -29,17 +29,19 @@ _IIO_UNITS = {
 
 
 def read_number(path: Path) -> float:
-    """Return the number that a file begins with. Raises OSError, BoardError."""
+    """Return the number at the start of a file. Raises OSError, BoardError."""
     with path.open("rb") as file:
         text = file.read(_MAX_FILE_BYTES)
     try:
         return float(text.split()[0])
     except (ValueError, IndexError):
-        raise BoardError(f"{path}: has no number, but {text[:20].decode(errors='replace')!r}") from None
+        raise BoardError(
+            f"{path} does not start with a number, but with {text[:20].decode(errors='replace')!r}"
+        ) from None
 
 
 class NumberFile:
-    """A file with a number; `unit` is that of its kind in iio, else empty."""
+    """A file with a number; `unit` is the unit of an iio channel, else empty."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -58,12 +60,12 @@ class NumberFile:
         """Yield the value `rate_hz` times a second. Raises OSError, BoardError."""
         pace = Pace(rate_hz)
         while True:
-            # A converter on I2C may take a tenth of a second.
+            # An ADC on I2C may need 0.1 s.
             yield await asyncio.to_thread(self.read)
             await pace.wait()
 
     def _property(self, name: str, default: float) -> float:
-        # A channel has its own, or shares one with its kind.
+        # A channel has its own file, or shares one with all channels of its kind.
         for stem in (f"in_{self._kind}{self._channel}{self._axis}", f"in_{self._kind}"):
             path = self.path.with_name(f"{stem}_{name}")
             if path.exists():

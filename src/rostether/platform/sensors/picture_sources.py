@@ -1,4 +1,4 @@
-"""Where a camera's pictures come from: a camera of the system, a folder of JPEG files, or test pictures."""
+"""Sources of a camera's pictures: a folder of JPEG files, or test pictures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rostether.platform.sensors.readings import Pace
 
 # Larger than the picture of any camera.
 MAX_PICTURE_BYTES = 32 << 20
-# Files of a folder, which is read again for each round.
+# The number of files in a folder, which is listed again for each round.
 MAX_FILES = 100_000
 
 
@@ -32,17 +32,17 @@ class PictureSource(Protocol):
 
 
 class DrawnPictures:
-    """Pictures that are drawn."""
+    """Test pictures."""
 
     def __init__(self, change: PictureChange) -> None:
         pillow()
         self._change = change
 
     def check(self) -> None:
-        """Do nothing: they are always there."""
+        """Do nothing: test pictures are always available."""
 
     async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
-        """Yield pictures that differ."""
+        """Yield pictures with a moving square and a counter."""
         pace = Pace(rate_hz)
         for count in itertools.count():
             yield await asyncio.to_thread(drawn_picture, count, self._change)
@@ -50,7 +50,7 @@ class DrawnPictures:
 
 
 class PictureFolder:
-    """The JPEG files of a folder in the order of their names, again and again."""
+    """The JPEG files of a folder, sorted by name, in a loop."""
 
     def __init__(self, folder: Path, change: PictureChange) -> None:
         if not change.is_none:
@@ -63,7 +63,7 @@ class PictureFolder:
         self._files()
 
     async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
-        """Yield the files' content."""
+        """Yield the content of the files."""
         pace = Pace(rate_hz)
         while True:
             for path in await asyncio.to_thread(self._files):
@@ -74,12 +74,12 @@ class PictureFolder:
         names = itertools.islice(self._folder.iterdir(), MAX_FILES)
         found = sorted(each for each in names if each.suffix.lower() in (".jpg", ".jpeg"))
         if not found:
-            raise BoardError(f"{self._folder}: has no .jpg files")
+            raise BoardError(f"{self._folder} has no .jpg files")
         return found
 
     def _read(self, path: Path) -> bytes:
         with path.open("rb") as file:
             data = file.read(MAX_PICTURE_BYTES)
         if not data.startswith(b"\xff\xd8"):
-            raise BoardError(f"{path}: is no JPEG picture")
+            raise BoardError(f"{path} is not a JPEG picture")
         return data if self._change.is_none else changed_jpeg(data, self._change)

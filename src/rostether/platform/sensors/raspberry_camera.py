@@ -1,4 +1,4 @@
-"""The camera of a Raspberry Pi, by the package `picamera2` of Raspberry Pi OS."""
+"""The camera of a Raspberry Pi, with the package `picamera2` of Raspberry Pi OS."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def has_picamera2() -> bool:
 
 
 class RaspberryCamera:
-    """The camera with a number, from 0. It turns, scales and encodes pictures itself."""
+    """The camera with a number, from 0. The hardware rotates, scales and encodes pictures."""
 
     def __init__(self, change: PictureChange, number: int = 0) -> None:
         if not has_picamera2():
             raise ConfigError(
-                "picamera2 is not installed; run: sudo apt install python3-picamera2, and install rostether "
-                "in an environment that sees the system's packages (--system-site-packages)"
+                "picamera2 is not installed; run: sudo apt install python3-picamera2, and use a virtual "
+                "environment made with --system-site-packages"
             )
         self._change = change
         self._number = number

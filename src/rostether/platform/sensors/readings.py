@@ -1,4 +1,4 @@
-"""Publishes what a source reads: opens it again when it fails, and reports the sensor's state."""
+"""Publishes the readings of a source: reopens it after a failure, and reports the sensor's state."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rostether.platform.sensors.registered_sensor import RegisteredSensor
 
 T = TypeVar("T")
 
-# A device is plugged in by hand.
+# The interval between attempts; a device is plugged in by hand.
 RETRY_S = 1.0
 SILENT_S = 3.0
 
@@ -34,7 +34,7 @@ class Pace:
 
 
 def reason_of(error: Exception) -> str:
-    """Return the words of an error, with the file's name."""
+    """Return the message of an error, with the name of the file."""
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return str(error)
@@ -50,8 +50,8 @@ async def publish_readings(
 ) -> None:
     """Publish each reading until cancelled; `publish` also sets the state. Raises ConfigError of the source.
 
-    `open_source` raises OSError or RostetherError for a device that fails; it is opened again each second.
-    `hint` tells the user what to do then.
+    If `open_source` raises OSError or RostetherError, the device is opened again each second; `hint` is the
+    advice for the user.
     """
     loop = asyncio.get_running_loop()
     period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0
@@ -60,7 +60,7 @@ async def publish_readings(
     while True:
         silent: asyncio.TimerHandle | None = None
         try:
-            # A generator that is not closed would keep its device.
+            # A generator that is not closed would keep its device open.
             async with aclosing(open_source()) as readings:
                 async for reading in readings:
                     if failure:
@@ -71,17 +71,17 @@ async def publish_readings(
                         silent.cancel()
                     silent = loop.call_later(max(SILENT_S, 3 * period_s), sensor.set_state, "sleeping")
         except ConfigError:
-            # Trying again would not help.
+            # A retry would not help.
             raise
         except (OSError, RostetherError) as error:
             reason = reason_of(error)
         else:
-            reason = "its source has ended"
+            reason = "the source has ended"
         finally:
             if silent is not None:
                 silent.cancel()
         sensor.set_state("alert", reason)
-        # One of several pictures may be damaged: its line would repeat all the time.
+        # If one picture in a folder is damaged, its line would repeat all the time.
         if reason != failure and limiter.admit(reason, loop.time()) is not None:
             failure = reason
             report(Level.ERROR, f"{sensor.description.id}: {reason}; {hint}; trying again every second")

@@ -1,6 +1,6 @@
 """A sensor that a node publishes: registered by its id, with a lease that the node renews.
 
-It publishes at once, with or without a sensing manager, and registers again with a manager that restarts.
+It publishes at once, with or without a sensing manager, and registers again when the manager restarts.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.backoff import Backoff
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 
-# A manager that restarts without its file has all sensors again within the renewal's period.
+# A manager that restarts without its file knows all sensors again after one renewal period.
 LEASE_S = 12.0
 RENEWAL_S = LEASE_S / 3
 RETRY_S = 0.5
-# A state that changes all the time must not load the manager.
+# Limits the load of the manager if a state changes all the time.
 _SHORTEST_PERIOD_S = 0.2
 _CALL_LIMIT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
 class SensorDescription:
-    """What a sensor is; `id` is its robot's name and its own, such as `robot3/front`."""
+    """Describes a sensor; `id` is the robot's name and the sensor's name, such as `robot3/front`."""
 
     id: str
     platform: str
@@ -44,12 +44,12 @@ class SensorDescription:
 
     @property
     def topic(self) -> str:
-        """The full name of its topic, as the manager gives it."""
+        """The full name of its topic, the same as the manager assigns."""
         return f"/sensors/{self.id}"
 
 
 def platform_word(platform: str) -> str:
-    """Return a platform's name as a part of a sensor's id: letters, digits and underscores."""
+    """Return a platform's name for use in a sensor's id: letters, digits and underscores."""
     word = re.sub(r"[^A-Za-z0-9_]", "_", platform)
     return word if word[:1].isalpha() else f"p{word}"
 
@@ -80,11 +80,14 @@ class RegisteredSensor:
         return self.publisher.subscriber_count > 0 and not self._is_refused
 
     def publish(self, **fields: Any) -> bool:
-        """Publish a message, unless another node is this sensor. False asks to await `publisher.drained`."""
+        """Publish a message, unless another node publishes this sensor.
+
+        If False, await `publisher.drained` first.
+        """
         return self._is_refused or self.publisher.publish(**fields)
 
     def set_state(self, state: str, text: str = "") -> None:
-        """Report a state of `sensor_state.REPORTED` to the manager, with its reason."""
+        """Report a state from `sensor_state.REPORTED` to the manager, with its reason."""
         printable = "".join(each if each.isprintable() else " " for each in text)[:MAX_STATE_TEXT_CHARACTERS]
         if (state, printable) != (self._state, self._state_text):
             self._state, self._state_text = state, printable
@@ -149,7 +152,7 @@ class RegisteredSensor:
 async def registered_sensor(
     graph: TypedGraph, description: SensorDescription, report: Callable[[Level, str], None]
 ) -> AsyncIterator[RegisteredSensor]:
-    """Publish and keep registered within the block. Raises GraphError."""
+    """Publish and keep the sensor registered within the block. Raises GraphError."""
     publisher = await graph.publisher(description.topic, description.message_type)
     sensor = RegisteredSensor(graph, description, publisher, report)
     keeping = asyncio.ensure_future(sensor.keep_registered())

@@ -1,4 +1,4 @@
-"""The node system_load: processor, memory, temperature and disk of a robot's computer, a sensor each."""
+"""The node system_load: one sensor each for CPU, memory, temperature and disk of a robot's computer."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_valu
 
 CELSIUS = "\N{DEGREE SIGN}C"
 
-# A Raspberry Pi slows down at 80 degrees, and a full disk stops logs and recordings.
+# A Raspberry Pi slows down at 80 °C, and a full disk stops logs and recordings.
 _ALERT_ABOVE = {"memory": 95.0, "temperature": 80.0, "disk": 95.0}
 
 
 @dataclass(frozen=True, slots=True)
 class SystemFiles:
-    """Where Linux reports its load, and a folder on the disk to watch."""
+    """The files where Linux reports its load, and a folder on the disk to watch."""
 
     proc: Path = Path("/proc")
     thermal: Path = Path("/sys/class/thermal")
@@ -33,17 +33,17 @@ class SystemFiles:
 
 
 class SystemLoad:
-    """Reads the load; each value is a percentage, except the temperature."""
+    """Reads the load; each value is in percent, except the temperature."""
 
     def __init__(self, files: SystemFiles) -> None:
         self._files = files
         self._before: tuple[int, int] | None = None
 
     def cpu(self) -> float:
-        """Return how busy all processors were since the last call; the first one counts from boot."""
+        """Return the CPU load since the last call; the first call returns the load since boot."""
         first = (self._files.proc / "stat").read_text().split("\n", 1)[0].split()
         if first[:1] != ["cpu"]:
-            raise BoardError(f"{self._files.proc / 'stat'}: does not begin with cpu")
+            raise BoardError(f"{self._files.proc / 'stat'} does not start with cpu")
         # user, nice, system, idle, iowait, irq, softirq, steal; guest time is in user time.
         times = [int(each) for each in first[1:9]]
         busy, total = sum(times) - sum(times[3:5]), sum(times)
@@ -52,7 +52,7 @@ class SystemLoad:
         return 100 * (busy - before_busy) / max(1, total - before_total)
 
     def memory(self) -> float:
-        """Return how much of the memory is in use."""
+        """Return the share of memory in use."""
         values = {}
         for line in (self._files.proc / "meminfo").read_text().splitlines():
             name, _, rest = line.partition(":")
@@ -60,17 +60,17 @@ class SystemLoad:
         try:
             return 100 * (1 - int(values["MemAvailable"]) / int(values["MemTotal"]))
         except (KeyError, ValueError, ZeroDivisionError):
-            raise BoardError(f"{self._files.proc / 'meminfo'}: has no MemTotal and MemAvailable") from None
+            raise BoardError(f"{self._files.proc / 'meminfo'} has no MemTotal and MemAvailable") from None
 
     def temperature(self) -> float:
         """Return the temperature of the hottest zone in degrees Celsius."""
         zones = [zone / "temp" for zone in self._files.thermal.glob("thermal_zone*")]
         if not zones:
-            raise BoardError(f"{self._files.thermal}: has no thermal zone")
+            raise BoardError(f"{self._files.thermal} has no thermal zone")
         return max(read_number(each) for each in zones) / 1000
 
     def disk(self) -> float:
-        """Return how much of the disk is in use."""
+        """Return the share of disk space in use."""
         usage = shutil.disk_usage(self._files.disk)
         return 100 * usage.used / max(1, usage.used + usage.free)
 
@@ -83,10 +83,10 @@ async def publish_system_load(
     files: SystemFiles,
     report: Callable[[Level, str], None],
 ) -> None:
-    """Publish four sensors until cancelled; `word` is the robot's part of their ids. Raises GraphError."""
+    """Publish four sensors until cancelled; `word` is the robot's name in their ids. Raises GraphError."""
     load = SystemLoad(files)
     readers = {"cpu": load.cpu, "memory": load.memory, "disk": load.disk}
-    # Virtual machines have none.
+    # Virtual machines have no temperature sensor.
     if any(files.thermal.glob("thermal_zone*")):
         readers["temperature"] = load.temperature
     try:

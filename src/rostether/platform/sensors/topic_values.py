@@ -13,7 +13,7 @@ from rostether.serde.field_path import FieldPath
 async def topic_values(graph: TypedGraph, topic: str, field: str) -> AsyncGenerator[float, None]:
     """Yield a field of each message, such as `range` or `pose/position/x`; true is 1.
 
-    Raises ConfigError if the topic's type has no such field, or it is no number; GraphError.
+    Raises ConfigError if the topic's type has no such field, or if the field is not a number; GraphError.
     """
     async with aclosing(aiter(graph.messages(topic))) as messages:
         path: FieldPath | None = None
@@ -22,5 +22,5 @@ async def topic_values(graph: TypedGraph, topic: str, field: str) -> AsyncGenera
                 path = FieldPath(graph.store.codec(message._type), field)
             value = path.read(message)
             if not isinstance(value, int | float):
-                raise ConfigError(f"{topic}: {field} is no number, but {value!r:.50}")
+                raise ConfigError(f"{topic}: {field} is not a number, but {value!r:.50}")
             yield float(value)

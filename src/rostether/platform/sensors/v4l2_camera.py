@@ -1,4 +1,4 @@
-"""A camera of Linux (V4L2), by the package `linuxpy` (extra `camera`)."""
+"""A camera of Linux (V4L2), with the package `linuxpy` (extra `camera`)."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, jpeg_of_yuyv, pillow
 
-# A USB camera delivers its first picture within a second or two.
+# A USB camera needs up to 2 s for its first picture.
 FRAME_LIMIT_S = 5.0
 
 
 class V4l2Camera:
-    """A device such as /dev/video0. It sends JPEG itself, or raw pictures that are encoded here."""
+    """A device such as /dev/video0. Some cameras send JPEG; raw pictures of others are encoded here."""
 
     def __init__(self, path: Path, change: PictureChange) -> None:
         self._video = _video_package()
@@ -47,12 +47,12 @@ class V4l2Camera:
                     capture.set_format(form.width, form.height, "YUYV")
                     form = capture.get_format()
                     if form.pixel_format.name != "YUYV":
-                        raise BoardError(f"{self._path}: sends neither JPEG nor YUYV pictures")
+                        raise BoardError(f"{self._path} sends neither JPEG nor YUYV pictures")
                 capture.open()
             except self._video.V4L2Error as error:
-                raise BoardError(f"{self._path}: is no camera: {error}") from None
+                raise BoardError(f"{self._path} is not a camera: {error}") from None
             try:
-                # A camera that scales itself is not scaled again.
+                # If the camera scales its pictures, they are not scaled again.
                 if (form.width, form.height) == (change.width, change.height):
                     change = replace(change, width=0, height=0)
                 async for frame in self._frames(capture, rate_hz):
@@ -76,7 +76,7 @@ class V4l2Camera:
                     async with asyncio.timeout(FRAME_LIMIT_S):
                         frame = await anext(frames)
                 except TimeoutError:
-                    raise BoardError(f"{self._path}: sends no pictures") from None
+                    raise BoardError(f"{self._path} sends no pictures") from None
                 # The camera may be faster than asked.
                 if loop.time() >= next_s:
                     next_s = max(next_s + 1 / rate_hz, loop.time())
@@ -92,7 +92,7 @@ def _try_rate(capture: Any, rate_hz: float) -> None:
     try:
         capture.set_fps(rate_hz)
     except OSError:
-        # Not every driver can set it; the pictures are thinned out.
+        # Some drivers cannot set the rate; surplus pictures are dropped.
         return
 
 
@@ -101,6 +101,6 @@ def _video_package() -> Any:
         from linuxpy.video import device
     except ImportError:
         raise ConfigError(f"cameras need another package; run: {install_command('camera')}") from None
-    # It warns of each picture that is thinned out.
+    # The package logs a warning for each picture that is dropped.
     logging.getLogger("linuxpy").setLevel(logging.ERROR)
     return device

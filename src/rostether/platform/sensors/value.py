@@ -1,4 +1,4 @@
-"""The nodes analog and digital: one number as a sensor, from a file of the system, a GPIO line or a topic."""
+"""The nodes analog and digital: one number as a sensor, from a system file, a GPIO line or a topic."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rostether.platform.sensors.registered_sensor import SensorDescription, regi
 
 MESSAGE_TYPE = "std_msgs/Float64"
 
-# A value near its limit would change the state with each reading.
+# Without hysteresis, a value near its limit would change the state with each reading.
 ALERT_HOLD_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class Scaling:
-    """What becomes of a number: `value * scale + offset`; outside the limits the sensor is in alert."""
+    """Scales a number: `value * scale + offset`; outside the limits the sensor is in alert."""
 
     scale: float = 1.0
     offset: float = 0.0
@@ -27,7 +27,7 @@ class Scaling:
     alert_above: float = float("inf")
 
     def alert(self, value: float, unit: str) -> str:
-        """Return why a value is an alert, "" if it is none."""
+        """Return the reason why a value is an alert, "" if it is within the limits."""
         unit = f" {unit}" if unit else ""
         if value < self.alert_below:
             return f"below {self.alert_below:g}{unit}"

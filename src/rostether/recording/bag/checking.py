@@ -1,4 +1,4 @@
-"""Checks the structure of a ROS 1 bag: its chunks against its indexes."""
+"""Checks the structure of a ROS 1 bag: compares its chunks with its indexes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ENTRY = struct.Struct("<III")
 
 
 def faults_of(data: Buffer) -> list[str]:
-    """Return the errors, one line each. Raises RecordingError if it is not a bag."""
+    """Return the errors, one line each. Raises RecordingError if the file is not a bag."""
     content = read_content(data)
     faults: list[str] = []
     if content.damage:
@@ -36,7 +36,7 @@ def faults_of(data: Buffer) -> list[str]:
         found = _chunk_faults(data, chunk, order)
         faults += (f"the chunk at byte {chunk.data_start}: {each}" for each in found)
         if len(faults) > MAX_FAULTS:
-            return [*faults[:MAX_FAULTS], f"and more errors than these {MAX_FAULTS}"]
+            return [*faults[:MAX_FAULTS], f"more errors follow; only the first {MAX_FAULTS} are listed"]
     if order.fault:
         faults.append(order.fault)
     return faults
@@ -68,7 +68,7 @@ def _chunk_faults(data: Buffer, chunk: Chunk, order: TimeOrder) -> list[str]:
 
 
 def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int, int]) -> None:
-    """Raise RecordingError unless the indexes behind a chunk name each of its messages."""
+    """Raise RecordingError unless the indexes after a chunk list all of its messages."""
     indexed = dict.fromkeys(counts, 0)
     while position < len(data):
         fields, start, end = read_record(data, position)

@@ -1,7 +1,7 @@
-"""Finds the contents of a bag: by its index, or by reading the whole file if it has none.
+"""Finds the contents of a bag by its index, or, without an index, by reading the whole file.
 
-A recorder that was killed leaves no index. What it wrote last may be a chunk without its size, when it writes
-messages before their chunk is whole (roscpp's does); its messages are then found one by one.
+A recorder that was killed leaves no index. Its last chunk may have no size, because some recorders (roscpp's)
+write messages before the chunk is complete; these messages are found one by one.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from rostether.recording.bag.records import (
 from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, check_unpacked_size, decompress
 from rostether.recording.recorded import Connection
 
-# Ten times those of a fleet recorded for a day; a compressed chunk can hold millions in a few bytes.
+# Ten times the connections of a fleet in a day; a compressed chunk could define millions in a few bytes.
 MAX_CONNECTIONS = 100_000
 
-# Their headers, each with its definition, which take a few KB.
+# The limit for all connection headers; each one has a message definition of a few KB.
 MAX_CONNECTIONS_BYTES = 256 << 20
 
 
@@ -56,7 +56,7 @@ class Chunk:
 
 @dataclass(slots=True)
 class BagContent:
-    """What a bag holds; `damage` is the reason for a search, and `whole_bytes` how far it is whole."""
+    """The content of a bag; `damage` is the reason for a search, `whole_bytes` the intact part's size."""
 
     connections: dict[int, Connection] = field(default_factory=dict)
     chunks: list[Chunk] = field(default_factory=list)
@@ -65,11 +65,11 @@ class BagContent:
     connections_bytes: int = 0
 
     def add_connection(self, fields: Fields, header: Buffer) -> None:
-        """Handle a connection record. Raises RecordingError, also when there are more than any robot has."""
+        """Handle a connection record. Raises RecordingError, also if there are too many."""
         self.connections_bytes += len(header)
         if len(self.connections) >= MAX_CONNECTIONS or self.connections_bytes > MAX_CONNECTIONS_BYTES:
             found = f"{len(self.connections)} connections with {self.connections_bytes} bytes of definitions"
-            raise RecordingError(f"it has at least {found}, more than rostether reads")
+            raise RecordingError(f"it has at least {found}, more than the limit")
         named = {
             name.decode("utf-8", "surrogateescape"): value.decode("utf-8", "surrogateescape")
             for name, value in decode_fields(header).items()
@@ -79,9 +79,9 @@ class BagContent:
 
 
 def read_content(data: Buffer, damage: str = "") -> BagContent:
-    """Return what a bag holds, by its index, or by a search, also where it is known to be damaged.
+    """Return the content of a bag, by its index, or by a search if the index is missing or damaged.
 
-    Raises RecordingError when it is no bag.
+    Raises RecordingError if the file is not a bag.
     """
     start = len(MAGIC)
     if bytes(data[:start]) != MAGIC:
@@ -97,7 +97,7 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
     if damage:
         content = BagContent(damage=damage)
         with contextlib.suppress(RecordingError):
-            # Connections of broken chunks are there too.
+            # This includes the connections of broken chunks.
             content.connections = _by_index(data, index_position, chunk_count).connections
         return search(data, data_end, damage, content)
     if index_position == 0:
@@ -145,9 +145,9 @@ def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
 
 
 def search(data: Buffer, position: int, damage: str, content: BagContent | None = None) -> BagContent:
-    """Walk over the chunks from a position, up to the last whose end is there.
+    """Read the chunks from a position up to the last complete one.
 
-    Raises RecordingError where they would unpack to more than any recorder writes.
+    Raises RecordingError if their unpacked size is implausible.
     """
     check_unpacked_size(_packed_bytes(data, position), len(data))
     content = content or BagContent(damage=damage)
@@ -175,7 +175,7 @@ def search(data: Buffer, position: int, damage: str, content: BagContent | None 
 
 
 def _packed_bytes(data: Buffer, position: int) -> int:
-    """Return the unpacked size in the heads of the packed chunks from a position on."""
+    """Return the total unpacked size, from the headers of the chunks after a position."""
     total = 0
     with contextlib.suppress(RecordingError):
         while position < len(data):
@@ -216,11 +216,11 @@ def _add_found(
 def messages_in(
     plain: Buffer, on_connection: Callable[[Fields, Buffer], None] | None = None
 ) -> Iterator[tuple[int, int, int, int]]:
-    """Yield connection number, time in ns, and where the payload begins and ends, of each in a chunk.
+    """Yield connection number, time in ns, and start and end of the payload, of each message in a chunk.
 
-    Raises RecordingError where a record is cut.
+    Raises RecordingError if a record is truncated.
     """
-    # First the header as most writers order it: conn, op, time.
+    # The fast path: most writers order the header as conn, op, time.
     position = 0
     length = len(plain)
     pair = U32_PAIR.unpack_from

@@ -24,9 +24,9 @@ from rostether.recording.recorded import (
 
 
 class BagReader:
-    """A bag being read; see `recording.recorded.RecordingReader`. Raises RecordingError when it is none.
+    """A bag being read; see `recording.recorded.RecordingReader`.
 
-    With `damage`, which is then why, its index is not trusted.
+    Raises RecordingError if the file is not a bag. `damage`, if given, is the reason not to use its index.
     """
 
     format_version = "2.0"
@@ -57,12 +57,12 @@ class BagReader:
 
     @property
     def whole_bytes(self) -> int:
-        """How far the file is whole."""
+        """The length of the intact part of the file."""
         return self._content.whole_bytes
 
     @property
     def connections(self) -> Mapping[int, Connection]:
-        """The connections by the number they have in the file."""
+        """The connections by their numbers in the file."""
         return self._content.connections
 
     @property
@@ -88,9 +88,9 @@ class BagReader:
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
-        """Yield messages in the order of their times, both ends included; equal times as in the file.
+        """Yield messages sorted by time, from start to end inclusive; equal times keep the order of the file.
 
-        Raises RecordingError at a chunk that is broken.
+        Raises RecordingError at a broken chunk.
         """
         connections = wanted_connections(self._content.connections, wanted)
         chunks = [
@@ -126,7 +126,7 @@ class BagReader:
 
 def _what_else(start: bytes) -> str:
     if MAGIC.startswith(start):
-        return f"is truncated: it has {len(start)} bytes, but the header alone has {len(MAGIC)}"
+        return f"is truncated: it has only {len(start)} bytes"
     if start.startswith(MAGIC_START):
         version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
         version = version.strip().encode("unicode_escape").decode()

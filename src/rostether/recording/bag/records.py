@@ -3,7 +3,7 @@
     file     "#ROSBAG V2.0\\n"  bag header (4104 bytes)  (chunk  index...)...  connection...  chunk info...
     record   u32 header length | header | u32 data length | data
     header   (u32 field length | name "=" value)...
-    chunk    its data is a row of connection and message records, perhaps compressed
+    chunk    its data is a sequence of connection and message records, possibly compressed
 
 The index of a chunk lists (time, offset in the chunk) for each connection. All integers are little-endian.
 Source: wiki.ros.org/Bags/Format/2.0
@@ -28,7 +28,7 @@ OP_CHUNK = 0x05
 OP_CHUNK_INFO = 0x06
 OP_CONNECTION = 0x07
 
-# The bag header and the spaces behind it, without their lengths: rosbag overwrites exactly that many bytes.
+# The bag header and its padding, without the length fields: rosbag overwrites exactly this many bytes.
 BAG_HEADER_BYTES = 4096
 
 INDEX_VERSION = 1
@@ -50,13 +50,13 @@ def encode_fields(fields: Mapping[bytes, bytes]) -> bytes:
 
 
 def encode_record(op: int, fields: Mapping[bytes, bytes], data: bytes) -> bytes:
-    """Return a whole record."""
+    """Return a complete record."""
     header = encode_fields({**fields, b"op": bytes((op,))})
     return b"".join((U32.pack(len(header)), header, U32.pack(len(data)), data))
 
 
 def decode_fields(header: Buffer) -> Fields:
-    """Return the fields of a header. Raises RecordingError where they do not fit."""
+    """Return the fields of a header. Raises RecordingError if they do not fit."""
     data = bytes(header)
     fields: Fields = {}
     position = 0
@@ -73,7 +73,7 @@ def decode_fields(header: Buffer) -> Fields:
 
 
 def read_record(data: Buffer, position: int) -> tuple[Fields, int, int]:
-    """Return a record's fields and where its data begins and ends. Raises RecordingError when it is cut."""
+    """Return a record's fields, and start and end of its data. Raises RecordingError if it is truncated."""
     start = position + 4
     if start > len(data):
         raise RecordingError("the file ends within a record")
@@ -121,7 +121,7 @@ def time_field(fields: Fields, name: bytes) -> int:
 
 
 def encode_time(time_ns: int) -> bytes:
-    """Return a time as it stands in headers; what lies beyond the wire's range becomes its nearest end."""
+    """Return a time in the format of headers; times out of range are clamped."""
     secs, nsecs = divmod(max(time_ns, 0), NS_PER_S)
     return U32_PAIR.pack(min(secs, 0xFFFFFFFF), nsecs)
 

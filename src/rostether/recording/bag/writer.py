@@ -1,7 +1,7 @@
-"""Writes ROS 1 bags, format 2.0: chunks of messages with their index, straight bytes.
+"""Writes ROS 1 bags, format 2.0: chunks of messages with their index.
 
-Every reader finds the chunks that a killed process leaves behind by walking over the file. Index and counts
-of the file are written when it is closed.
+Every reader can find the chunks of a killed process by reading through the file. The file's index and counts
+are written when it is closed.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWrite
 from rostether.recording.compression import NONE, compress
 from rostether.recording.recorded import Connection
 
-# Length of the header, then conn (13 bytes with its length), op (8) and time (17) but for its value.
+# The length of the header, then conn (13 bytes with its length), op (8) and time (17, without its value).
 _MESSAGE_HEAD = struct.Struct("<II5sII4sI5s")
 _MESSAGE_HEADER_BYTES = 38
 
@@ -60,7 +60,7 @@ class BagWriter(ChunkedWriter):
         self._heads: list[bytes] = []
         self._records: list[bytes] = []
         self._infos: list[_ChunkInfo] = []
-        # Connections whose record stands in a chunk that is in the file.
+        # Connections whose record is in a written chunk.
         self._known: set[int] = set()
         super().__init__(path, compression, chunk_bytes, MAGIC + bag_header(0, 0, 0))
 
@@ -70,7 +70,7 @@ class BagWriter(ChunkedWriter):
         if number is None:
             number = self._numbers[connection] = len(self._heads)
             self._heads.append(_message_head(number))
-            # When a damaged bag is repaired, even names may not be UTF-8.
+            # In a damaged bag, even names may not be UTF-8.
             fields = {_encoded(name): _encoded(value) for name, value in connection.fields().items()}
             header = encode_fields(fields)
             self._records.append(
@@ -86,7 +86,7 @@ class BagWriter(ChunkedWriter):
         stored = compress(self._compression, plain)
         position = self._file.position
         if not self._is_sorted:
-            # Debian's rosbag seeks in the index by bisection.
+            # Debian's rosbag searches the index by bisection.
             self._index = {number: _sorted(entries) for number, entries in self._index.items()}
         counts = tuple((number, len(entries) // 3) for number, entries in self._index.items())
         record = encode_record(
@@ -124,7 +124,8 @@ class BagWriter(ChunkedWriter):
                 },
                 b"".join(U32_PAIR.pack(*each) for each in info.counts),
             )
-            # Debian's rosbag takes the start of the first chunk and the end of the last for those of the bag.
+            # Debian's rosbag uses the start of the first chunk and the end of the last chunk as those of the
+            # bag.
             for info in sorted(self._infos, key=lambda info: (info.start_ns, info.end_ns))
         )
         self._file.append(b"".join((*(self._records[number] for number in known), *infos)))

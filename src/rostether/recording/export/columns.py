@@ -1,7 +1,7 @@
-"""Which columns a table of messages has: one for each number, text and time, or those that are asked for.
+"""Chooses the columns of a table of messages: one for each number, text and time, or the requested ones.
 
-Nested fields are named with dots. Arrays of a few elements, always as many, have a column for each
-(`covariance[0]`); others are one column of lists. A time has two columns, in seconds (`header.stamp_s`) and
+Nested fields are named with dots. Short fixed-size arrays have a column for each element (`covariance[0]`);
+other arrays are one column of lists. A time has two columns, in seconds (`header.stamp_s`) and
 in nanoseconds (`header.stamp_ns`).
 """
 
@@ -19,7 +19,7 @@ from rostether.serde.codec import Codec
 from rostether.serde.field_path import FieldPath
 from rostether.serde.type_tree import Array, Node, Stamp, Struct
 
-# Elements of an array that have columns of their own: a covariance has 36.
+# The longest array with a column for each element: a covariance has 36.
 MAX_SPREAD = 64
 
 _WHOLE = "[:]"
@@ -27,7 +27,7 @@ _WHOLE = "[:]"
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column; `node` is the type of what `read` gives of a message, below `lists` lists."""
+    """One column; `node` is the type of the values that `read` returns, inside `lists` nested lists."""
 
     name: str
     node: Node
@@ -36,9 +36,9 @@ class Column:
 
 
 def columns_of(codec: Codec, paths: Sequence[str] = ()) -> list[Column]:
-    """Return the columns of a type, or of the fields asked for: paths, or patterns with `*` and `?`.
+    """Return the columns of a type, or of the requested fields: paths, or patterns with `*` and `?`.
 
-    Raises ConfigError for a path that there is not, naming the fields that there are.
+    Raises ConfigError for an unknown path; the error lists the fields.
     """
     if not paths:
         return list(_below(codec.tree, "", ()))
@@ -68,12 +68,12 @@ def _chosen(codec: Codec, path: str) -> Iterator[Column]:
 
 
 def _plain(name: str) -> str:
-    """Return a name in which brackets mean themselves to `fnmatch`."""
+    """Return a name with brackets escaped for `fnmatch`."""
     return name.replace("[", "<").replace("]", ">")
 
 
 def _end_of(tree: Struct, path: str) -> tuple[Node, int]:
-    """Return the type at the end of a path that is known to exist, and how many slices it has."""
+    """Return the type at the end of an existing path, and the number of slices in the path."""
     node: Node = tree
     lists = 0
     for part in path.split("."):

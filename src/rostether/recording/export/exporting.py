@@ -13,7 +13,7 @@ from rostether.recording.export.columns import Column, columns_of
 from rostether.recording.export.tables import Table
 from rostether.recording.recorded import Connection, RecordingReader
 
-# Files open at a time, and what they hold in memory; more topics are written in several readings.
+# The limit of open files; more topics are written in several passes.
 MAX_OPEN_TABLES = 100
 
 # The limit for unwritten data of all tables; as Python values it needs a few times as much memory.
@@ -24,9 +24,10 @@ _CELL_BYTES = 8
 
 @dataclass(slots=True)
 class ExportedTable:
-    """One topic with messages of one type; `number` tells tables of a topic apart that has several types.
+    """One topic with messages of one type; `number` distinguishes the tables of a topic with several types.
 
-    `unfit_count` are messages that do not fit their type and were left out, `why` is of the first of them.
+    `unfit_count` is the number of messages left out because they do not fit their type; `why` is the reason
+    for the first one.
     """
 
     topic: str
@@ -40,13 +41,13 @@ class ExportedTable:
 
     @property
     def name(self) -> str:
-        """What its file is called: no name in ROS has a dot."""
+        """The name of its file; the dot is safe because ROS names have no dots."""
         name = self.topic.strip("/").replace("/", ".") or "topic"
         return name if not self.number else f"{name}.{self.number + 1}"
 
 
 class Export:
-    """What of a recording is to be written: topics by name or pattern, and fields of them."""
+    """The part of a recording to write: topics by name or pattern, and their fields."""
 
     def __init__(
         self,
@@ -57,9 +58,9 @@ class Export:
         type_name: str = "",
         report: Callable[[str], None],
     ) -> None:
-        """Choose; `report` gets a line on each topic that must be left out. Raises ConfigError.
+        """Select topics; `report` gets a line for each topic left out.
 
-        With `type_name`, only topics of that type.
+        Raises ConfigError. With `type_name`, only topics of this type are selected.
         """
         self._reader = reader
         self._decoder = Decoder()

@@ -1,4 +1,4 @@
-"""Tables as Parquet files, through the package `pyarrow` (extra `parquet`)."""
+"""Tables as Parquet files, with the package `pyarrow` (extra `parquet`)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rostether.rostime import NS_PER_S
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
 from rostether.serde.values import Message
 
-# Rows that are written together: enough for columns to pack well.
+# Rows per group: enough rows compress the columns well.
 MAX_GROUP_ROWS = 50_000
 
 _NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
 
 
 def parquet_package() -> Any:
-    """Return `pyarrow` with its Parquet part. Raises ConfigError when it is not installed."""
+    """Return `pyarrow` with `pyarrow.parquet`. Raises ConfigError if it is not installed."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -50,7 +50,8 @@ class ParquetTable:
         with self._telling():
             try:
                 self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
-            except arrow.ArrowNotImplementedError:  # a type that it cannot hold; the file is begun by then
+            except arrow.ArrowNotImplementedError:
+                # Parquet does not support the type; the file has already been created.
                 path.unlink(missing_ok=True)
                 raise
 
@@ -65,7 +66,7 @@ class ParquetTable:
             self.flush()
 
     def flush(self) -> None:
-        """Write the rows that wait."""
+        """Write the waiting rows."""
         if not self._values[0]:
             return
         arrow = self._arrow
@@ -78,7 +79,7 @@ class ParquetTable:
             self._writer.write_table(arrow.Table.from_arrays(columns, schema=self._schema))
 
     def close(self) -> None:
-        """Write what waits, and end the file. Idempotent."""
+        """Write the waiting rows and close the file. Idempotent."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -90,7 +91,7 @@ class ParquetTable:
 
     @contextmanager
     def _telling(self) -> Iterator[None]:
-        """Turn what the package raises into a line: full disks, and types that Parquet cannot hold."""
+        """Convert the package's errors (full disk, unsupported type) to RecordingError."""
         try:
             yield
         except (OSError, self._arrow.ArrowException) as error:

@@ -34,7 +34,7 @@ class PictureFolder:
             raise RecordingError(f"cannot write {self._folder / name}: {error.strerror or error}") from None
 
     def flush(self) -> None:
-        """Nothing waits: each picture is written at once."""
+        """Do nothing: each picture is written immediately."""
 
     def close(self) -> None:
         """Do nothing: each file is complete."""

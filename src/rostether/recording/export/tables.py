@@ -1,4 +1,4 @@
-"""Tables that messages are written to row by row: CSV."""
+"""Tables that are written row by row, and their CSV implementation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TIME_COLUMNS = ("time_s", "time_ns")
 
 
 class Table(Protocol):
-    """One table being written. Every method raises RecordingError when the disk takes no more."""
+    """One table being written. Every method raises RecordingError if the disk is full."""
 
     def add(self, time_ns: int, message: Message) -> None:
         """Add a row."""
@@ -30,7 +30,7 @@ class Table(Protocol):
         """Write the buffered rows: all tables together may need too much memory."""
 
     def close(self) -> None:
-        """Write what waits, and end the table. Idempotent."""
+        """Write the waiting rows and close the table. Idempotent."""
 
 
 class CsvTable:
@@ -59,10 +59,10 @@ class CsvTable:
         )
 
     def flush(self) -> None:
-        """Nothing waits but what the file holds."""
+        """Do nothing: rows wait only in the file's own buffer."""
 
     def close(self) -> None:
-        """End the table. Idempotent."""
+        """Close the table. Idempotent."""
         try:
             if self._is_ours:
                 self._file.close()

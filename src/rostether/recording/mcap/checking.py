@@ -43,14 +43,14 @@ MAX_FAULTS = 50
 
 
 def faults_of(data: Buffer) -> list[str]:
-    """Return what is wrong, one line each, in the order of the file; nothing when it is sound."""
+    """Return the errors, one line each, in the order of the file."""
     check = _Check(data)
     try:
         check.run()
     except RecordingError as error:
         check.report(str(error))
     except _EnoughError:
-        check.faults.append(f"and more errors than these {MAX_FAULTS}")
+        check.faults.append(f"more errors follow; only the first {MAX_FAULTS} are listed")
     return check.faults
 
 
@@ -94,7 +94,7 @@ class _Check:
             self._check_offsets(offsets, footer, groups)
 
     def _check_summary(self, position: int, end: int) -> dict[int, tuple[int, int]]:
-        """Check the records of the summary; returns where those of each kind begin and end."""
+        """Check the records of the summary; returns start and end of each group of records."""
         data = self._data
         groups: dict[int, tuple[int, int]] = {}
         repeated = McapContent()
@@ -111,7 +111,7 @@ class _Check:
                 repeated.define(op, data, start, position)
             elif op == OP_STATISTICS:
                 if statistics is not None:
-                    self.report("it has statistics twice")
+                    self.report("it has two statistics records")
                 statistics = decode_statistics(data, start, position)
             elif op == OP_CHUNK_INDEX:
                 self._check_chunk_index(decode_chunk_index(data, start, position))

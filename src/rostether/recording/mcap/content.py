@@ -1,4 +1,4 @@
-"""Finding what an MCAP file holds: by its summary, or by walking over the file where there is none."""
+"""Finds the content of an MCAP file by its summary, or, without a summary, by reading the whole file."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ from rostether.recording.mcap.records import (
 
 Buffer: TypeAlias = bytes | memoryview
 
-# Schemas and channels together, each a few KB: a compressed chunk can hold gigabytes of them.
+# The limit for all schemas and channels, a few KB each: a compressed chunk could define gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
 
-# Every chunk may be damaged in its own way.
+# The limit of reported reasons: every chunk may be damaged in another way.
 MAX_DAMAGE_CHARS = 500
 
 # Messages outside of chunks are read together up to this size.
@@ -55,7 +55,7 @@ MAX_LOOSE_BYTES = 4 << 20
 
 @dataclass(frozen=True, slots=True)
 class StoredChunk:
-    """Where messages lie in the file; `channels` are those it has, None when that is not known."""
+    """The position of a chunk in the file; `channels` are the channels in it, None if unknown."""
 
     data_start: int
     data_end: int
@@ -68,7 +68,7 @@ class StoredChunk:
 
 @dataclass(slots=True)
 class McapContent:
-    """What a file holds; `damage` is the reason for a search."""
+    """The content of a file; `damage` is the reason for a search."""
 
     profile: str = ""
     library: str = ""
@@ -81,12 +81,12 @@ class McapContent:
     definition_bytes: int = 0
 
     def note(self, damage: str) -> None:
-        """Add a reason why the file is damaged; the first ones are enough."""
+        """Add a reason why the file is damaged; only the first reasons are kept."""
         if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
             self.damage = f"{self.damage}; {damage}"
 
     def define(self, op: int, data: Buffer, start: int, end: int) -> None:
-        """Handle a schema or a channel, the same ones again too. Raises RecordingError."""
+        """Add a schema or a channel; duplicates are allowed. Raises RecordingError."""
         self.definition_bytes += end - start
         if self.definition_bytes > MAX_DEFINITION_BYTES:
             raise RecordingError(f"it has more than {MAX_DEFINITION_BYTES} bytes of definitions")
@@ -99,18 +99,16 @@ class McapContent:
 
 
 def read_content(data: Buffer, damage: str = "") -> McapContent:
-    """Return what a file holds, by its summary, or by a search, also where it is known to be damaged.
+    """Return the content of a file, by its summary, or by a search if the summary is missing or damaged.
 
-    Raises RecordingError when it is no MCAP.
+    Raises RecordingError if the file is not MCAP.
     """
     begin = bytes(data[: len(MAGIC)])
     if begin != MAGIC:
         if MAGIC.startswith(begin):
-            raise RecordingError(
-                f"it is truncated: it has {len(begin)} bytes, but MCAP starts with {len(MAGIC)}"
-            )
+            raise RecordingError(f"it is truncated: it has only {len(begin)} bytes")
         if begin.startswith(MAGIC[:5]):
-            raise RecordingError("it is MCAP of an unsupported version; only version 0 can be read")
+            raise RecordingError("it has an unsupported MCAP version; only version 0 can be read")
         raise RecordingError("it is not an MCAP file: those start with '\\x89MCAP0'")
     if damage:
         return search(data, damage)
@@ -123,7 +121,10 @@ def read_content(data: Buffer, damage: str = "") -> McapContent:
 
 
 def footer_of(data: Buffer) -> tuple[int, int, int]:
-    """Return where summary and summary offsets begin, and their sum. Raises RecordingError: not closed."""
+    """Return the positions of summary and summary offsets, and their checksum.
+
+    Raises RecordingError if the file was not closed.
+    """
     start = len(data) - len(MAGIC) - FOOTER_BYTES
     if start < len(MAGIC) or bytes(data[-len(MAGIC) :]) != MAGIC:
         raise RecordingError("it was not closed")
@@ -194,9 +195,9 @@ def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
 
 
 def search(data: Buffer, damage: str) -> McapContent:
-    """Walk over the file, up to the last record that is whole.
+    """Read the file up to the last complete record.
 
-    Raises RecordingError where its chunks would unpack to more than any recorder writes.
+    Raises RecordingError if the unpacked size of its chunks is implausible.
     """
     check_unpacked_size(_packed_bytes(data), len(data))
     content = McapContent(damage=damage)
@@ -263,7 +264,7 @@ def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: in
 
 
 def _packed_bytes(data: Buffer) -> int:
-    """Return the unpacked size in the heads of the packed chunks."""
+    """Return the total unpacked size, from the headers of the chunks."""
     total, position = 0, len(MAGIC)
     with contextlib.suppress(RecordingError):
         while position < len(data):
@@ -278,7 +279,7 @@ def _add_cut_chunk(content: McapContent, data: Buffer, position: int) -> None:
     start = position + RECORD_HEAD.size
     if start > len(data) or data[position] != OP_CHUNK:
         return
-    # As if the chunk ended here: its records do not care.
+    # Treat the end of the file as the end of the chunk.
     head = bytes(data[start : start + 32])
     if len(head) < 32 or int.from_bytes(head[28:32], "little"):
         return
@@ -325,9 +326,9 @@ def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
 
 
 def messages_in(plain: Buffer, defined: McapContent | None = None) -> Iterator[Entry]:
-    """Yield time in ns, where the payload begins and ends, and the channel's number, of each message.
+    """Yield time in ns, start and end of the payload, and the channel's number, of each message.
 
-    Schemas and channels go to `defined`. Raises RecordingError where a record is cut.
+    Schemas and channels go to `defined`. Raises RecordingError if a record is truncated.
     """
     position = 0
     length = len(plain)

@@ -1,4 +1,4 @@
-"""What is wrong with the data of an MCAP file: chunks, messages and their indexes, schemas, channels."""
+"""Checks the data section of an MCAP file: chunks, messages and their indexes, schemas, channels."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ Buffer: TypeAlias = bytes | memoryview
 
 @dataclass(slots=True)
 class FoundChunk:
-    """A chunk that is there, what it holds, and the indexes that follow it.
+    """A chunk in the data section, its content, and the indexes that follow it.
 
-    `places` are (time, offset) of each message by channel, only until its indexes are compared.
+    `places` has (time, offset) of each message by channel, until the indexes are compared.
     """
 
     chunk: Chunk
@@ -52,7 +52,7 @@ class FoundChunk:
 
 
 class DataCheck:
-    """Reads the data of a file, gives each fault to `report`, and keeps what the summary must agree with."""
+    """Reads the data section, passes errors to `report`, and keeps the facts that the summary must match."""
 
     def __init__(self, data: Buffer, report: Callable[[str], None]) -> None:
         self.defined = McapContent()
@@ -66,7 +66,7 @@ class DataCheck:
         self._report = report
 
     def run(self, position: int) -> int:
-        """Check up to the end of the data; returns where what follows begins. Raises RecordingError."""
+        """Check up to the end of the data section; returns the position after it. Raises RecordingError."""
         data = self._data
         last: FoundChunk | None = None
         while True:
@@ -103,7 +103,7 @@ class DataCheck:
         where = f"the chunk at byte {position}"
         if chunk.compression:
             self._packed_bytes += min(chunk.size_bytes, MAX_CHUNK_BYTES)
-            # The summary may be silent about chunks that are there.
+            # The summary may omit chunks.
             check_unpacked_size(self._packed_bytes, len(data))
         try:
             plain = decompress(
@@ -144,7 +144,7 @@ class DataCheck:
         there = found.places.get(number, array("Q"))
         if listed != there and _pairs(listed) != _pairs(there):
             self._report(
-                f"the message index at byte {position} does not name the messages of channel {number} "
+                f"the message index at byte {position} does not list the messages of channel {number} "
                 f"in the chunk before it"
             )
 
@@ -161,11 +161,11 @@ class DataCheck:
             if not schema.number:
                 self._report("a schema has the invalid number 0")
             if self.defined.schemas.get(schema.number, schema) != schema:
-                self._report(f"schema {schema.number} is defined twice, and differs")
+                self._report(f"schema {schema.number} has two different definitions")
         else:
             channel = decode_channel(data, start, end)
             if self.defined.channels.get(channel.number, channel) != channel:
-                self._report(f"channel {channel.number} is defined twice, and differs")
+                self._report(f"channel {channel.number} has two different definitions")
             if channel.schema and channel.schema not in self.defined.schemas:
                 self._report(f"channel {channel.number} uses schema {channel.schema}, which is not defined")
         self.defined.define(op, data, start, end)
@@ -184,7 +184,7 @@ class DataCheck:
 
 
 def _records(plain: Buffer) -> Iterator[tuple[int, int, int, int]]:
-    """Yield kind, place, and where the content begins and ends, of the records in a chunk."""
+    """Yield kind, position, and start and end of the content, of the records in a chunk."""
     position = 0
     while position < len(plain):
         op, start, end = read_record(plain, position)
@@ -204,5 +204,5 @@ def _pairs(values: array[int]) -> list[tuple[int, int]]:
 
 
 def kind_of(op: int) -> str:
-    """Return what a record is called."""
+    """Return the name of a kind of record."""
     return KINDS.get(op, f"of kind {op:#x}")

@@ -1,4 +1,4 @@
-"""Decodes the records of MCAP files, and trusts none of their lengths."""
+"""Decodes the records of MCAP files; all lengths are checked."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Buffer: TypeAlias = bytes | memoryview
 
 
 def read_record(data: Buffer, position: int, end: int | None = None) -> tuple[int, int, int]:
-    """Return a record's kind, and where its content begins and ends. Raises RecordingError when it is cut."""
+    """Return a record's kind, and start and end of its content. Raises RecordingError if it is truncated."""
     end = len(data) if end is None else end
     start = position + RECORD_HEAD.size
     if start > end:
@@ -43,7 +43,7 @@ def read_record(data: Buffer, position: int, end: int | None = None) -> tuple[in
 
 
 class _Fields:
-    """Takes the fields of a record one after the other. Raises RecordingError where they do not fit."""
+    """Reads the fields of a record one after the other. Raises RecordingError if they do not fit."""
 
     def __init__(self, data: Buffer, start: int, end: int, kind: str) -> None:
         self._data = data
@@ -94,7 +94,7 @@ class _Fields:
 
 
 def decode_header(data: Buffer, start: int, end: int) -> tuple[str, str]:
-    """Return profile and library. Raises RecordingError, as all these do."""
+    """Return profile and library. Raises RecordingError, like all decode functions."""
     fields = _Fields(data, start, end, "header")
     return fields.text(), fields.text()
 
@@ -122,7 +122,7 @@ def decode_chunk(data: Buffer, start: int, end: int) -> Chunk:
 
 
 def decode_message_index(data: Buffer, start: int, end: int) -> tuple[int, Iterator[tuple[int, int]]]:
-    """Return a channel's number, and (time, place in the chunk) of each of its messages."""
+    """Return a channel's number, and (time, offset in the chunk) of each of its messages."""
     fields = _Fields(data, start, end, "message index")
     number = fields.unpack(U16)[0]
     entries = fields.part()
@@ -153,6 +153,6 @@ def decode_statistics(data: Buffer, start: int, end: int) -> Statistics:
 
 
 def decode_footer(data: Buffer, start: int, end: int) -> tuple[int, int, int]:
-    """Return where the summary and the summary offsets begin (0: there are none), and the summary's sum."""
+    """Return the positions of summary and summary offsets (0 if missing), and the summary's checksum."""
     summary, offsets, crc = _Fields(data, start, end, "footer").unpack(FOOTER)
     return summary, offsets, crc

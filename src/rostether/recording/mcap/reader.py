@@ -35,9 +35,10 @@ _ENCODING = "ros1"
 class McapReader:
     """An MCAP file being read; see `recording.recorded.RecordingReader`.
 
-    Only messages of ROS 1 and CDR are given; the latter as ROS 1 bytes, in ROS 2's own fields if `is_native`.
-    `unpack` decompresses single messages, as the metadata of a ROS 2 bag states. With `damage`, which is then
-    why, its index is not trusted. Where there is no md5sum of a type, it is computed from the definition.
+    Only ROS 1 and CDR messages are returned; CDR is converted to ROS 1 bytes, with the fields of ROS 2 if
+    `is_native`.
+    `unpack` decompresses single messages, as the metadata of a ROS 2 bag states. `damage`, if given, is the
+    reason not to use its index. A missing md5sum of a type is computed from the definition.
     """
 
     def __init__(
@@ -73,12 +74,12 @@ class McapReader:
 
     @property
     def format_version(self) -> str:
-        """The format's name, and ROS 2 where its messages are of that."""
+        """The format's name, with "ROS 2" if it has ROS 2 messages."""
         return "MCAP" if self._ros2 is None else "MCAP (ROS 2)"
 
     @property
     def unreadable(self) -> Mapping[str, str]:
-        """Topics with messages that cannot be given, and why."""
+        """Topics with messages that cannot be converted, and why."""
         return {} if self._ros2 is None else self._ros2.unreadable
 
     @property
@@ -107,7 +108,7 @@ class McapReader:
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
-        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+        """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
         chunks = [
             chunk
@@ -147,7 +148,7 @@ class McapReader:
         return plain, walk
 
     def _connection(self, schema: Schema | None, channel: Channel) -> Connection | None:
-        """Return what a channel is to us; None when its messages cannot be given."""
+        """Return a channel as a connection; None if its messages cannot be converted."""
         name = schema.name if schema is not None else "*"
         if channel.encoding == "cdr" and schema is not None:
             return self._ros2_connection(schema, channel)

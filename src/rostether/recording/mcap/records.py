@@ -1,8 +1,8 @@
-"""The records of an MCAP file, and what is in them.
+"""The records of an MCAP file and their fields.
 
     file     magic  header  (schema | channel | chunk  message index...)...  data end  summary  footer  magic
     record   u8 kind | u64 length | content
-    chunk    its records are schemas, channels and messages in a row, perhaps compressed
+    chunk    its records are a sequence of schemas, channels and messages, possibly compressed
     summary  schemas and channels once more, statistics, chunk indexes, and where each kind of them begins
 
 All integers are little-endian; texts have a u32 length before them. Source: mcap.dev/spec
@@ -68,7 +68,7 @@ U64 = struct.Struct("<Q")
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """A type: its name, in which language its definition is written, and the definition."""
+    """A type: its name, the encoding of its definition, and the definition."""
 
     number: int
     name: str
@@ -78,7 +78,7 @@ class Schema:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic of a publisher; schema 0 is none."""
+    """A topic of a publisher; schema 0 means no schema."""
 
     number: int
     schema: int
@@ -89,7 +89,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """A chunk, its stored records between two places of the file."""
+    """A chunk; `start` and `end` are the positions of its stored records in the file."""
 
     start_ns: int
     end_ns: int
@@ -102,7 +102,7 @@ class Chunk:
 
 @dataclass(frozen=True, slots=True)
 class ChunkIndex:
-    """Where a chunk and the indexes of its messages stand; `indexes` by channel number."""
+    """The position of a chunk and of its message indexes; `indexes` by channel number."""
 
     start_ns: int
     end_ns: int
@@ -131,23 +131,23 @@ class Statistics:
 
 
 def encode_record(op: int, content: bytes) -> bytes:
-    """Return a whole record."""
+    """Return a complete record."""
     return RECORD_HEAD.pack(op, len(content)) + content
 
 
 def encode_text(text: str | bytes) -> bytes:
-    """Return a text with its length."""
+    """Return a string with its length."""
     data = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else text
     return U32.pack(len(data)) + data
 
 
 def encode_map(values: Mapping[str, str]) -> bytes:
-    """Return texts by name, with the length of them all."""
+    """Return a map of strings, with its length."""
     return encode_text(b"".join(encode_text(key) + encode_text(value) for key, value in values.items()))
 
 
 def encode_numbers(values: Mapping[int, int]) -> bytes:
-    """Return numbers by channel, with the length of them all."""
+    """Return a map of numbers by channel, with its length."""
     return encode_text(b"".join(CHANNEL_AND_NUMBER.pack(*each) for each in values.items()))
 
 

@@ -56,7 +56,7 @@ _MAX_TIME_NS = (1 << 64) - 1
 class McapWriter(ChunkedWriter):
     """An MCAP file being written; see `recording.recorded.RecordingWriter`.
 
-    What differs for messages of another ROS stands in `profile`, `schema_of` and `channel_of`.
+    Subclasses for another ROS version override `profile`, `schema_of` and `channel_of`.
     """
 
     profile = "ros1"
@@ -70,9 +70,9 @@ class McapWriter(ChunkedWriter):
         self._numbers: dict[Connection, int] = {}
         self._schemas: dict[tuple[str, str, bytes], int] = {}
         self._schema_records: dict[int, bytes] = {}
-        # Of each channel its schema and its record.
+        # Schema and record of each channel.
         self._channels: dict[int, tuple[int, bytes]] = {}
-        # Schemas and channels that stand in the file, and those that stand in the chunk that is begun.
+        # Schemas and channels that are in the file, and those in the open chunk.
         self._known: set[bytes] = set()
         self._written: set[bytes] = set()
         self._indexes: list[ChunkIndex] = []
@@ -160,7 +160,7 @@ class McapWriter(ChunkedWriter):
         return missing
 
     def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
-        # No sequence number (0): the order in the file tells as much, and heads of a batch are then equal.
+        # No sequence number (0): all headers of a batch are then equal, and the order in the file is enough.
         inner = MESSAGE_HEAD.pack(number, 0, time_ns, time_ns)
         return (time_ns,), lambda size: RECORD_HEAD.pack(OP_MESSAGE, len(inner) + size) + inner
 
@@ -170,7 +170,7 @@ class McapWriter(ChunkedWriter):
 
     def _write_end(self) -> None:
         for number in self._channels:
-            for record in self._pop_unwritten(number):  # of topics without a message
+            for record in self._pop_unwritten(number):  # those of topics without messages
                 self._append(record)
                 self._known.add(record)
         data_end = encode_record(OP_DATA_END, U32.pack(self._data_crc))

@@ -1,4 +1,4 @@
-"""Reads ROS 2 bags: folders with metadata.yaml and files of messages, as any rosbag2 wrote them."""
+"""Reads ROS 2 bags: folders with metadata.yaml and files of messages, of any version of rosbag2."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.recording.ros2.metadata import FILE_NAME, Metadata, read_metadata
 
 _SUFFIXES = (".mcap", ".db3", ".mcap.active", ".db3.active", ".mcap.zstd", ".db3.zstd")
-# A few bytes can unpack to any size; recordings of that size fill a disk as well.
+# A few bytes can unpack to any size; larger recordings would fill a disk.
 MAX_UNPACKED_BYTES = 64 << 30
 MAX_MESSAGE_BYTES = 1 << 30
 
 
 class Ros2BagReader:
-    """A bag being read; see `recording.recorded.RecordingReader`. Gives ROS 1 bytes, as its files do."""
+    """A bag being read; see `recording.recorded.RecordingReader`. Returns ROS 1 bytes."""
 
     def __init__(self, path: Path, *, is_native: bool = False) -> None:
         self.path = path
@@ -58,7 +58,7 @@ class Ros2BagReader:
 
     @property
     def size_bytes(self) -> int:
-        """What all files have together."""
+        """The total size of all files."""
         return sum(each.size_bytes for each in self._files)
 
     @property
@@ -72,7 +72,7 @@ class Ros2BagReader:
 
     @property
     def unreadable(self) -> Mapping[str, str]:
-        """Topics with messages that cannot be given, and why."""
+        """Topics with messages that cannot be converted, and why."""
         return {topic: why for each in self._files for topic, why in each.unreadable.items()}
 
     @property
@@ -98,7 +98,7 @@ class Ros2BagReader:
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
-        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+        """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in self._files]
         return heapq.merge(*streams, key=lambda message: message.time_ns)
 
@@ -118,7 +118,7 @@ class Ros2BagReader:
         return McapReader(path, is_native=is_native, unpack=unpack)
 
     def _unpacked_file(self, path: Path) -> Path:
-        """Return where a file that was compressed as a whole is unpacked, as long as the bag is open."""
+        """Return the path of the unpacked copy of a compressed file; it exists while the bag is open."""
         zstandard = _zstandard()
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="rostether-bag-")))
         target = folder / path.name.removesuffix(".zstd")

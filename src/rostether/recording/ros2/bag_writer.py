@@ -1,4 +1,4 @@
-"""Writes ROS 2 bags: a folder with one or more files of messages, and metadata.yaml, as rosbag2 has them."""
+"""Writes ROS 2 bags: folders with one or more message files and metadata.yaml, in the layout of rosbag2."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ ACTIVE_SUFFIX = ".active"
 
 
 class Storage(StrEnum):
-    """How the files of a ROS 2 bag keep messages, by rosbag2's names."""
+    """The storage formats of a ROS 2 bag, by their names in rosbag2."""
 
     MCAP = "mcap"
     SQLITE3 = "sqlite3"
 
     @property
     def suffix(self) -> str:
-        """How its files end."""
+        """The suffix of its files."""
         return ".mcap" if self is Storage.MCAP else ".db3"
 
 
@@ -44,13 +44,13 @@ class FileStorage(RecordingWriter, Protocol):
         """The times of the first and the last message."""
 
     def topic_counts(self) -> dict[int, int]:
-        """Return how many messages it holds by the numbers of channels."""
+        """Return the number of messages by channel number."""
 
 
 class Ros2Bag:
     """A bag being written, file after file; metadata.yaml lists those that are closed.
 
-    Raises RecordingError when the folder holds a bag already, or cannot be made.
+    Raises RecordingError if the folder is not empty or cannot be created.
     """
 
     def __init__(
@@ -81,15 +81,15 @@ class Ros2Bag:
             ) from None
 
     def path_of(self, number: int) -> Path:
-        """Return the path of the file of a number, as rosbag2 names it."""
+        """Return the path of the file with a number, as rosbag2 names it."""
         return self.folder / f"{self.folder.name}_{number}{self.storage.suffix}"
 
     def create(self, path: Path) -> Ros2FileWriter:
-        """Begin a file; it may be called NAME.active until it is closed. Raises RecordingError."""
+        """Start a file; it may be named NAME.active until it is closed. Raises RecordingError."""
         return Ros2FileWriter(self, path)
 
     def open_storage(self, path: Path) -> FileStorage:
-        """Return what writes one file. Raises RecordingError, ConfigError."""
+        """Return the writer of one file. Raises RecordingError, ConfigError."""
         if self.storage is Storage.MCAP:
             from rostether.recording.ros2.mcap_writer import Ros2McapWriter
 
@@ -105,7 +105,7 @@ class Ros2Bag:
         return Db3Writer(path, types=self._types, distro=self._distro, unfit=self._unfit)
 
     def add_file(self, facts: FileFacts) -> None:
-        """Add a file to metadata.yaml, and remove files that are gone from it. Raises RecordingError."""
+        """Add a file to metadata.yaml, and remove entries of deleted files. Raises RecordingError."""
         self._files = [each for each in self._files if (self.folder / each.name).exists()]
         self._files.append(facts)
         write_metadata(self.folder, describe(self._files, self.storage.value, self._distro))
@@ -122,12 +122,12 @@ class Ros2FileWriter:
 
     @property
     def size_bytes(self) -> int:
-        """What the file will have at least when it is closed now."""
+        """The minimum size of the file if it is closed now."""
         return self._storage.size_bytes
 
     @property
     def message_count(self) -> int:
-        """How many messages were taken."""
+        """The number of accepted messages."""
         return self._storage.message_count
 
     def add_connection(self, connection: Connection) -> int:
@@ -139,7 +139,7 @@ class Ros2FileWriter:
         self._storage.write(number, time_ns, payloads)
 
     def flush(self) -> None:
-        """Hand all that was taken to the operating system. Raises RecordingError."""
+        """Pass all accepted messages to the operating system. Raises RecordingError."""
         self._storage.flush()
 
     def close(self) -> None:

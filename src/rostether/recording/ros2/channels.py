@@ -1,4 +1,4 @@
-"""The topics of a ROS 2 recording that is written: their types there, and messages as CDR."""
+"""The topics of a ROS 2 recording being written: their ROS 2 types, and their messages as CDR."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class Channel:
 class Ros2Channels:
     """The channels of one file, in the order of their numbers from 1.
 
-    As rosbag2 does it, all publishers of a topic share one, with the quality of service that the first one
-    offered. `types` know the types of what is written: those of the graph that is recorded, else those of the
-    environment. Messages that do not fit their type are left out, and counted by `unfit`.
+    As in rosbag2, all publishers of a topic share one channel, with the quality of service of the first
+    publisher. `types` are the types of the recorded graph, else those of the environment. Messages that do
+    not fit their type are left out, and counted by `unfit`.
     """
 
     def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:
@@ -95,7 +95,7 @@ class Ros2Channels:
         else:
             qos = offered(is_latching=connection.is_latching, is_best_effort=connection.is_best_effort)
         text = types.full_text(connection.type)
-        # As rosbag2 marks a type of which it finds no definition.
+        # The same mark as rosbag2 uses for a type without a definition.
         encoding = ROS2MSG if text or connection.type.md5sum != ANY_MD5SUM else "unknown"
         return Ros2Origin(support.name, type_hash, encoding, text, qos), support.converter.to_cdr
 

@@ -22,12 +22,12 @@ from rostether.recording.ros2_reading import CDR, Ros2Topics
 
 MAGIC = b"SQLite format 3\0"
 MAX_TOPICS = 65536
-# The largest message that is read; SQLite's own limit is the same.
+# The largest message that is read; equal to SQLite's own limit.
 MAX_VALUE_BYTES = 1 << 30
 
 
 class Db3Reader:
-    """A .db3 file being read; see `recording.recorded.RecordingReader`. Gives ROS 1 bytes.
+    """A .db3 file being read; see `recording.recorded.RecordingReader`. Returns ROS 1 bytes.
 
     `unpack` decompresses single messages, as the bag's metadata states.
     """
@@ -55,7 +55,8 @@ class Db3Reader:
                     raise RecordingError(f"{path} is not a SQLite file, as a .db3 recording must be")
         except OSError as error:
             raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
-        # A recording that was not closed has its last messages in a log beside it, which reading brings in.
+        # If the recording was not closed, its last messages are in a log file, which SQLite merges on
+        # reading.
         has_log = (
             path.with_name(path.name + "-wal").exists() or path.with_name(path.name + "-journal").exists()
         )
@@ -85,13 +86,13 @@ class Db3Reader:
 
     @property
     def unreadable(self) -> Mapping[str, str]:
-        """Topics with messages that cannot be given, and why."""
+        """Topics with messages that cannot be converted, and why."""
         return self._topics.unreadable
 
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
-        """Yield messages in the order of their times, both ends included. Raises RecordingError."""
+        """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
         query = "SELECT topic_id, timestamp, data FROM messages"
         limits = [each for each in (start_ns, end_ns) if each is not None]
@@ -120,7 +121,7 @@ class Db3Reader:
         self._database.close()
 
     def _refuse_views(self) -> None:
-        # A view or virtual table may be endless, whatever the file's size.
+        # A view or virtual table could be endless, even in a small file.
         tables = {
             name
             for (name,) in self._database.execute(

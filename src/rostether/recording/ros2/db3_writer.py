@@ -1,4 +1,4 @@
-"""Writes the SQLite files of rosbag2 (.db3), in the schema that it has since Iron.
+"""Writes the SQLite files of rosbag2 (.db3), in the schema used since Iron.
 
 Source: rosbag2_storage_sqlite3, schema version 4.
 """
@@ -17,12 +17,12 @@ from rostether.ros2.types.type_support import Ros2Types
 
 SCHEMA_VERSION = 4
 
-# What SQLite needs for a message and its place in the index, beside the payload.
+# The size of a message's row and index entry, without the payload.
 _ROW_BYTES = 40
 _MAX_WAITING_ROWS = 10_000
-# What waits for the next commit: some 10 ms of writing.
+# The data that may wait for the next commit: about 10 ms of writing.
 _MAX_WAITING_BYTES = 1 << 20
-# Who reads the file while it is written holds its lock for moments only; waiting holds everything up.
+# Another program that reads the file locks it only briefly; a longer wait would block the recorder.
 _LOCK_WAIT_S = 0.2
 _MAX_TIME_NS = (1 << 63) - 1
 
@@ -41,7 +41,7 @@ CREATE INDEX timestamp_idx ON messages (timestamp ASC);
 
 
 class Db3Writer:
-    """A .db3 file being written; see `recording.recorded.RecordingWriter`. Takes ROS 1 bytes."""
+    """A .db3 file being written; see `recording.recorded.RecordingWriter`. Accepts ROS 1 bytes."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class Db3Writer:
         self._rows: list[tuple[int, int, bytes]] = []
         self._definitions: set[tuple[str, str]] = set()
         self._is_closed = False
-        # An existing file is written over, as other recordings are, but not replaced: it may be locked.
+        # An existing file is overwritten like other recordings, but not replaced: it may be locked.
         try:
             path.write_bytes(b"")
             for suffix in ("-wal", "-shm", "-journal"):
@@ -71,7 +71,7 @@ class Db3Writer:
             ) from None
         try:
             self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
-            # A killed process loses nothing that was committed; only a machine that loses power may.
+            # If the process is killed, committed data is safe; only a power failure may lose it.
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = OFF")
             self._database.executescript(_TABLES)
@@ -81,15 +81,15 @@ class Db3Writer:
 
     @property
     def size_bytes(self) -> int:
-        """About what the file has with all that was taken."""
+        """The approximate size of the file with all accepted messages."""
         return self._data_bytes + _ROW_BYTES * self.message_count
 
     def topic_counts(self) -> dict[int, int]:
-        """Return how many messages the file holds by the numbers of channels."""
+        """Return the number of messages by channel number."""
         return {each.number: each.message_count for each in self.channels.channels}
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the number of the topic's row. Raises RecordingError for what ROS 2 has no type for."""
+        """Return the number of the topic's row. Raises RecordingError if ROS 2 has no such type."""
         known = len(self.channels.channels)
         channel = self.channels.channel(connection)
         if channel.number > known:
@@ -114,7 +114,7 @@ class Db3Writer:
             self.flush()
 
     def flush(self) -> None:
-        """Commit what was taken. Raises RecordingError; the file then has what was there before."""
+        """Commit all accepted messages. On RecordingError, the file keeps its previous content."""
         rows, self._rows = self._rows, []
         self._committed_bytes = self._data_bytes
         if not rows or self._is_closed:

@@ -15,7 +15,7 @@ from rostether.ros2.types.type_support import Ros2Types
 
 
 class Ros2McapWriter(McapWriter):
-    """An MCAP file with messages of ROS 2 being written; takes ROS 1 bytes as every recording does."""
+    """An MCAP file with ROS 2 messages being written; accepts ROS 1 bytes, like every recording."""
 
     profile = "ros2"
 
@@ -40,7 +40,7 @@ class Ros2McapWriter(McapWriter):
         return min(each.start_ns for each in self._indexes), max(each.end_ns for each in self._indexes)
 
     def topic_counts(self) -> dict[int, int]:
-        """Return how many messages are in the file by the numbers of channels."""
+        """Return the number of messages by channel number."""
         return {each.number: self._counts.get(each.number, 0) for each in self.channels.channels}
 
     def schema_of(self, connection: Connection) -> tuple[str, str, bytes]:
@@ -54,7 +54,7 @@ class Ros2McapWriter(McapWriter):
         return "cdr", {"offered_qos_profiles": origin.qos, "topic_type_hash": origin.type_hash}
 
     def add_connection(self, connection: Connection) -> int:
-        """Return the number of the topic's channel. Raises RecordingError for what ROS 2 has no type for."""
+        """Return the number of the topic's channel. Raises RecordingError if ROS 2 has no such type."""
         number = self._of_connection.get(connection)
         if number is None:
             known = len(self.channels.channels)

@@ -1,4 +1,6 @@
-"""metadata.yaml, which lists the content of the files of a ROS 2 bag. Written in version 9, that of Jazzy.
+"""metadata.yaml, which lists the content of the files of a ROS 2 bag.
+
+It is written in version 9, the version of Jazzy.
 
 Source: rosbag2_storage's yaml.hpp.
 """
@@ -20,13 +22,13 @@ from rostether.recording.ros2_qos import read_profiles
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9
-# A recording of a thousand topics in a thousand files has 1 MB.
+# The metadata of a thousand topics in a thousand files has 1 MB.
 MAX_BYTES = 16 << 20
 MAX_FILES = 100_000
 
 _KEY = "rosbag2_bagfile_information"
 
-# rosbag2's start of a bag without messages.
+# The start time that rosbag2 writes for a bag without messages.
 _NO_TIME = 9223372036854775807
 
 
@@ -38,7 +40,7 @@ class FileFacts:
     start_ns: int | None
     end_ns: int
 
-    # By topic and type: its description, and the number of messages.
+    # Description and number of messages by topic and type.
     topics: Mapping[tuple[str, str], tuple[Ros2Origin, int]]
 
     @property
@@ -106,7 +108,7 @@ def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str,
 
 
 def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:
-    """Write metadata.yaml at once, whole or not at all. Raises RecordingError."""
+    """Write metadata.yaml atomically. Raises RecordingError."""
     path = folder / FILE_NAME
     unfinished = path.with_name(f".{FILE_NAME}.unfinished")
     try:
@@ -118,7 +120,7 @@ def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:
 
 
 def read_metadata(folder: Path) -> Metadata:
-    """Read metadata.yaml. Raises RecordingError when it is missing or broken."""
+    """Read metadata.yaml. Raises RecordingError if it is missing or broken."""
     path = folder / FILE_NAME
     require_regular_file(path)
     try:
@@ -136,7 +138,7 @@ def read_metadata(folder: Path) -> Metadata:
             topic = row["topic_metadata"]
             origin = Ros2Origin(_text(topic["type"]), _text(topic.get("type_description_hash") or ""))
             topics[_text(topic["name"]), origin.type_name] = origin
-        # Before version 4 paths began with the folder's own name; files elsewhere are never read.
+        # Before version 4, paths start with the folder's own name; files in other folders are never read.
         files = tuple(PurePosixPath(_text(each)).name for each in content["relative_file_paths"][:MAX_FILES])
         return Metadata(
             int(content["version"]),
@@ -153,7 +155,7 @@ def read_metadata(folder: Path) -> Metadata:
 
 
 def _text(value: object) -> str:
-    # Aliases make small files hold lists without end, which are only dangerous when written out.
+    # With aliases, a small file can contain endless lists; they are dangerous only when written out.
     if not isinstance(value, str):
         raise TypeError("a string was expected")
     return value

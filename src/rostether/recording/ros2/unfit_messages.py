@@ -1,4 +1,4 @@
-"""Messages that do not fit their type, and so have no form in ROS 2, while a recording is written."""
+"""Counts messages that do not fit their type, and so cannot be converted to ROS 2, while recording."""
 
 from __future__ import annotations
 

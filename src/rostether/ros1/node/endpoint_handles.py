@@ -169,7 +169,7 @@ class Endpoints:
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ServiceServer:
-        """Offer a service. Raises GraphError when this node offers it already."""
+        """Offer a service. Raises GraphError if this node already offers it."""
         if service in self._services:
             raise GraphError(f"this node already offers the service {service}; choose another name")
         server = ServiceServer(

@@ -53,7 +53,7 @@ class Publication:
         return len(self.connections)
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
-        """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
+        """Add a handle to this publication. Raises TypeMismatchError if it has another type."""
         check_same_type(self.topic, self.type, message_type)
         if latch:
             self.latch()

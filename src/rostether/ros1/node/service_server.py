@@ -58,7 +58,7 @@ class ServiceServer:
         return connection
 
     async def close(self) -> None:
-        """Unadvertise; calls under way fail. Idempotent."""
+        """Unadvertise; pending calls fail. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
             await self._on_close(self)

@@ -1,9 +1,9 @@
-"""A board's action, which is made of topics as in ROS 1, offered as an action of ROS 2.
+"""Offers a board's action, which consists of topics as in ROS 1, as a ROS 2 action.
 
     ROS 2 action client  --  ActionServer  --  goal, cancel, feedback, result, status  --  the board
 
-A goal's id of 16 bytes is text of 32 digits for the board. The board's messages have ROS 1's form; the parts
-that the definition names are converted to ROS 2's form and back.
+A goal's id of 16 bytes is a string of 32 digits for the board. The board's messages have the form of ROS 1;
+goal, result and feedback are converted to the form of ROS 2 and back.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.store import TypeStore
 
-# A board on a slow line receives a goal within this time; then its status must list the goal.
+# A board on a slow line receives a goal within this time; after that, its status must list the goal.
 LOST_AFTER_S: Final = 5.0
 
-# actionlib_msgs/GoalStatus: what ends a goal, and how ROS 2 names it.
+# The final states of actionlib_msgs/GoalStatus, and their equivalents in ROS 2.
 _PREEMPTED: Final = 2
 _FINAL: Final = {
     _PREEMPTED: GoalStatus.CANCELED,
@@ -40,15 +40,15 @@ _FINAL: Final = {
     8: GoalStatus.CANCELED,  # recalled
 }
 _COUNT = struct.Struct("<I")
-# std_msgs/Header up to its frame id, and actionlib_msgs/GoalID up to its text.
+# The fields of std_msgs/Header before the frame id, and of actionlib_msgs/GoalID before the id.
 _HEADER = struct.Struct("<III")
 _STAMP = struct.Struct("<II")
 
 
 class BoardAction:
-    """One action, `action_type` as `package/Name`; the callbacks receive what is for the board.
+    """One action, `action_type` as `package/Name`; the callbacks receive messages for the board.
 
-    `types` are those of the boards' graph.
+    `types` are the types of the boards' graph.
     """
 
     def __init__(self, action: str, action_type: str, types: Ros2Types) -> None:
@@ -60,12 +60,12 @@ class BoardAction:
         self._clock = asyncio.get_running_loop().time
         self._graph: Graph | None = None
         self._server: ActionServer | None = None
-        # The goals under way by their text, and when each was sent.
+        # The active goals by their id strings, and their send times.
         self._sent_s: dict[str, float] = {}
         self._canceled: set[str] = set()
 
     async def open(self, graph: Graph, types: NativeTypes, registry: NativeRegistry) -> None:
-        """Offer the action on a node with ROS 2's own types. Raises GraphError, DefinitionError."""
+        """Offer the action on a node with native ROS 2 types. Raises GraphError, DefinitionError."""
         found = self._find_types(registry)
         self._graph = graph
         self._goal = self._pair(types, registry, found.goal, "Goal")
@@ -82,7 +82,7 @@ class BoardAction:
         self._server = server
 
     async def close(self) -> None:
-        """Abort the goals under way, and offer the action no more. Idempotent."""
+        """Abort the active goals, and stop offering the action. Idempotent."""
         server, self._server = self._server, None
         if server is not None:
             await server.close()
@@ -101,13 +101,13 @@ class BoardAction:
         for payload in payloads:
             text, status, content = _read_status(payload, _after_header(payload))
             if text in self._sent_s:
-                # Preempted by another goal, and not by its own client.
+                # Preempted by another goal, not by its own client.
                 is_replaced = status == _PREEMPTED and text not in self._canceled
                 final = GoalStatus.ABORTED if is_replaced else _FINAL.get(status, GoalStatus.ABORTED)
                 self._finish(text, final, _convert(self._result, payload[content:]))
 
     def take_statuses(self, payloads: Sequence[bytes]) -> None:
-        """Abort the goals that the board has forgotten: it was reset."""
+        """Abort the goals that the board no longer knows, because it was reset."""
         payload = payloads[-1]
         position = _after_header(payload)
         (count,) = _COUNT.unpack_from(payload, position)
@@ -122,7 +122,7 @@ class BoardAction:
                 self._finish(text, GoalStatus.ABORTED, None)
 
     def _find_types(self, registry: NativeRegistry) -> ActionTypes:
-        """Return the action's types; a definition that only ROS 1 has is used for ROS 2 too."""
+        """Return the action's types; if only ROS 1 has a definition, ROS 2 uses it too."""
         package, _, name = self.action_type.partition("/")
         ros1, definitions = self._types.registry, registry.definitions
         parts = [
@@ -143,7 +143,7 @@ class BoardAction:
     def _pair(
         self, types: NativeTypes, registry: NativeRegistry, native: str, part: str
     ) -> tuple[CdrConverter, CdrConverter]:
-        """Return the converters of a part: of the board's form, and of ROS 2's own."""
+        """Return the converters of a part: for the board's form, and for the native form of ROS 2."""
         ours = self._types.message(self._types.registry.message_type(f"{self.action_type}{part}"))
         return ours.converter, types.message(registry.message_type(native)).converter
 
@@ -174,7 +174,7 @@ def _layout(message: Ros2Message) -> list[tuple[str, Ros2Type]]:
 
 
 def _convert(pair: tuple[CdrConverter, CdrConverter], payload: bytes) -> bytes:
-    """Convert a part of a board's message to ROS 2's own form."""
+    """Convert a part of a board's message to the native form of ROS 2."""
     ours, native = pair
     return native.from_cdr(ours.to_cdr(payload))
 
@@ -188,7 +188,7 @@ def _after_header(payload: bytes) -> int:
 
 
 def _read_status(payload: bytes, position: int) -> tuple[str, int, int]:
-    """Read a GoalStatus: the goal's id, the status, and the position behind it."""
+    """Read a GoalStatus: the goal's id, the status, and the position after it."""
     text, position = _read_text(payload, position + _STAMP.size)
     status = payload[position]
     return text, status, _read_text(payload, position + 1)[1]

@@ -1,4 +1,4 @@
-"""Boards' nodes on a ROS 2 graph, on which the five topics of an action are one action of ROS 2.
+"""Nodes of boards on a ROS 2 graph, where the five topics of an action become one ROS 2 action.
 
 A board that subscribes to `count/goal` [package/CountActionGoal] serves the action `count`. These topics are
 not in the ROS 2 graph, whose nodes do not use them; everything else goes to the node itself.
@@ -28,7 +28,7 @@ _STATUS: Final = ("/status", "actionlib_msgs/GoalStatusArray")
 
 @dataclass(frozen=True, slots=True)
 class NativeSession:
-    """A session on the same graph as the boards', with ROS 2's own types."""
+    """A session on the boards' graph, with native ROS 2 types."""
 
     join: JoinGraph
     types: NativeTypes
@@ -70,14 +70,14 @@ class BoardJoin:
 
 @dataclass(slots=True)
 class _Topics:
-    """The topics of one action: who receives cancels, and the action, once the board subscribes to goals."""
+    """The topics of one action: the handler of cancels, and the action once the board subscribes to goals."""
 
     on_cancels: OnMessages | None = None
     action: BoardAction | None = None
     node: Graph | None = None
 
     async def close(self) -> None:
-        """Offer the action no more."""
+        """Stop offering the action."""
         action, self.action = self.action, None
         node, self.node = self.node, None
         if action is not None:
@@ -87,7 +87,7 @@ class _Topics:
 
 
 class _BoardGraph:
-    """A board's node; what is not about topics of actions is the node's own."""
+    """A board's node; only topics of actions are handled here, everything else by the node itself."""
 
     def __init__(self, graph: Graph, join: BoardJoin) -> None:
         self._graph = graph
@@ -101,7 +101,7 @@ class _BoardGraph:
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> Publisher:
-        """Advertise as `Graph.advertise`; an action receives its own topics."""
+        """Advertise like `Graph.advertise`; topics of an action go to the action."""
         name = self._graph.resolve(topic)
         for part, take in (
             (_FEEDBACK, BoardAction.take_feedback),
@@ -115,7 +115,10 @@ class _BoardGraph:
     async def subscribe(
         self, topic: str, message_type: MessageType, on_messages: OnMessages, **options: Any
     ) -> Subscriber:
-        """Subscribe as `Graph.subscribe`; goals open an action. Raises DefinitionError, ConfigError too."""
+        """Subscribe like `Graph.subscribe`; the topic of goals opens an action.
+
+        Also raises DefinitionError, ConfigError.
+        """
         name = self._graph.resolve(topic)
         if _is(_CANCEL, name, message_type):
             topics = self._topics(_CANCEL, name)
@@ -158,7 +161,7 @@ class _BoardGraph:
 
 
 class _ActionPublisher:
-    """Gives what the board publishes to its action."""
+    """Passes the board's messages to its action."""
 
     subscriber_count = 1
     dropped_count = 0
@@ -176,13 +179,13 @@ class _ActionPublisher:
         self._take = take
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
-        """Hand the payloads over, if the action is offered."""
+        """Pass the payloads to the action, if it is offered."""
         if self._topics.action is not None and payloads:
             self._take(self._topics.action, payloads)
         return True
 
     async def drained(self, timeout_s: float) -> None:
-        """Return at once: nothing waits."""
+        """Return at once: there is no queue."""
 
     async def close(self) -> None:
         """Do nothing: the action ends with its subscription to goals."""

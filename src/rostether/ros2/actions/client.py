@@ -21,7 +21,7 @@ from rostether.ros2.actions.types import (
     GoalStatus,
 )
 
-# Feedback that is published before the topic is connected is lost; a connection takes less than this.
+# Feedback published before the topic is connected is lost; connecting takes less than this time.
 CONNECTION_S: Final = 1.0
 
 
@@ -39,7 +39,7 @@ class GoalCall:
     ) -> tuple[GoalStatus, bytes]:
         """Send the goal and return its final status and its result.
 
-        Raises ServiceCallError if the server rejects it, and what `Graph.call_service` raises.
+        Raises ServiceCallError if the server rejects it, and the errors of `Graph.call_service`.
         """
         if on_feedback is None:
             return await self._run(goal)

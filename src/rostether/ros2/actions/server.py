@@ -24,10 +24,10 @@ from rostether.ros2.actions.types import (
     GoalStatus,
 )
 
-# Goals under way and results that are kept for late callers; one robot works on a handful.
+# The limit of active goals and of results kept for late callers; a robot has a few.
 MAX_GOALS: Final = 200
 
-# Turns of the loop that an answer takes from its handler to the caller's line.
+# Iterations of the event loop until an answer is sent to its caller.
 _TURNS_TO_ANSWER: Final = 4
 
 _NO_ID = bytes(ID_BYTES)
@@ -46,8 +46,8 @@ class _Goal:
 class ActionServer:
     """One action; `on_goal` gets the id and the payload of each goal, `on_cancel` the id of a goal.
 
-    Every goal is accepted while there is room. A goal that is to be canceled goes on until `finish`.
-    `empty_result` is the payload of a result without values, for goals that are unknown.
+    Every goal is accepted below the limit. A goal being canceled stays active until `finish`. `empty_result`
+    is the payload of a default result, for unknown goals.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class ActionServer:
         self._status: Publisher | None = None
 
     async def open(self, graph: Graph) -> None:
-        """Offer the action. Raises GraphError, UnknownTypeError; nothing is left then."""
+        """Offer the action. Raises GraphError, UnknownTypeError; then nothing stays open."""
         self._graph = graph
         types = self._types
         try:
@@ -92,25 +92,25 @@ class ActionServer:
         self._publish_status()
 
     def feedback(self, goal_id: bytes, payload: bytes) -> None:
-        """Publish feedback of a goal. Raises UnknownNameError for a goal that is not under way."""
+        """Publish feedback of a goal. Raises UnknownNameError for a goal that is not active."""
         self._running(goal_id)
         assert self._feedback is not None
         self._feedback.publish_raw([goal_id + payload])
 
     def finish(self, goal_id: bytes, status: GoalStatus, result: bytes | None = None) -> None:
-        """End a goal, without values if `result` is None. Raises UnknownNameError as `feedback`."""
+        """End a goal, with a default result if `result` is None. Raises UnknownNameError like `feedback`."""
         goal = self._running(goal_id)
         goal.status = status
         goal.result.set_result(self._empty_result if result is None else result)
         self._publish_status()
 
     def is_running(self, goal_id: bytes) -> bool:
-        """Return whether a goal is under way."""
+        """Return whether a goal is active."""
         goal = self._goals.get(goal_id)
         return goal is not None and goal.status not in _FINISHED
 
     async def close(self) -> None:
-        """Abort the goals that are under way, and offer the action no more. Idempotent."""
+        """Abort the active goals, and stop offering the action. Idempotent."""
         for goal_id in list(self._goals):
             if self.is_running(goal_id):
                 self.finish(goal_id, GoalStatus.ABORTED)
@@ -121,7 +121,7 @@ class ActionServer:
 
     def _running(self, goal_id: bytes) -> _Goal:
         if not self.is_running(goal_id):
-            raise UnknownNameError(f"{self.action} has no goal {goal_id.hex()} under way")
+            raise UnknownNameError(f"{self.action} has no active goal {goal_id.hex()}")
         return self._goals[goal_id]
 
     async def _handle_goal(self, request: bytes) -> bytes:
@@ -134,7 +134,7 @@ class ActionServer:
         if is_accepted:
             self._goals[goal_id] = _Goal(stamp)
             self._publish_status()
-            # After the answer: feedback must not come before it.
+            # Called after the answer, because feedback must not come before it.
             asyncio.get_running_loop().call_soon(self._on_goal, goal_id, request[ID_BYTES:])
         return bytes([is_accepted]) + STAMP.pack(*stamp)
 
@@ -162,14 +162,14 @@ class ActionServer:
         return answer
 
     def _is_chosen(self, each: bytes, goal_id: bytes, stamp: tuple[int, int]) -> bool:
-        """Return whether a request cancels a goal: by its id, by its time, or as one of all."""
+        """Return whether a request cancels a goal: by id, by time, or because it cancels all goals."""
         if not self.is_running(each):
             return False
         is_for_all = goal_id == _NO_ID and stamp == _NO_STAMP
         return is_for_all or each == goal_id or (stamp != _NO_STAMP and self._goals[each].stamp <= stamp)
 
     def _forget_finished(self) -> None:
-        """Forget the older half of the goals that are finished."""
+        """Forget the older half of the finished goals."""
         finished = [each for each in self._goals if not self.is_running(each)]
         for each in finished[: (len(finished) + 1) // 2]:
             del self._goals[each]

@@ -20,7 +20,7 @@ CANCEL_SERVICE: Final = "_action/cancel_goal"
 FEEDBACK_TOPIC: Final = "_action/feedback"
 STATUS_TOPIC: Final = "_action/status"
 
-# The messages of a definition, in its order.
+# The messages of a definition, in order.
 PARTS: Final = ("Goal", "Result", "Feedback")
 
 ID_BYTES: Final = 16
@@ -28,7 +28,7 @@ STAMP: Final = struct.Struct("<iI")
 
 
 class GoalStatus(IntEnum):
-    """How far a goal is, with the values of action_msgs/GoalStatus."""
+    """The status of a goal, with the values of action_msgs/GoalStatus."""
 
     UNKNOWN = 0
     ACCEPTED = 1

@@ -11,7 +11,7 @@ from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, value_of_
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 from rostether.serde.values import Message
 
-# How long users wait for a busy node before they think that it hangs.
+# Long enough for a busy node, and short enough that users do not think that the command hangs.
 CALL_TIMEOUT_S = 3.0
 
 LIST_SERVICE = "list_parameters"
@@ -25,7 +25,7 @@ class ParameterClient:
         self._timeout_s = timeout_s
 
     async def names(self, node: str) -> list[str]:
-        """Return the names of a node's parameters, with those that are declared but not set."""
+        """Return the names of a node's parameters, including those that are declared but not set."""
         answer = await self._call(node, LIST_SERVICE, "ListParameters", {})
         return list(answer.result.names)
 
@@ -47,7 +47,10 @@ class ParameterClient:
         return list(answer.descriptors)
 
     async def set(self, node: str, values: Mapping[str, TypedValue]) -> None:
-        """Set parameters; `NOT_SET` deletes. Raises GraphError with the reason of the first refused."""
+        """Set parameters; `NOT_SET` deletes.
+
+        Raises GraphError with the reason of the first refused parameter.
+        """
         parameters = [{"name": name, "value": value.to_fields()} for name, value in values.items()]
         answer = await self._call(node, "set_parameters", "SetParameters", {"parameters": parameters})
         for name, result in zip(values, answer.results, strict=False):

@@ -87,7 +87,7 @@ class GraphParameters:
     async def search(self, name: str, resolve: Callable[[str], str]) -> str | None:
         """Find a parameter of our own node by a relative name; others belong to other nodes.
 
-        As in ROS 1, only the first part of the name must be there.
+        As in ROS 1, only the first part of the name must exist.
         """
         if name.startswith(("/", "~")):
             resolved = resolve(name)
@@ -114,7 +114,7 @@ class GraphParameters:
         await self._watches.close()
 
     async def _locate(self, name: str) -> ParameterPath:
-        # A name below our own node may still be below a node whose name is longer.
+        # A name below the own node may be below another node with a longer name.
         return locate(name, (await self._graph.snapshot()).nodes, self._node)
 
     async def _value_or_none(self, name: str) -> ParamValue:
@@ -139,7 +139,8 @@ class GraphParameters:
             names = await self._client.names(node)
             values = await self._client.get(node, names) if names else {}
         except (GraphError, SerializationError):
-            return []  # It left a moment ago, hangs, or has no parameters: the others' are still good.
+            # The node has left, hangs, or has no parameters: the parameters of other nodes are still valid.
+            return []
         return [full_name(node, name) for name in values]
 
     async def _apply(self, node: str, values: Mapping[str, TypedValue]) -> None:

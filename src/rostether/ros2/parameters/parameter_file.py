@@ -2,13 +2,13 @@
 
 /**:                          any node
   ros__parameters: {use_sim_time: true}
-/lab/*/board:                 `*` is one part of a name, `**` any number of parts, also none
+/lab/*/board:                 `*` is one part of a name, `**` any number of parts, including none
   ros__parameters:
     gains: {p: 1.5}           the parameter gains.p
 lab:                          namespaces may nest
   board: {ros__parameters: {port: /dev/ttyACM0}}
 
-Where several entries name a node, the last one in the file counts, and the last file.
+If several entries match a node, the last entry counts, and the last file.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
 
 PARAMETERS_KEY = "ros__parameters"
 
-# The largest files in use (navigation of a whole robot) are some 50 KB.
+# The largest files in use (navigation of a whole robot) have about 50 KB.
 MAX_FILE_BYTES = 4 << 20
 
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)[eE][-+]?\d+$")

@@ -1,4 +1,4 @@
-"""Names of parameters: the port has full names as ROS 1 (`/ns/node/a/b`), ROS 2 a node and a name (`a.b`)."""
+"""Names of parameters: full names in the graph port (`/ns/node/a/b`), node and name in ROS 2 (`a.b`)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PARTS = re.compile(r"[./]+")
 
 
 class ParameterPath(NamedTuple):
-    """A parameter, or all those below it, of one node; the empty path is all of the node's parameters."""
+    """A parameter of a node, with all parameters below it; the empty path means all its parameters."""
 
     node: str
     path: str
@@ -28,7 +28,7 @@ class ParameterPath(NamedTuple):
 def locate(full_name: str, nodes: Iterable[str], own_node: str) -> ParameterPath:
     """Return the owner of a parameter: the node with the longest name above the parameter's full name.
 
-    A name below no node is a parameter of our own node, there without the node's namespace.
+    A name that is not below any node is a parameter of the own node.
     """
     above = [node for node in (*nodes, own_node) if _is_below(full_name, node) or full_name == node]
     if above:

@@ -11,7 +11,7 @@ from rostether.ros2.parameters.watches import ParameterWatch
 
 
 class Ros2Membership(NodeMembership):
-    """The base of a ROS 2 graph, whose parameters belong to nodes and are reached by services."""
+    """The base class of a ROS 2 graph, where parameters belong to nodes and are accessed by services."""
 
     _parameters: GraphParameters
 

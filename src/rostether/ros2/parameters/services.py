@@ -63,7 +63,7 @@ class ParameterServices:
             "node": self._graph.node_name,
             "new_parameters": _parameters(changes.new),
             "changed_parameters": _parameters(changes.changed),
-            # As in rclcpp, deleted parameters are named without a value.
+            # As in rclcpp, deleted parameters are listed without a value.
             "deleted_parameters": _parameters(dict.fromkeys(changes.deleted, NOT_SET)),
         }
         self._events.publish_raw([rcl_interfaces().codec("ParameterEvent").encode(event)])

@@ -16,13 +16,13 @@ USE_SIM_TIME = "use_sim_time"
 # Any node on the graph can set parameters; the largest nodes (navigation) have about a thousand.
 MAX_PARAMETERS = 4096
 
-# Names that a board asked for and that are not set; line noise can produce any number of names.
+# The limit of names that were requested but not set; line noise can produce any number of names.
 MAX_ASKED_NAMES = 256
 
-# Names in use are below 100.
+# Real names have less than 100 characters.
 MAX_NAME_CHARACTERS = 256
 
-# Parameters that every node has; these are of one type and stay.
+# Parameters that every node has; their type is fixed, and they cannot be deleted.
 FIXED_TYPES = {USE_SIM_TIME: ParameterType.BOOL}
 
 
@@ -44,7 +44,7 @@ OnChanges: TypeAlias = Callable[[Changes], None]
 
 
 class ParameterStore:
-    """A node's own parameters; any name may be set, of any type, and change its type."""
+    """The parameters of one node; any name may be set to any type, and may change its type."""
 
     def __init__(self, initial: Mapping[str, ParamValue] | None = None) -> None:
         """Start with values from files and command lines. Raises SerializationError, GraphError."""
@@ -88,7 +88,7 @@ class ParameterStore:
         self._values |= {**changes.new, **changes.changed}
         if changes.names:
             for listener in list(self._listeners):
-                call_contained("telling changed parameters", listener, changes)
+                call_contained("reporting changed parameters", listener, changes)
 
     def listen(self, on_changes: OnChanges) -> None:
         """Call back after each setting, until `unlisten`."""

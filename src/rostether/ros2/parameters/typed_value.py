@@ -1,4 +1,4 @@
-"""The values a ROS 2 parameter can have: each is of one type, and lists hold items of one type."""
+"""The values of ROS 2 parameters: each has one type, and all items of a list have the same type."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.serde.values import Message
 
 _INT64 = range(-(2**63), 2**63)
 
-# An error stays one readable line.
+# Keeps an error to one readable line.
 _MAX_SHOWN_CHARACTERS = 60
 
 
@@ -47,7 +47,7 @@ _FIELDS = {
 
 @dataclass(frozen=True, slots=True)
 class TypedValue:
-    """A parameter's value with its type: an empty list has one too."""
+    """A parameter's value with its type, which an empty list also has."""
 
     type: ParameterType
     value: ParamValue
@@ -56,7 +56,7 @@ class TypedValue:
         """Return the fields of a rcl_interfaces/ParameterValue."""
         fields: dict[str, Any] = {"type": int(self.type)}
         if isinstance(self.value, bytes):
-            # ROS 1 calls a signed number `byte`.
+            # In ROS 1, `byte` is a signed number.
             fields[_FIELDS[self.type]] = [byte - 256 if byte > 127 else byte for byte in self.value]
         elif self.type is not ParameterType.NOT_SET:
             fields[_FIELDS[self.type]] = self.value
@@ -89,7 +89,7 @@ def value_of_message(message: Message) -> TypedValue:
         kind = ParameterType(message.type)
     except ValueError:
         raise SerializationError(
-            f"a parameter has type {message.type}, which rcl_interfaces/ParameterType does not know"
+            f"a parameter has type {message.type}, which rcl_interfaces/ParameterType does not define"
         ) from None
     if kind is ParameterType.NOT_SET:
         return NOT_SET

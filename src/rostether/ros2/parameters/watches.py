@@ -1,4 +1,4 @@
-"""Watches parameters of any node: those of this node in its store, others through /parameter_events."""
+"""Watches parameters of any node: the own ones in the store, others through /parameter_events."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class TellingParameters(Protocol):
 
 
 class ParameterWatches:
-    """All watches of one node; the subscription lasts as long as there are any."""
+    """All watches of one node; the subscription exists while there are watches."""
 
     def __init__(
         self,
@@ -138,7 +138,7 @@ class ParameterWatch:
                 try:
                     value = await self._fetch(self.name)
                 except (GraphError, SerializationError):
-                    continue  # Its node does not answer: the last value is the best there is.
+                    continue  # Its node does not answer: keep the last value.
                 if value != self._latest or type(value) is not type(self._latest):
                     self._latest = value
                     self._report_value()

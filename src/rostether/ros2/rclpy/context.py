@@ -1,7 +1,7 @@
 """One rclpy context for all nodes of a process: one participant on the network, and a thread for each node.
 
-rclpy looks at everything that a thread waits for whenever one thing happens: with a thread for each node,
-a board's latency does not grow with the number of boards.
+After each event, rclpy checks everything that a thread waits for. With one thread per node, a board's latency
+does not grow with the number of boards.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rostether.ros2.types.type_support import Ros2Types
 
 
 class RclpyContext:
-    """Opens nodes on a ROS 2 graph through rclpy and the middleware that is installed with it.
+    """Opens nodes on a ROS 2 graph through rclpy and its installed middleware.
 
     The middleware reads its settings from the environment of the process: RMW_IMPLEMENTATION,
     ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and its own.
@@ -32,7 +32,7 @@ class RclpyContext:
         self.types = types
         self._arguments = arguments
         self._graphs: set[RclpyGraph] = set()
-        # Nodes are created one after the other: rcl's tables of a context do not support more at once.
+        # Nodes are created one after the other: rcl's context is not thread-safe.
         self._lock = asyncio.Lock()
         self._is_closed = False
 
@@ -42,8 +42,8 @@ class RclpyContext:
     ) -> RclpyContext:
         """Start rclpy; `domain_id` overrides ROS_DOMAIN_ID.
 
-        `arguments` are given to every node, as `["--ros-args", "--params-file", "robot.yaml"]`.
-        Raises ConfigError when rclpy is not installed, GraphError when it does not start.
+        `arguments` are passed to every node, such as `["--ros-args", "--params-file", "a.yaml"]`.
+        Raises ConfigError if rclpy is not installed, GraphError if it does not start.
         """
         rclpy = await asyncio.to_thread(load_rclpy)
         context = rclpy.context.Context()
@@ -53,7 +53,7 @@ class RclpyContext:
     async def join(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> RclpyGraph:
-        """Join as `node_name`; another node of that name stays. Raises InvalidNameError, GraphError."""
+        """Join as `node_name`; another node with this name may exist. Raises InvalidNameError, GraphError."""
         full_name = join(namespace, validate_name(node_name))
         if self._is_closed:
             raise GraphError("rclpy has been shut down; open it again")

@@ -1,4 +1,4 @@
-"""Everything one node has on the graph: publishers, subscribers, services and clients of services."""
+"""The publishers, subscribers, service servers and service clients of one node."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LOOK_AT_PUBLISHERS_INTERVAL_S = 0.2
 
 
 class Endpoints:
-    """Names are fully resolved here."""
+    """Makes and ends the endpoints of a node; names are fully resolved."""
 
     def __init__(self, own: OwnNode) -> None:
         self._own = own
@@ -31,9 +31,9 @@ class Endpoints:
         self._subscribers: set[RclpySubscriber] = set()
         self._servers: dict[str, RclpyServiceServer] = {}
         self._clients: dict[tuple[str, str], RclpyServiceClient] = {}
-        # How many handles want a client to be listed; the others stay as long as the node.
+        # The number of handles that list each client; other clients exist as long as the node.
         self._listed: Counter[tuple[str, str]] = Counter()
-        # Endpoints of one name are created and ended one at a time.
+        # Endpoints with the same name are created and ended one at a time.
         self._lock = asyncio.Lock()
         self._looking: asyncio.Task[None] | None = None
         self._is_closing = False
@@ -164,7 +164,7 @@ class Endpoints:
 
     async def _end_publication(self, publication: Publication) -> None:
         async with self._lock:
-            # A new handle may exist meanwhile, or the node may have ended.
+            # In the meantime, a new handle may exist, or the node may have ended.
             is_open = self._publications.get(publication.topic) is publication
             if is_open and (publication.handle_count == 0 or self._is_closing):
                 del self._publications[publication.topic]

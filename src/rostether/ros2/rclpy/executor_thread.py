@@ -1,8 +1,8 @@
 """rclpy's executor in its own thread, and the calls between that thread and the event loop.
 
-rclpy waits by blocking, so it cannot live in an event loop. Everything that makes, changes or destroys
-what the executor waits for runs in the executor's thread (`run`), so that it never races with the waiting;
-what the executor receives comes back to the loop (`call_in_loop`), many messages in one call.
+rclpy waits by blocking, so it cannot live in an event loop. Everything that creates, changes or destroys the
+executor's entities runs in its thread (`run`), so that there are no races. Received messages come back to the
+event loop (`call_in_loop`), many in one call.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from rostether.errors import GraphError
 from rostether.ros2.rclpy.installation import load_rclpy
 
-# How long to wait for the thread at the end: its longest task, creating a node, takes far less.
+# The time limit for the end of the thread; its longest task, creating a node, needs much less.
 MAX_JOIN_S = 5.0
 
 _Result = TypeVar("_Result")
@@ -28,7 +28,7 @@ class NoAnswerError(Exception):
 
 
 class ExecutorThread:
-    """Spins one node of a context. Made in the event loop that it hands over to."""
+    """Spins one node of a context. Create it in the event loop that gets the messages."""
 
     def __init__(self, context: Any) -> None:
         self._loop = asyncio.get_running_loop()
@@ -52,7 +52,7 @@ class ExecutorThread:
         def work() -> None:
             try:
                 result = function()
-            except Exception as error:  # noqa: BLE001 - it belongs to the caller
+            except Exception as error:  # noqa: BLE001 - the caller gets it
                 self.call_in_loop(_set_exception, future, error)
             else:
                 self.call_in_loop(_set_result, future, result)

@@ -32,6 +32,6 @@ def attempt(what: str, function: Callable[[], _Result]) -> _Result:
 
 
 def first_lines(text: str) -> str:
-    """Return a text of rclpy in one line, without the marks that point at a character."""
+    """Return an error text of rclpy in one line, without the line of `^` marks."""
     lines = (line.strip() for line in text.splitlines())
     return " ".join(line for line in lines if line and set(line) != {"^"})

@@ -44,7 +44,7 @@ class RclpyGraph(Ros2Membership):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> PublisherHandle[Publication]:
-        """Advertise a topic; queues are the middleware's, counted in messages.
+        """Advertise a topic; the middleware's queues count messages.
 
         Raises UnknownTypeError for a type whose package is not installed, TypeMismatchError if this process
         uses the topic with another type.
@@ -59,9 +59,10 @@ class RclpyGraph(Ros2Membership):
         on_messages: OnMessages,
         **options: Unpack[SubscribeOptions],
     ) -> RclpySubscriber:
-        """Subscribe. `ANY_MESSAGE` uses the type of the first publisher, once there is one.
+        """Subscribe.
 
-        Raises UnknownTypeError, TypeMismatchError as `advertise`.
+        `ANY_MESSAGE` uses the type of the first publisher. Raises UnknownTypeError, TypeMismatchError like
+        `advertise`.
         """
         self._check_open()
         return await self._endpoints.subscribe(
@@ -89,7 +90,7 @@ class RclpyGraph(Ros2Membership):
         return await self._endpoints.call_service(self.resolve(service), service_type, request, timeout_s)
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Be listed as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
+        """Appear in the graph as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
         self._check_open()
         return await self._endpoints.list_client(self.resolve(service), service_type)
 
@@ -102,11 +103,11 @@ class RclpyGraph(Ros2Membership):
         return Time.from_ns(self._own.now_ns())
 
     async def snapshot(self) -> Snapshot:
-        """Return the whole graph as this node knows it."""
+        """Return this node's view of the whole graph."""
         return await self._own.thread.run(lambda: take_snapshot(self._own.node))
 
     async def endpoints(self) -> list[EndpointInfo]:
-        """Return every end of every topic and service that is known now."""
+        """Return all known endpoints of topics and services."""
         return await self._own.thread.run(lambda: list_endpoints(self._own.node))
 
     async def distribution(self) -> str:

@@ -1,7 +1,7 @@
 """Finds the installed rclpy and the installed packages of message types.
 
-rclpy is loaded when the first node joins: importing it costs half a second. It carries no types of its own:
-a type can be used when the package that has it is installed beside it.
+rclpy is loaded when the first node joins: importing it costs half a second. It has no message types: a type
+can be used if its package is installed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rostether.errors import ConfigError, UnknownTypeError
 from rostether.extras import install_command
 from rostether.msgdef.ros2.action_parts import action_of_part
 
-# By the first number of rclpy's version.
+# The distribution for each major version of rclpy.
 _DISTRIBUTIONS = {"3": "humble", "4": "iron", "7": "jazzy", "9": "kilted"}
 _NEWEST_DISTRIBUTION = "rolling"
 
@@ -54,8 +54,8 @@ def load_rclpy() -> Rclpy:
             return _import_modules()
     except ImportError as error:
         raise ConfigError(
-            f"rclpy cannot be used ({_one_line(error)}); run: {install_command('rclpy')}; or source the "
-            "setup file of a ROS 2, or use zenoh, which needs neither of them"
+            f"rclpy cannot be used ({_one_line(error)}); run: {install_command('rclpy')}; or source "
+            "the setup file of ROS 2, or use zenoh, which needs neither"
         ) from error
 
 
@@ -76,13 +76,13 @@ def _import_modules() -> Rclpy:
 
 @functools.cache
 def message_class(name: str) -> Any:
-    """Return the Python class of `pkg/msg/Name`. Raises UnknownTypeError when it is not installed."""
+    """Return the Python class of `pkg/msg/Name`. Raises UnknownTypeError if it is not installed."""
     return _find_class(name)
 
 
 @functools.cache
 def service_class(name: str) -> Any:
-    """Return the Python class of `pkg/srv/Name`. Raises UnknownTypeError when it is not installed."""
+    """Return the Python class of `pkg/srv/Name`. Raises UnknownTypeError if it is not installed."""
     return _find_class(name)
 
 
@@ -98,19 +98,19 @@ def _find_class(name: str) -> Any:
             raise _not_usable(name, error) from error
         raise UnknownTypeError(
             f"rclpy cannot use {name}: the package {package} is not installed for this Python; build and "
-            f"source the workspace that contains it, or use zenoh, which reads types from their text"
+            f"source the workspace that contains it, or use zenoh, which reads .msg files"
         ) from None
     except ImportError as error:
         raise _not_usable(name, error) from error
     except AttributeError:
         raise UnknownTypeError(
-            f"rclpy cannot use {name}: the package {package} that is installed for this Python does not "
-            f"contain it; build and source a newer one, or use zenoh, which reads types from their text"
+            f"rclpy cannot use {name}: the installed package {package} does not contain it; build and "
+            "source a newer one, or use zenoh, which reads .msg files"
         ) from None
 
 
 def _part_of_action(module: Any, name: str) -> Any:
-    """Return the class of a part of an action, where rosidl puts it."""
+    """Return the class of a part of an action."""
     action = action_of_part(name)
     part = name.removeprefix(f"{action}_")
     found = getattr(module, action)
@@ -119,8 +119,8 @@ def _part_of_action(module: Any, name: str) -> Any:
 
 def _not_usable(name: str, error: ImportError) -> UnknownTypeError:
     return UnknownTypeError(
-        f"rclpy cannot use {name}: its package does not load ({_one_line(error)}); build it again for this "
-        f"ROS 2, or use zenoh, which reads types from their text"
+        f"rclpy cannot use {name}: its package cannot be imported ({_one_line(error)}); build it again for "
+        "this ROS 2, or use zenoh, which reads .msg files"
     )
 
 
@@ -137,7 +137,7 @@ def _import_events() -> Any:
     try:
         return import_module("rclpy.event_handler")
     except ModuleNotFoundError:
-        # Its name in Humble.
+        # The name of the function in Humble.
         return import_module("rclpy.qos_event")
 
 

@@ -1,4 +1,4 @@
-"""Messages from an executor's thread to the event loop: one wake-up for many, and a bounded queue."""
+"""A bounded queue of messages from an executor's thread to the event loop: one wake-up for many messages."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 
 
 class Mailbox:
-    """A queue from one thread to the event loop, bounded in bytes; the oldest go when it is full.
+    """A queue from one thread to the event loop, bounded in bytes; a full queue drops the oldest messages.
 
-    `wake` is called in the thread, once, when something lies in an empty box: it is to have the loop call
-    `take_all`.
+    `wake` is called in the thread when the first message is put into the empty queue; it must make the loop
+    call `pop_all`.
     """
 
     def __init__(self, wake: Callable[[], None], max_bytes: int = DEFAULT_QUEUE_BYTES) -> None:
@@ -51,11 +51,11 @@ class Mailbox:
         return messages
 
     def pause(self) -> None:
-        """Keep new messages."""
+        """Keep new messages in the queue."""
         with self._lock:
             self._is_paused = True
 
     def resume(self) -> None:
-        """Hand on again; call `take_all` for what has come in the meantime."""
+        """Continue; call `pop_all` for messages that arrived in the meantime."""
         with self._lock:
             self._is_paused = False

@@ -1,4 +1,4 @@
-"""One rclpy node: the part that its publishers, subscribers and services share."""
+"""One rclpy node: the common part of its publishers, subscribers and services."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _log = logging.getLogger("rostether.ros2")
 
 
 class OwnNode:
-    """Made and destroyed in the executor's thread; `node` and `group` are rclpy's."""
+    """Created and destroyed in the executor's thread; `node` and `group` are rclpy's."""
 
     def __init__(
         self,
@@ -48,13 +48,13 @@ class OwnNode:
                 context=context,
                 cli_args=list(arguments),
                 use_global_arguments=False,
-                # rcl's own prints every line to the console as well.
+                # rcl's logging would also print every line to the console.
                 enable_rosout=False,
                 allow_undeclared_parameters=True,
                 automatically_declare_parameters_from_overrides=True,
             ),
         )
-        # A handler that waits must not delay the others.
+        # A handler that waits must not delay other handlers.
         self.group = rclpy.callback_groups.ReentrantCallbackGroup()
         self._rosout = self.node.create_publisher(
             message_class("rcl_interfaces/msg/Log"),
@@ -67,7 +67,7 @@ class OwnNode:
         thread.executor.add_node(self.node)
 
     def log(self, level: Level, text: str) -> None:
-        """Publish a log message on /rosout, as rcl does it."""
+        """Publish a log message on /rosout, like rcl."""
         log = message_class("rcl_interfaces/msg/Log")
         try:
             self._rosout.publish(
@@ -78,7 +78,7 @@ class OwnNode:
                     msg=text.encode("utf-8", "replace")[:MAX_LOG_TEXT_BYTES].decode("utf-8", "ignore"),
                 )
             )
-        except Exception as error:  # noqa: BLE001 - a log line must not end what it reports
+        except Exception as error:  # noqa: BLE001 - a failing log line must not end the caller
             _log.debug("cannot log on %s: %s", ROSOUT, first_lines(str(error)))
 
     def now_ns(self) -> int:
@@ -97,13 +97,13 @@ class OwnNode:
     def create_for_topic(
         self, what: str, topic: str, type_name: str, function: Callable[[], _Result]
     ) -> _Result:
-        """Make an endpoint of a topic in the executor's thread. Raises GraphError and its kinds."""
+        """Create an endpoint of a topic in the executor's thread. Raises GraphError and its subclasses."""
         return self._create(what, type_name, function, lambda: self.topic_types(topic))
 
     def create_for_service(
         self, what: str, service: str, type_name: str, function: Callable[[], _Result]
     ) -> _Result:
-        """Make an endpoint of a service in the executor's thread. Raises GraphError and its kinds."""
+        """Create an endpoint of a service in the executor's thread. Raises GraphError and its subclasses."""
         return self._create(what, type_name, function, lambda: self.service_types(service))
 
     def topic_types(self, topic: str) -> list[str]:
@@ -111,7 +111,7 @@ class OwnNode:
         return list(dict(self.node.get_topic_names_and_types()).get(topic, ()))
 
     def service_types(self, service: str) -> list[str]:
-        """Return the types that a service is offered as, in the executor's thread."""
+        """Return the types of a service's servers, in the executor's thread."""
         return offered_types(self.node, service)
 
     def destroy(self) -> None:
@@ -120,9 +120,10 @@ class OwnNode:
         self.node.destroy_node()
 
     def check_definition(self, endpoints: Sequence[Any], support: MessageSupport) -> None:
-        """Compare the hash of a type that is installed with ours, by this node's own endpoint of a topic.
+        """Compare the hash of an installed type with the known one, using this node's endpoint of a topic.
 
-        Raises TypeMismatchError if they differ: the bytes would too. Humble has no hashes.
+        Raises TypeMismatchError if they differ, because the serialized bytes would also differ. Humble has no
+        hashes.
         """
         for endpoint in endpoints:
             name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"

@@ -1,4 +1,4 @@
-"""Our node's own parameters, stored by rclpy, which offers them by its services."""
+"""The own node's parameters, which rclpy stores and offers through services."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RclpyParameters:
         if add is not None:
             add(self._note)
         else:
-            # Humble calls back only before it sets the value; the loop reads it afterwards.
+            # Humble calls back only before it sets the value; the event loop reads the value later.
             self._node.add_on_set_parameters_callback(self._note_and_agree)
 
     def get(self, name: str) -> TypedValue:
@@ -78,7 +78,7 @@ class RclpyParameters:
         self._own.thread.call_in_loop(self._publish_changes, changes)
 
     def _describe(self, parameter: Any) -> None:
-        """Describe a parameter that was set but not declared: rclpy leaves its descriptor empty."""
+        """Describe a parameter that was set but not declared, because rclpy leaves its descriptor empty."""
         name, kind = parameter.name, parameter.type_.value
         if kind != ParameterType.NOT_SET and self._node.has_parameter(name):
             described = self._node.describe_parameter(name)

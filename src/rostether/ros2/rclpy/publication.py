@@ -1,4 +1,4 @@
-"""Publishing on one topic, shared by the handles of a node."""
+"""The publisher of one topic, shared by all handles of a node."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import name_policy, publisher_profile
 from rostether.ros2.types.type_support import MessageSupport
 
-# How long a closing publisher waits for subscribers that miss its last messages: many round trips.
+# The time that a closing publisher waits for acknowledgements of its last messages: many round trips.
 ACKNOWLEDGE_S = 0.1
 
-# How often a pause asks for acknowledgements: a hundredth of what users notice.
+# The polling interval for acknowledgements while paused: a hundredth of what users notice.
 ACKNOWLEDGE_POLL_S = 0.01
 
 
 class Publication:
     """One publisher of rclpy. Opened and closed in the executor's thread."""
 
-    # The middleware does not report to publishers what slow subscribers lose.
+    # The middleware does not report the losses of slow subscribers to publishers.
     dropped_count = 0
 
     def __init__(
@@ -77,7 +77,7 @@ class Publication:
         Always True: no subscriber of ROS 2 slows its publishers down.
         """
         publisher = self._publisher
-        # A flood without subscribers costs nothing.
+        # Without subscribers, messages cost nothing.
         if publisher is None or not (self._latch or publisher.get_subscription_count()):
             return True
         try:
@@ -87,18 +87,18 @@ class Publication:
         try:
             for each in converted:
                 publisher.publish(each)
-        except Exception as error:  # noqa: BLE001 - a middleware's trouble must not end its caller
+        except Exception as error:  # noqa: BLE001 - an error of the middleware must not end the caller
             self._complain(f"cannot publish on {self.topic}: {first_lines(str(error))}")
         return True
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until reliable subscribers have received everything, `timeout_s` at most.
 
-        A publisher may know a subscriber that does not know it yet. That one drops what comes, and the
-        middleware sends it again.
+        A publisher may know a subscriber that does not know it yet. Such a subscriber drops messages, and the
+        middleware sends them again.
         """
         deadline_s = time.monotonic() + timeout_s
-        # The middleware announces no acknowledgements; asking is cheap.
+        # The middleware does not report acknowledgements; polling is cheap.
         while not self._is_acknowledged() and time.monotonic() < deadline_s:  # noqa: ASYNC110
             await asyncio.sleep(ACKNOWLEDGE_POLL_S)
 
@@ -123,7 +123,7 @@ class Publication:
         return converted
 
     def _complain(self, text: str) -> None:
-        # Once: the next errors are probably the same.
+        # Reported once: the next errors are probably the same.
         if not self._has_complained:
             self._has_complained = True
             self._own.report(Level.WARN, text)

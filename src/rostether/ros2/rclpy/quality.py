@@ -1,7 +1,7 @@
-"""Quality of service: what our publishers offer, what our subscribers request, and why two do not match.
+"""Quality of service of the own publishers and subscribers, and the reasons for mismatches.
 
-A subscriber gets nothing from a publisher that offers less than it asks for. So our publishers offer all
-they can, and our subscribers ask for what the publishers that are there have in common.
+A subscriber gets nothing from a publisher that offers less than requested. So own publishers offer the most,
+and own subscribers request what all current publishers offer.
 """
 
 from __future__ import annotations
@@ -12,18 +12,19 @@ from typing import Any, Final
 
 from rostether.ros2.rclpy.installation import load_rclpy
 
-# Messages kept for subscribers that have not confirmed them: 50 ms of the fastest flood we carry, so that a
-# burst of one chunk of a board is never lost on a machine that is busy for a moment.
+# Messages kept until subscribers acknowledge them: 50 ms at the highest rate, so that a burst from a board is
+# not lost on a machine that is busy for a moment.
 PUBLISHER_DEPTH: Final = 1000
 
-# Messages kept until our thread takes them: 200 ms of that flood, longer than a node takes to be made.
+# Messages kept until the executor's thread reads them: 200 ms at that rate, longer than creating a node.
 SUBSCRIBER_DEPTH: Final = 4000
 
-# A latched topic of ROS 1 greets with its last message, and no more.
+# A latched topic of ROS 1 sends only its last message to new subscribers.
 LATCHED_DEPTH: Final = 1
 
-# Calls, and answers, kept until our thread reads them. With rclpy's default of 10, a burst of 20 loses half
-# without an error at the caller. Three times as many as may wait for a board; 100 answers are 10 KB.
+# Requests and responses kept until the executor's thread reads them. With rclpy's default of 10, a burst of
+# 20 loses half without an error at the caller. This is three times the limit of calls that wait for a board;
+# 100 responses need 10 KB.
 SERVICE_DEPTH: Final = 100
 
 ROSOUT_DEPTH: Final = 1000
@@ -76,7 +77,7 @@ def subscriber_profile(wish: Wish) -> Any:
 
 
 def service_profile() -> Any:
-    """Return what our services and clients have: as rcl's, but deeper, which no other end has to match."""
+    """Return the profile of own servers and clients: rcl's with a longer queue (need not match)."""
     qos = load_rclpy().qos
     return qos.QoSProfile(
         history=qos.HistoryPolicy.KEEP_LAST,
@@ -87,7 +88,7 @@ def service_profile() -> Any:
 
 
 def rosout_profile() -> Any:
-    """Return what rcl's own publishers of /rosout offer."""
+    """Return the profile of rcl's publishers of /rosout."""
     qos = load_rclpy().qos
     duration = load_rclpy().duration
     return qos.QoSProfile(
@@ -100,7 +101,7 @@ def rosout_profile() -> Any:
 
 
 def is_latching(publisher: Any) -> bool:
-    """Return whether a publisher (an endpoint info of rclpy) keeps messages for latecomers."""
+    """Return whether a publisher (an endpoint info of rclpy) keeps messages for later subscribers."""
     return bool(publisher.qos_profile.durability.name == "TRANSIENT_LOCAL")
 
 

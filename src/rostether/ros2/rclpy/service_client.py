@@ -1,4 +1,4 @@
-"""Calling a service."""
+"""Calls a service."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.types.type_support import ServiceSupport
 
-# How long finding a service may take: DDS announces it at once, and again after 3 s if that was lost.
+# The time limit for finding a service: DDS announces it at once, and again after 3 s if that is lost.
 DISCOVERY_S = 3.5
 
-# How often to look for a server that is being discovered.
+# The polling interval for a server that is being discovered.
 LOOK_INTERVAL_S = 0.01
 
-# How often to check that the server of a pending call is alive: middlewares do not report it.
+# The interval between checks that the server of a pending call is alive; middlewares do not report it.
 SERVER_CHECK_INTERVAL_S = 0.25
 
 
 class RclpyServiceClient:
-    """One client of rclpy, kept for the node's life: finding a server again would cost each call a while."""
+    """One client of rclpy, kept as long as the node: finding the server again would delay each call."""
 
     def __init__(self, own: OwnNode, service: str, support: ServiceSupport) -> None:
         self.service = service
@@ -37,7 +37,10 @@ class RclpyServiceClient:
         self._client: Any = None
 
     def open(self) -> None:
-        """Make the client, in the executor's thread. Raises GraphError and its kinds, UnknownTypeError."""
+        """Create the client, in the executor's thread.
+
+        Raises GraphError and its subclasses, UnknownTypeError.
+        """
         type_class = service_class(self._support.name)
         self._client = self._own.create_for_service(
             f"call {self.service}",
@@ -75,7 +78,7 @@ class RclpyServiceClient:
         deadline_s = loop.time() + limit_s
         while not self._is_ready():
             absence = await self._own.thread.run(self._explain_absence)
-            # A different type is certain at once.
+            # A different type is known at once.
             if isinstance(absence, TypeMismatchError) or loop.time() >= deadline_s:
                 raise absence
             await asyncio.sleep(LOOK_INTERVAL_S)

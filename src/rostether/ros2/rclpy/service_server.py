@@ -1,4 +1,4 @@
-"""Offering a service."""
+"""Offers a service."""
 
 from __future__ import annotations
 
@@ -107,5 +107,5 @@ class RclpyServiceServer:
 
     def _finish(self, answer: Any, cdr: bytes | None) -> None:
         answer.set_result(cdr)
-        # The executor looks at what waits only when it wakes up.
+        # The executor checks for new requests only when it wakes up.
         self._own.thread.executor.wake()

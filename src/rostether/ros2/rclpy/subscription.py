@@ -36,7 +36,7 @@ _GID_BYTES = 16
 
 
 class RclpySubscriber:
-    """A `graph.ports.Subscriber`. What starts with `look` or `open` runs in the executor's thread."""
+    """A `graph.ports.Subscriber`. Methods that start with `look` or `open` run in the executor's thread."""
 
     def __init__(
         self,
@@ -62,11 +62,12 @@ class RclpySubscriber:
         self._wish: Wish | None = None
         self._subscription: Any = None
         self._mailbox = Mailbox(lambda: own.thread.call_in_loop(self._deliver))
-        # Publishers whose connection was reported, with the names of their nodes.
+        # Publishers that were reported as connected, with the names of their nodes.
         self._known: dict[bytes, str] = {}
-        # Those of them whose node has no name yet.
+        # Those whose node has no name yet.
         self._unnamed: set[bytes] = set()
-        # When each publisher's latest message was sent; and what a new subscription may see again.
+        # The send time of each publisher's latest message, and the messages that a new subscription may
+        # receive again.
         self._latest: dict[bytes, int] = {}
         self._seen: dict[bytes, int] = {}
         self._complaints: set[str] = set()
@@ -94,7 +95,7 @@ class RclpySubscriber:
         self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
 
     def look(self) -> None:
-        """Adapt to the publishers that are there now."""
+        """Adapt to the current publishers."""
         if self._is_closed:
             return
         try:
@@ -135,7 +136,7 @@ class RclpySubscriber:
         self._meet(of_type)
 
     def _learn_type(self, name: str) -> None:
-        # In the event loop, like everything that compiles types.
+        # Runs in the event loop, like all compilation of types.
         if self._support is not None or self._is_closed:
             return
         try:
@@ -188,14 +189,14 @@ class RclpySubscriber:
                 use_default_callbacks=False,
             )
         except TypeError:
-            # Humble reports no matches.
+            # Humble does not report matched publishers.
             self._tells_matches = False
             return make(incompatible_qos=self._take_mismatch, use_default_callbacks=False)
 
     def _take_mismatch(self, event: Any) -> None:
         self.look()
         policy = name_policy(event)
-        # Those two are what `look` adapts to.
+        # `look` adapts to these two policies.
         if policy not in ("reliability", "durability"):
             self._complain(
                 f"a publisher of {self.topic} offers another {policy} than a subscriber of this node "
@@ -292,7 +293,7 @@ class RclpySubscriber:
         return payloads
 
     def _complain(self, text: str) -> None:
-        # Each once: the next check or message would report the same.
+        # Reported once: the next check or message would report the same.
         if text not in self._complaints and len(self._complaints) < MAX_COMPLAINTS:
             self._complaints.add(text)
             self._own.report_from_thread(Level.WARN, text)

@@ -1,4 +1,4 @@
-"""The whole graph as the middleware knows it, now and at each change.
+"""The middleware's view of the whole graph, now and at each change.
 
 rclpy does not report changes of the graph, so it is polled; each poll costs about 0.1 ms per node.
 """
@@ -11,10 +11,10 @@ from typing import Any
 
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 
-# Users notice no shorter delay, and a hundred nodes cost a hundredth of one processor.
+# Users do not notice this delay, and a hundred nodes need 1 % of a CPU.
 POLL_INTERVAL_S = 0.5
 
-# What rmw calls a node while only its endpoints have been discovered.
+# The name of a node in rmw while only its endpoints are discovered.
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 
 
@@ -59,9 +59,9 @@ def take_snapshot(node: Any) -> Snapshot:
 
 
 def offered_types(node: Any, service: str) -> list[str]:
-    """Return the types that servers offer a service as, in the executor's thread.
+    """Return the types of a service's servers, in the executor's thread.
 
-    What rclpy reports of a service without naming a node counts clients too.
+    rclpy's list of all services also contains clients, so each node is asked.
     """
     types: set[str] = set()
     for name, namespace in node.get_node_names_and_namespaces():

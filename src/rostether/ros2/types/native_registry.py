@@ -1,7 +1,7 @@
-"""All types as ROS 2 defines them, for programs and tools on a ROS 2 graph.
+"""A registry of ROS 2 types, for programs and tools on a ROS 2 graph.
 
-`std_msgs/Header` has no `seq` here and a stamp of `sec` and `nanosec`, as `ros2 topic echo` shows it.
-Names may be typed as ROS 2 has them (`std_msgs/msg/String`) or short (`std_msgs/String`).
+`std_msgs/Header` has no `seq` here and a stamp of `sec` and `nanosec`, as in `ros2 topic echo`. Names may be
+full (`std_msgs/msg/String`) or short (`std_msgs/String`).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _HALVES = {"Request": REQUEST_SUFFIX, "Response": RESPONSE_SUFFIX}
 
 
 def short_name(name: str) -> str:
-    """Return a type's name without its middle: `std_msgs/msg/String` -> `std_msgs/String`."""
+    """Return a type's name without its middle part: `std_msgs/msg/String` -> `std_msgs/String`."""
     return ros1_name(name) if len(name.split("/")) == _NAME_PARTS else name
 
 
 class NativeRegistry(Registry):
-    """ROS 2's definitions as a registry; a type that only ROS 1 defines here appears as it is in ROS 2."""
+    """A registry of ROS 2 definitions; types that only ROS 1 defines are converted to ROS 2."""
 
     def __init__(self, definitions: Ros2Definitions, ros1: Registry) -> None:
         super().__init__(bundled=False)
@@ -41,14 +41,17 @@ class NativeRegistry(Registry):
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> NativeRegistry:
-        """Use --msg-path folders and the variables of both ROS. Raises ConfigError for a missing folder."""
+        """Use --msg-path folders and the environment variables of ROS 1 and ROS 2.
+
+        Raises ConfigError for a missing folder.
+        """
         paths = tuple(msg_paths)
         return cls(
             Ros2Definitions.from_environment(paths, environ), Registry.from_environment(paths, environ)
         )
 
     def is_at_hand(self, look: Callable[[], object]) -> bool:
-        """Whether `look` has its answer or error without a search of folders."""
+        """Whether the folders have already been searched."""
         return self.definitions.is_searched and self._ros1.is_at_hand(look)
 
     def search(self) -> None:
@@ -57,7 +60,7 @@ class NativeRegistry(Registry):
         self._ros1.search()
 
     def ros2_message(self, name: str) -> Ros2Message:
-        """Return a ROS 2 message, or half a service. Raises UnknownTypeError, DefinitionError."""
+        """Return a ROS 2 message, request or response. Raises UnknownTypeError, DefinitionError."""
         package, _, rest = short_name(name).partition("/")
         full_name = f"{package}/msg/{rest}"
         if self._is_of_action(package, rest):
@@ -121,7 +124,7 @@ class NativeRegistry(Registry):
         return self.definitions.services(package)
 
     def _is_of_action(self, package: str, name: str) -> bool:
-        """Whether a name is that of a part of an action, as `Fibonacci_Goal`; no other type has a `_`."""
+        """Whether a name is a part of an action, such as `Fibonacci_Goal`; no other type has a `_`."""
         return "_" in name and self.definitions.has(f"{package}/action/{name}")
 
     def _has_service(self, package: str, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Types for tools on a ROS 2 graph: ROS 2's fields in ROS 1's form, without a conversion."""
+"""Types for tools on a ROS 2 graph: the fields of ROS 2 in ROS 1 serialization."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.ros2.types.type_support import MessageSupport, Ros2Types, Service
 
 
 class NativeTypes(Ros2Types):
-    """A graph's types from a `NativeRegistry`; all others as in `Ros2Types`."""
+    """A graph's types from a `NativeRegistry`; unknown types are handled like in `Ros2Types`."""
 
     def __init__(self, registry: NativeRegistry) -> None:
         super().__init__(registry, registry.definitions)

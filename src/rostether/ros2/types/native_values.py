@@ -1,4 +1,4 @@
-"""Messages of ROS 2's own definitions as values: missing fields have the defaults of ROS 2."""
+"""Messages of ROS 2 definitions as values: missing fields have the defaults of ROS 2."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ class PairedDefinitions:
 
 
 class NativeView:
-    """A ROS 2 message's own fields in ROS 1's form: nothing dropped, nothing added."""
+    """The fields of a ROS 2 message in ROS 1's form; no field is dropped or added."""
 
     def __init__(self, ros2: Ros2Message, definitions: MessageSource) -> None:
         specs = express(ros2, definitions)
@@ -99,6 +99,6 @@ class NativeView:
 
 
 def native_service_type(ros2: Ros2Service, request: NativeView, response: NativeView) -> ServiceType:
-    """Return a service's type in ROS 1's form, from the views of its halves."""
+    """Return a service's type in ROS 1's form, from the views of request and response."""
     md5sum = digest(request.md5_text + response.md5_text)
     return ServiceType(f"{ros2.package}/{ros2.name}", md5sum, request.message_type, response.message_type)

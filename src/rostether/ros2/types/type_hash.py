@@ -1,6 +1,7 @@
-"""The hash by which the ends of a ROS 2 connection compare their types (REP-2011, RIHS01).
+"""The type hash of ROS 2 (REP-2011, RIHS01), which endpoints compare when they connect.
 
-SHA-256 of the type's description, with those of all types below it, in JSON as rcl writes it. Field names and
+It is the SHA-256 of the descriptions of a type and its nested types, in the JSON format of rcl. Field names
+and
 types count; comments, constants and defaults do not.
 """
 
@@ -34,7 +35,7 @@ _TYPE_IDS = {
     "uint64": 9,
     "float32": 10,
     "float64": 11,
-    "char": 3,  # the char of .msg texts is a uint8; 13 is that of IDL
+    "char": 3,  # `char` in .msg files is a uint8; 13 is the `char` of IDL
     "bool": 15,
     "byte": 16,
     "string": 17,
@@ -67,7 +68,7 @@ class HashSource(MessageSource, Protocol):
 def message_hash(message: Ros2Message, definitions: HashSource) -> str:
     """Return `RIHS01_` and 64 digits, or `TypeHashNotSupported` for a distribution that has no hashes.
 
-    Raises UnknownTypeError, DefinitionError for the types below.
+    Raises UnknownTypeError, DefinitionError for nested types.
     """
     if definitions.distro in _DISTROS_WITHOUT_HASHES:
         return TYPE_HASH_NOT_SUPPORTED
@@ -83,7 +84,7 @@ def service_hash(service: Ros2Service, definitions: HashSource) -> str:
 
 
 def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
-    """Return the message that stands for a whole service, and the three that it contains."""
+    """Return the message that represents a service, and the three messages in it."""
     event = event_message(service)
     members = {
         "request_message": service.request,
@@ -96,7 +97,7 @@ def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
 
 
 def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
-    """Return a message's hash whatever the distribution. Raises as `message_hash` does."""
+    """Return a message's hash, regardless of the distribution. Raises the same errors as `message_hash`."""
     below = sorted(dependencies(message, definitions.message), key=lambda each: each.full_name)
     text = json.dumps(
         {
@@ -112,7 +113,7 @@ def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
 def described_message(name: str, fields: Iterable[Any]) -> Ros2Message:
     """Return a message of a type description: `fields` are type_description_interfaces/Field.
 
-    Raises DefinitionError for types that no .msg text has.
+    Raises DefinitionError for types that .msg files do not support.
     """
     parts = name.split("/")
     if len(parts) != _NAME_PARTS:
@@ -139,7 +140,7 @@ def event_message(service: Ros2Service) -> Ros2Message:
 
 
 class _WithHalves:
-    """Definitions in which the parts of one service can be looked up as well."""
+    """Definitions that also contain the parts of one service."""
 
     def __init__(self, halves: dict[str, Ros2Message], definitions: MessageSource) -> None:
         self._halves = halves
@@ -153,7 +154,7 @@ def describe(message: Ros2Message) -> dict[str, Any]:
     """Return the fields of a message's type_description_interfaces/IndividualTypeDescription."""
     fields = [{"name": field.name, "type": _describe_type(field.type)} for field in message.fields]
     if not fields:
-        # A struct of IDL cannot be empty: rosidl gives it this member.
+        # A struct in IDL cannot be empty: rosidl adds this member.
         empty = Ros2Type("uint8")
         fields = [{"name": _MEMBER_OF_EMPTY, "type": _describe_type(empty)}]
     return {"type_name": message.full_name, "fields": fields}
@@ -188,7 +189,7 @@ def _described_type(described: Any) -> Ros2Type:
     if type_id in _STRING_BASES:
         base, string_bound = _STRING_BASES[type_id], described.string_capacity
     if base is None or array >= len(_KINDS_OF_ARRAYS):
-        raise DefinitionError(f"a field has the type {described.type_id}, which no .msg text has")
+        raise DefinitionError(f"a field has the type {described.type_id}, which .msg files do not support")
     kind = _KINDS_OF_ARRAYS[array]
     return Ros2Type(
         base,

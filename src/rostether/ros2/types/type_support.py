@@ -20,7 +20,7 @@ from rostether.serde.cdr.renamed_types import ros1_message_name, ros1_service_na
 # The hash that matches every definition of a type.
 ANY_HASH = ""
 
-# Messages without fields may have an empty text.
+# Messages without fields may have an empty definition.
 _MD5SUM_OF_NOTHING = digest("")
 
 
@@ -36,7 +36,7 @@ class MessageSupport:
 
 @dataclass(frozen=True, slots=True)
 class ServiceSupport:
-    """One service type: `name` as `std_srvs/srv/SetBool`, its RIHS01 hash, and how its halves convert."""
+    """One service type: `name` as `std_srvs/srv/SetBool`, its RIHS01 hash, and its converters."""
 
     name: str
     type_hash: str
@@ -46,7 +46,7 @@ class ServiceSupport:
 
 
 class Ros2Types:
-    """Types by their ROS 1 definition or by their ROS 2 name, each compiled when first asked for.
+    """Types by their ROS 1 definition or ROS 2 name, each compiled on first use.
 
     A type without a ROS 2 definition gets one derived from its ROS 1 definition. With `asks_nodes`, graphs
     ask the nodes of publishers for definitions that are not known here.
@@ -71,7 +71,7 @@ class Ros2Types:
             await asyncio.to_thread(self.definitions.search)
 
     def message(self, message_type: MessageType) -> MessageSupport:
-        """Return the support of a ROS 1 message type, by its own definition, not the one found by its name.
+        """Return the support of a ROS 1 message type, using the type's own definition.
 
         Raises UnknownTypeError, DefinitionError, TypeMismatchError.
         """
@@ -105,7 +105,7 @@ class Ros2Types:
         return support
 
     def by_name(self, name: str) -> MessageSupport:
-        """Return a ROS 2 message: as the ROS 1 message of the same name if one fits, else unchanged.
+        """Return a ROS 2 message: as the ROS 1 message with the same name if one fits, else unchanged.
 
         Raises UnknownTypeError, DefinitionError.
         """
@@ -127,15 +127,21 @@ class Ros2Types:
         return support
 
     def native_message(self, name: str) -> MessageType:
-        """Return a ROS 2 message's own fields in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
+        """Return a ROS 2 message with its native fields in ROS 1's form.
+
+        Raises UnknownTypeError, DefinitionError.
+        """
         return self._native_message(name).ros1_type
 
     def native_service(self, name: str) -> ServiceType:
-        """Return a ROS 2 service's own fields in ROS 1's form. Raises UnknownTypeError, DefinitionError."""
+        """Return a ROS 2 service with its native fields in ROS 1's form.
+
+        Raises UnknownTypeError, DefinitionError.
+        """
         return self._native_service(name).ros1_type
 
     def full_text(self, message_type: MessageType) -> str:
-        """Return the ROS 2 text of a message type and of the types in it, as ROS 2's bags contain it.
+        """Return the ROS 2 definition text of a message type and of its nested types, as in ROS 2 bags.
 
         Raises as `message`.
         """

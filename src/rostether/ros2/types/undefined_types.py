@@ -1,4 +1,4 @@
-"""Types for tools that need no fields of messages: a type without a definition stays CDR."""
+"""Types for tools that do not need the fields of messages: types without a definition stay CDR."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rostether.serde.cdr.converter import CdrConverter
 
 
 class UndefinedTypes(NativeTypes):
-    """Types by name, known or not: the payloads of those without a definition are CDR.
+    """Types by name; payloads of types without a definition are CDR.
 
-    Of an unknown type the name and the hash of its publisher are known, but no md5sum and no text.
+    An unknown type has only a name and the hash of its publisher, but no md5sum and no text.
     """
 
     def __init__(self, registry: NativeRegistry, *, asks_nodes: bool = True) -> None:

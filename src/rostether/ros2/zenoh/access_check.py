@@ -1,7 +1,7 @@
-"""Which topics a router does not carry for this program: its access control drops messages without an answer.
+"""Finds topics that a router's access control denies; zenoh drops such messages without an error.
 
-Two sessions with the certificates of the configuration try the way to the router and back. They use one more
-part behind each topic's key: access rules treat it as the topic, and no subscriber has it.
+Two sessions with the configured certificates send probes through the router. The key of a probe is the
+topic's key plus one part: access rules treat it like the topic, and no subscriber receives it.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ import zenoh
 from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse_token
 
-# The topics that are tried; rules are usually about groups of them.
+# The number of topics to probe; rules usually cover groups of topics.
 MAX_TOPICS = 64
 
-# How long a probe may take: a router on a busy Wi-Fi carries it within a second, a busy machine in some.
+# The time limit of a probe: about 1 s on busy Wi-Fi, some seconds on a busy machine.
 PROBE_LIMIT_S = 10.0
 
-# Time for a subscription to become known before the next probe.
+# The time for a subscription to become known before the next probe.
 _REPEAT_S = 0.2
 
 _CONNECT_LIMIT_MS = 2000
@@ -37,15 +37,15 @@ _log = logging.getLogger("rostether.ros2")
 async def find_denied_topics(
     configuration: zenoh.Config, endpoint: str, domain_id: int, ends: Iterable[Token] | None = None
 ) -> list[str]:
-    """Return the topics that the router at an endpoint does not carry, of some ends or of the whole graph.
+    """Return the topics that the router at an endpoint denies, among `ends` or the whole graph.
 
-    A router that cannot be reached denies nothing.
+    The result is empty if the router cannot be reached.
     """
     ended = threading.Event()
     try:
         return await asyncio.to_thread(_find, configuration, endpoint, domain_id, ends, ended)
     finally:
-        # The end of the program must not wait for the thread.
+        # The program's exit must not wait for the thread.
         ended.set()
 
 
@@ -89,7 +89,7 @@ def _keys(ends: Iterable[Token]) -> dict[str, str]:
 def _missing(
     sender: zenoh.Session, receiver: zenoh.Session, keys: Mapping[str, str], ended: threading.Event
 ) -> set[str]:
-    """Send a probe to each key until all have arrived or the time is over; returns what is missing."""
+    """Send probes to each key until all have arrived or the time is over; returns the missing keys."""
     missing = set(keys)
 
     def take(sample: zenoh.Sample) -> None:

@@ -1,7 +1,7 @@
 """The 33 bytes that rmw_zenoh attaches to every sample: i64 sequence, i64 ns since the epoch, 16, GID[16].
 
-All little endian. Samples without them are dropped by rmw_zenoh. In a service call the reply repeats the
-sequence and the GID of the request, so that the client knows its own.
+All little endian. Samples without them are dropped by rmw_zenoh. In a service call, the reply repeats the
+sequence and the GID of the request, which identify the request.
 """
 
 from __future__ import annotations

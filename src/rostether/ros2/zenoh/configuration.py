@@ -1,7 +1,7 @@
-"""The configuration of our zenoh sessions: like rmw_zenoh's, on loopback, and as the router if there is none.
+"""The configuration of zenoh sessions: like rmw_zenoh's, but on loopback, and with a built-in router.
 
-A session is a peer that knows the others of this machine through the router at tcp/localhost:7447, as the
-processes of ROS 2 are. Where no router answers there, it takes that place itself.
+Like ROS 2 processes, a session is a peer that finds other peers on this machine through the router at
+tcp/localhost:7447. If no router answers there, the session becomes the router.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from rostether.ros2.environment import Ros2Environment
 ROUTER_PORT = 7447
 ROUTER_ENDPOINT = f"tcp/localhost:{ROUTER_PORT}"
 _ALL_ADDRESSES = ("/0.0.0.0:", "/[::]:")
-# A router on this machine accepts within a millisecond; one on a machine that swaps, within this.
+# A local router accepts within a millisecond, or within this time if the machine swaps.
 PROBE_TIMEOUT_S = 1.0
 
-# How long a full link may hold up the loop, as long as any slow subscriber may pause a board: a process that
-# is not scheduled for a while loses nothing. Zenoh does not wait for a link again before that one has sent
+# The time that a full link may block: the same as the limit for a slow subscriber to pause a board. A process
+# that is not scheduled for this time loses nothing. Zenoh does not wait for this link again until it has sent
 # something.
 WAIT_BEFORE_DROP_US = 100_000
 
 _SHARED = {
     "scouting/multicast/enabled": "false",
     "scouting/gossip/enabled": "true",
-    # There is nothing to wait for: without multicast, no peer is scouted.
+    # No delay is needed: without multicast, there is no scouting.
     "scouting/delay": "0",
-    # Latched topics are kept by timestamp.
+    # Latched messages are stored by timestamp.
     "timestamping/enabled": "{router: true, peer: true, client: true}",
     "queries_default_timeout": "600000",
-    # A burst of one chunk of a board never meets a full queue: 16 batches of 64 KiB for each link.
+    # 16 batches of 64 KiB for each link: a burst from a board never fills the queue.
     "transport/link/tx/queue/size/data": "16",
-    # A put that meets one waits for room first; meanwhile no more is put, see publication.py.
+    # A put to a full queue waits for room first; see publication.py.
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": str(WAIT_BEFORE_DROP_US),
 }
 _PEER = {
@@ -54,13 +54,13 @@ _ROUTER = {"mode": '"router"', "connect/exit_on_failure": "false"}
 
 
 class RouterChoice(Enum):
-    """Whether a session takes the place of the router."""
+    """When a session becomes the router."""
 
-    # If none answers.
+    # If no router answers.
     AUTO = "auto"
-    # Waits for one without a limit.
+    # Waits for a router without a time limit.
     NEVER = "never"
-    # It fails when the place is taken. Endpoints to listen at are its place instead of the usual one.
+    # Fails if the address is in use. Configured listen endpoints replace the default one.
     ALWAYS = "always"
 
 
@@ -78,7 +78,7 @@ async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
     protocol, _, place = endpoint.partition("/")
     host, _, port = place.rpartition(":")
     if protocol not in ("tcp", "tls") or not port.isdecimal():
-        return True  # It cannot be asked cheaply, and who names it means it.
+        return True  # There is no cheap check, and the user has configured this endpoint.
     try:
         async with asyncio.timeout(PROBE_TIMEOUT_S):
             _, writer = await asyncio.open_connection(host.strip("[]"), int(port))
@@ -89,7 +89,7 @@ async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
 
 
 def peer_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Config:
-    """Return the configuration of a session beside a router. Raises ConfigError."""
+    """Return the configuration of a session that uses a router. Raises ConfigError."""
     if environment.zenoh_session_config is not None:
         return _override(_from_file(environment.zenoh_session_config), environment, reach)
     settings = {**_SHARED, **_PEER, "connect/endpoints": json.dumps([ROUTER_ENDPOINT])}
@@ -100,7 +100,7 @@ def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Co
     """Return the configuration of a session that is the router. Raises ConfigError."""
     if environment.zenoh_router_config is not None:
         return _override(_from_file(environment.zenoh_router_config), environment, reach)
-    # With `always` and explicit endpoints, a second router may run beside another one.
+    # With `always` and explicit endpoints, a second router may run on the same machine.
     is_elsewhere = reach.router is RouterChoice.ALWAYS and reach.listen
     place = [] if is_elsewhere else [ROUTER_ENDPOINT]
     settings = {**_SHARED, **_ROUTER, "listen/endpoints": json.dumps(place)}

@@ -24,18 +24,18 @@ from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.subscription import Subscription, Taker
 from rostether.ros2.zenoh.tokens import Kind, Token
 
-# How long to wait for news of an unknown service: a millisecond on one machine, less than this through
-# several routers.
+# The time to wait for an unknown service to appear: 1 ms on one machine, less than this through several
+# routers.
 NEWS_TIME_S = 0.2
 
-# Services that one node calls before it forgets the first ones; a board's sketch holds a handful.
+# The number of service clients that a node keeps; a board's sketch has only a few.
 MAX_CLIENTS = 256
 
 Report = Callable[[Level, str], None]
 
 
 class Endpoints:
-    """Makes the endpoints of a node, and ends them with it."""
+    """Creates the endpoints of a node, and ends them with the node."""
 
     def __init__(self, node: NodeEntities, *, report: Report) -> None:
         self._node = node
@@ -44,7 +44,7 @@ class Endpoints:
         self._subscriptions: dict[Subscription, None] = {}
         self._servers: dict[str, ServiceServer] = {}
         self._clients: dict[tuple[str, str], ServiceClient] = {}
-        # How many handles want a client to be listed; the others stay until there are too many.
+        # The number of handles that list each client; other clients are kept until there are too many.
         self._listed: Counter[tuple[str, str]] = Counter()
         self._node_token: LiveToken | None = None
         self._rosout: Publication | None = None
@@ -56,7 +56,7 @@ class Endpoints:
         self._rosout = Publication(
             ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
         )
-        # Permanently: closing a handle does not end it.
+        # This publisher stays: closing a handle does not end it.
         self._rosout.handle_count = 1
         self._publications[ROSOUT] = self._rosout
 
@@ -113,7 +113,7 @@ class Endpoints:
     def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ServiceServer:
-        """Offer a service. Raises GraphError when this node offers it already."""
+        """Offer a service. Raises GraphError if this node already offers it."""
         if service in self._servers:
             raise GraphError(f"this node already offers the service {service}; choose another name")
         support = self._node.session.types.service(service_type)
@@ -124,7 +124,7 @@ class Endpoints:
     async def call_service(
         self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None
     ) -> bytes:
-        """Call a service. Raises what `Graph.call_service` raises."""
+        """Call a service. Raises the errors of `Graph.call_service`."""
         servers = await self._servers_of(service)
         if service_type.name == ANY_TYPE:
             support = self._node.session.types.service_by_name(_type_of(servers[0]))

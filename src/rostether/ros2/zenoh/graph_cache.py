@@ -1,4 +1,4 @@
-"""The graph according to its liveliness tokens, kept up to date, and the listeners for changes."""
+"""The current graph according to liveliness tokens, with listeners for changes."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ class GraphCache:
         return list(self._endpoints.get((kind, name), {}).values())
 
     def all_endpoints(self) -> list[tuple[str, Token]]:
-        """Return every endpoint's token with its text."""
+        """Return every endpoint's token and key expression."""
         return [(text, token) for text, token in self._tokens.items() if token.kind is not Kind.NODE]
 
     def listen(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:
-        """Call back after each change of those endpoints, until `unlisten`."""
+        """Call back after each change of a topic's or service's endpoints of one kind, until `unlisten`."""
         self._listeners.setdefault((kind, name), []).append(listener)
 
     def unlisten(self, kind: Kind, name: str, listener: Callable[[], None]) -> None:

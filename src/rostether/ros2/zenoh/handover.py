@@ -14,7 +14,8 @@ _Item = TypeVar("_Item")
 class Handover(Generic[_Item]):
     """Passes items on in order; beyond `limit` (bytes, or items of size 1), the oldest are dropped.
 
-    `put` may be called in any thread, everything else in the loop's. The newest item is always kept.
+    `put` may be called in any thread, all other methods only in the event loop. The newest item is always
+    kept.
     """
 
     def __init__(self, deliver: Callable[[list[_Item]], None], *, limit: int) -> None:

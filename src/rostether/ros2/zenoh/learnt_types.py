@@ -10,7 +10,7 @@ from rostether.graph.ports import Level
 from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport, Ros2Types
 
-# Types that a subscriber of any type learns; one topic has one type, and a peer may make up names.
+# The limit of types that a subscriber of any type learns; a topic has one type, but a peer may invent more.
 MAX_LEARNT_TYPES = 64
 
 Describe = Callable[[str, str, str], Awaitable[None]]
@@ -45,7 +45,7 @@ class LearntTypes:
         return any(task is not None for task in self._asking.values())
 
     def has(self, type_name: str, type_hash: str) -> bool:
-        """Return whether it has met a type, by its name in the middleware."""
+        """Return whether a type is already known, by its name in the middleware."""
         return f"{type_name}/{type_hash}" in self._found
 
     def find(self, type_name: str, type_hash: str, node_name: str = "") -> MessageSupport | None:

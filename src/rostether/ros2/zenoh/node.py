@@ -65,7 +65,9 @@ class ZenohGraph(Ros2Membership):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> PublisherHandle[Publication]:
-        """Advertise a topic. `queue_bytes` bounds what waits while a link is full; zenoh itself queues 1 MiB.
+        """Advertise a topic.
+
+        `queue_bytes` limits the messages that wait while a link is full; zenoh itself queues 1 MiB.
 
         Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
         """
@@ -111,7 +113,7 @@ class ZenohGraph(Ros2Membership):
         )
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Be listed as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
+        """Appear in the graph as a client of a service. Raises UnknownTypeError, TypeMismatchError."""
         self._check_open()
         return self._endpoints.list_client(self._resolve_ros2(service), service_type)
 
@@ -128,7 +130,7 @@ class ZenohGraph(Ros2Membership):
         return self._session.graph.snapshot()
 
     async def endpoints(self) -> list[EndpointInfo]:
-        """Return every end of every topic and service that is known now."""
+        """Return all known endpoints of topics and services."""
         return list_endpoints(self._session.graph.all_endpoints())
 
     async def distribution(self) -> str:
@@ -151,7 +153,7 @@ class ZenohGraph(Ros2Membership):
     async def _end(self) -> None:
         try:
             async with AsyncExitStack() as stack:
-                # Backwards: what uses the endpoints ends before they do.
+                # In reverse order: users of the endpoints end before the endpoints.
                 stack.push_async_callback(self._endpoints.close)
                 stack.push_async_callback(self._parameter_services.close)
                 stack.push_async_callback(self._clock.close)
@@ -168,7 +170,7 @@ class ZenohGraph(Ros2Membership):
 
 
 def list_endpoints(tokens: Iterable[tuple[str, Token]]) -> list[EndpointInfo]:
-    """Return the endpoints of tokens, which come with their texts; tokens of nodes are left out."""
+    """Return the endpoints of tokens, without tokens of nodes."""
     return [_describe(text, token) for text, token in tokens if token.kind in _KINDS]
 
 

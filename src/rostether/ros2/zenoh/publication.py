@@ -25,10 +25,10 @@ from rostether.ros2.zenoh.put_queue import PutQueue, Puts
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
-# A put that takes this long has waited for room; others take a hundredth of it.
+# A put that takes this long has waited for room; other puts take a hundredth of this time.
 STALL_NS = 300_000
 
-# Such puts before a thread does the rest of a batch: one may be the scheduler's doing.
+# The number of slow puts before a thread does the rest of a batch: the scheduler may cause a single one.
 MAX_STALLS = 2
 
 # A put that takes this long has timed out, and zenoh has dropped its message.
@@ -44,7 +44,7 @@ class _Putting(Protocol):
 
 
 class Publication:
-    """Converts every batch to CDR and puts it to zenoh, which sends it to all subscribers."""
+    """Converts every batch to CDR and passes it to zenoh, which sends it to all subscribers."""
 
     def __init__(
         self,
@@ -90,16 +90,16 @@ class Publication:
 
     @property
     def dropped_count(self) -> int:
-        """How many messages did not fit their type or met a full link; zenoh does not report others."""
+        """How many messages did not fit their type or were dropped; zenoh reports no other losses."""
         return self._lost_count + self._queue.dropped_count
 
     @property
     def subscriber_count(self) -> int:
-        """How many subscribers of our type there are; none before zenoh has a way to them."""
+        """How many subscribers of the same type there are; 0 before zenoh has a route to them."""
         return len(self._subscribers) if self._is_matched or self._qos.is_latching else 0
 
     def share(self, message_type: MessageType, *, latch: bool) -> None:
-        """Let one more handle publish here. Raises TypeMismatchError when it has another type."""
+        """Add a handle to this publication. Raises TypeMismatchError if it has another type."""
         check_same_type(self.topic, self.type, message_type)
         if latch and not self._qos.is_latching:
             self._undeclare()
@@ -211,7 +211,7 @@ class Publication:
         self._publisher.undeclare()
 
     def _match(self, status: zenoh.MatchingStatus) -> None:
-        # In a thread of zenoh's: one assignment, which needs no lock.
+        # In one of zenoh's threads: a single assignment needs no lock.
         self._is_matched = status.matching
 
     def _look(self) -> None:

@@ -8,8 +8,9 @@ States and what moves between them:
     wary         as busy, for the link may      -- a minute without such a put -->            is_idle
                  be full again at any time
 
-Only zenoh knows whether a link has room, and shows it by the duration of a put: with a full link it waits for
-`WAIT_BEFORE_DROP_US` and then drops. So a subscriber that hangs costs the loop one such wait a minute.
+zenoh shows only by the duration of a put whether a link has room: if the link is full, it waits for
+`WAIT_BEFORE_DROP_US` and then drops the message. So a subscriber that hangs costs the loop one such wait per
+minute.
 """
 
 from __future__ import annotations
@@ -24,19 +25,20 @@ from dataclasses import dataclass
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import PublicationFlow, SubscriberFlow
 
-# What a thread puts at a time, as much as a batch of zenoh's; meanwhile the rest may lose its oldest.
+# The size of a batch in the thread, the same as zenoh's; in the meantime, the queue may drop its oldest
+# messages.
 JOB_BYTES = 64 << 10
 
-# A put that takes this long has waited for a link: it is not the scheduler's doing.
+# A put that takes this long has waited for a link; the scheduler alone does not cause it.
 VERY_LONG_NS = 50_000_000
 
-# One that takes this long delays the messages of others, if it is done in the loop.
+# A put that takes this long in the loop delays other messages.
 LONG_NS = 10_000_000
 
-# Two of these within this time are not an accident either.
+# Two such puts within this time are not a coincidence.
 LONG_AGAIN_S = 2.0
 
-# How long a thread puts after a put that would have held up the loop.
+# How long the thread stays in use after a put that would have blocked the loop.
 WARY_S = 60.0
 
 # How long a closing publication waits for its remaining puts.
@@ -49,7 +51,8 @@ _log = logging.getLogger("rostether.ros2")
 class Puts:
     """The result of a batch: `done` messages are finished, the others were not started.
 
-    `misfits` of them did not fit their type, for `error`; zenoh dropped `lost`. `longest_ns`: of any put.
+    `misfits` of them did not fit their type, for `error`; zenoh dropped `lost`. `longest_ns`: the longest
+    put.
     """
 
     done: int = 0
@@ -106,7 +109,7 @@ class PutQueue:
             self._go_on()
 
     def note_longest(self, longest_ns: int) -> None:
-        """Learn how long a put took: after long ones a thread does them for a while."""
+        """Record the duration of a put: after long puts, the thread is used for some time."""
         if longest_ns < LONG_NS:
             return
         loop = asyncio.get_running_loop()
@@ -123,7 +126,7 @@ class PutQueue:
         await self._flow.drained(timeout_s)
 
     async def finish(self) -> None:
-        """Put what waits, in a second at most; later messages are never put."""
+        """Put the waiting messages within a second; later messages are dropped."""
         try:
             async with asyncio.timeout(FINISH_LIMIT_S):
                 while self._job is not None:
@@ -154,7 +157,7 @@ class PutQueue:
     def _job_done(self, job: asyncio.Future[Puts]) -> None:
         self._job = None
         if job.cancelled() or job.exception() is not None:
-            # The session or the publication ended meanwhile.
+            # The session or the publication has ended in the meantime.
             _log.debug("messages were not sent: %s", "ended" if job.cancelled() else job.exception())
         elif not self._is_ended:
             self._note(job.result())

@@ -17,7 +17,7 @@ import zenoh
 # A machine on a busy Wi-Fi accepts within a second; a machine that is off never answers.
 PROBE_TIMEOUT_S = 3.0
 
-# In TLS 1.3 a refusal of our certificate comes after the handshake: how long to wait for it.
+# The time to wait for a refusal of the certificate, which TLS 1.3 sends after the handshake.
 REFUSAL_TIMEOUT_S = 1.0
 
 _LOOPBACK = ("localhost", "127.", "[::1]")
@@ -39,12 +39,12 @@ def tls_of(configuration: zenoh.Config) -> Mapping[str, Any]:
 
 
 def is_loopback(endpoint: str) -> bool:
-    """Return whether only this machine reaches an endpoint (`tcp/localhost:7447`)."""
+    """Return whether only this machine can reach an endpoint (`tcp/localhost:7447`)."""
     return endpoint.partition("/")[2].startswith(_LOOPBACK)
 
 
 async def find_faults(endpoints: Sequence[str], tls: Mapping[str, Any]) -> dict[str, str]:
-    """Return why each endpoint that cannot be reached cannot."""
+    """Return the endpoints that cannot be reached, with the reasons."""
     faults = await asyncio.gather(*(find_fault(each, tls) for each in endpoints))
     return {endpoint: fault for endpoint, fault in zip(endpoints, faults, strict=True) if fault}
 
@@ -111,14 +111,14 @@ def _explain_refusal(error: ssl.SSLError) -> str:
             "enable_mtls: true"
         )
     if "unknown ca" in reason or "certificate" in reason:
-        return f"it refuses our certificate ({reason}): get one from the authority that it trusts"
-    return f"it does not take TLS connections ({reason}): check the port"
+        return f"it refuses the client certificate ({reason}): get one from an authority that it trusts"
+    return f"it does not accept TLS connections ({reason}): check the port"
 
 
 def _value(configuration: zenoh.Config, path: str) -> Any:
     try:
         return json.loads(configuration.get_json(path))
-    except Exception:  # noqa: BLE001 - zenoh raises its own error for what is not set
+    except Exception:  # noqa: BLE001 - zenoh raises its own error for missing settings
         return None
 
 

@@ -1,7 +1,7 @@
-"""Connections that our TLS listeners refuse: zenoh reports them only in its own log, on the standard output.
+"""Reports connections that the TLS listeners refuse; zenoh reports them only in its log on standard output.
 
-A pipe takes the place of the standard output to read the log. Everything else that is written there is passed
-on. If RUST_LOG is set, the user reads zenoh's log, and nothing is changed.
+To read this log, a pipe replaces standard output. Everything else written there is passed on. If RUST_LOG is
+set, the user reads zenoh's log, and nothing is changed.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ MAX_KINDS = 32
 _LINE = re.compile(rb"WARN .*zenoh_link_(?:tls|quic)\S*: (?P<reason>.*)$")
 _COLOR = re.compile(rb"\x1b\[[0-9;]*m")
 _MEANINGS = {
-    "UnknownIssuer": "its certificate is not from our authority",
+    "UnknownIssuer": "its certificate is not from the configured authority",
     "sent no certificates": "it has no certificate",
-    "UnknownCA": "it does not know the authority of our certificate",
+    "UnknownCA": "it does not know the authority of this machine's certificate",
     "Expired": "its certificate has expired",
-    "BadCertificate": "it does not take our certificate",
+    "BadCertificate": "it does not accept this machine's certificate",
 }
 _log = logging.getLogger("rostether.ros2")
 _started = threading.Lock()
 
 
 def report_refusals() -> None:
-    """Log a line for each kind of refusal from now on. Once in a process."""
+    """Log a line for each kind of refusal from now on. Call it once per process."""
     if os.environ.get("RUST_LOG") or not _started.acquire(blocking=False):
         return
     sys.stdout.flush()
@@ -45,7 +45,7 @@ def report_refusals() -> None:
     os.dup2(write, 1)
     os.close(write)
     if isinstance(sys.stdout, io.TextIOWrapper):
-        # Our own lines need not go through the pipe.
+        # Own log lines do not go through the pipe.
         sys.stdout = os.fdopen(
             os.dup(output), "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors, buffering=1
         )

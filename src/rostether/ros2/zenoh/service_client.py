@@ -1,4 +1,4 @@
-"""Calling one service: queries with rmw_zenoh's attachment, and the token that shows the client."""
+"""Calls one service: queries with rmw_zenoh's attachment, and the client's liveliness token."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from rostether.ros2.zenoh.attachment import Attachment, gid_of
 from rostether.ros2.zenoh.entities import NodeEntities
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
-# A query must have a time limit; a call without one ends when its server does, long before this.
+# A query must have a time limit; a call without a limit ends when its server ends.
 ENDLESS_S = 7 * 24 * 3600.0
 
-# How long after its token a server's queryable may become known; on one machine it is a millisecond.
+# The delay between a server's token and its queryable; about 1 ms on one machine.
 REACH_S = 2.0
 
-# A server's error is a line for people.
+# A server's error is one line of text.
 MAX_ERROR_CHARACTERS = 2000
 
 
 class ServiceClient:
-    """Calls one service, any number of times and side by side."""
+    """Calls one service; calls may run concurrently."""
 
     def __init__(self, service: str, support: ServiceSupport, *, node: NodeEntities) -> None:
         self.service = service
@@ -65,7 +65,7 @@ class ServiceClient:
                 answer.set_result(reply)
 
         def hand_over(reply: zenoh.Reply | None) -> None:
-            # In a thread of zenoh's; the loop may have ended by then.
+            # In one of zenoh's threads; the event loop may have ended by then.
             if not loop.is_closed():
                 loop.call_soon_threadsafe(settle, reply)
 
@@ -122,7 +122,7 @@ class ServiceClient:
             ) from None
 
     def _match(self, status: zenoh.MatchingStatus) -> None:
-        # In a thread of zenoh's; the loop may have ended by then.
+        # In one of zenoh's threads; the event loop may have ended by then.
         if not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._set_reachable, status.matching)
 

@@ -23,20 +23,20 @@ from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.handover import Handover
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
-# Pending calls of one service; a board answers one by one, so more would wait too long.
+# The limit of pending calls; a board answers one after the other, so more calls would wait too long.
 MAX_CALLS = 1000
 
-# Pending refusals; calls beyond them get no answer and end by the caller's time limit.
+# The limit of pending refusals; further calls get no answer and end by the caller's time limit.
 MAX_REFUSALS = 100
 
-# How long a service that ends waits until its callers have received an error; bounds hanging callers.
+# The time that a closing service waits until its callers have received an error.
 LAST_WORDS_S = 0.2
 
 _log = logging.getLogger("rostether.ros2")
 
 
 class ServiceServer:
-    """A `graph.ports.ServiceServer`; calls run side by side."""
+    """A `graph.ports.ServiceServer`; calls run concurrently."""
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class ServiceServer:
         self._token = node.declare(Kind.SERVER, service, type_name, support.type_hash, SERVICES_QOS)
 
     async def close(self) -> None:
-        """Unadvertise; calls under way fail. Idempotent."""
+        """Unadvertise; pending calls fail. Idempotent."""
         if self._is_closed:
             return
         self._is_closed = True

@@ -39,24 +39,24 @@ from rostether.ros2.zenoh.tokens import Token, all_tokens
 if TYPE_CHECKING:
     from rostether.ros2.zenoh.node import ZenohGraph
 
-# Changes of the graph between two turns of the loop: twice all the tokens that we keep.
+# Changes of the graph between two iterations of the event loop: twice the limit of tokens.
 MAX_WAITING_NEWS = 200_000
 
 # How long a new session waits for the state of the graph; a running router answers at once.
 FIRST_LOOK_TIMEOUT_S = 2.0
 
-# How long a session waits for its first connection, which zenoh does not; a router here takes 10 ms.
+# How long a session waits for its first connection (zenoh does not wait); a local router needs 10 ms.
 FIRST_LINK_TIMEOUT_S = 0.5
 
-# By then the first topics of a program are there; rules about later ones are usually the same.
+# By then the program has its first topics; access rules for later ones are usually the same.
 ACCESS_CHECK_AFTER_S = 1.0
 
 LINK_POLL_S = 0.005
 
-# Publications that wait for room at a time, a thread each while they do; the others wait for a thread.
+# The number of publications that may wait for room at the same time, each in a thread.
 MAX_PUT_THREADS = 8
 
-# Requests and answers of services that wait for room: zenoh gives up a link that has none for 5 s.
+# The number of service requests and responses that may wait for room; zenoh closes a full link after 5 s.
 MAX_CALL_THREADS = 8
 
 _log = logging.getLogger("rostether.ros2")
@@ -77,7 +77,7 @@ class ZenohSession:
         self.connects_to: tuple[str, ...] = ()
         # No thread before the first publication meets a full link.
         self.put_threads = ThreadPoolExecutor(MAX_PUT_THREADS, "zenoh put")
-        # A separate pool: neither the loop nor a topic may wait for a caller that hangs.
+        # A separate pool: a caller that hangs must not block the loop or a topic.
         self.call_threads = ThreadPoolExecutor(MAX_CALL_THREADS, "zenoh call")
         self._ids = itertools.count()
         self._nodes: set[ZenohGraph] = set()
@@ -91,9 +91,9 @@ class ZenohSession:
     async def open(
         cls, environment: Ros2Environment, types: Ros2Types, *, reach: Reach | None = None
     ) -> ZenohSession:
-        """Open a session, beside a router or as the router of this machine, as `reach` says.
+        """Open a session, as a client of a router or as the router of this machine, according to `reach`.
 
-        Raises ConfigError, and MasterUnreachableError where zenoh cannot open it.
+        Raises ConfigError, and MasterUnreachableError if zenoh cannot open it.
         """
         reach = reach or Reach()
         if await _takes_routers_place(environment, reach):
@@ -123,7 +123,7 @@ class ZenohSession:
         from rostether.ros2.zenoh.node import ZenohGraph
 
         if self._is_closed:
-            raise MasterUnreachableError("this zenoh session is closed: open another one")
+            raise MasterUnreachableError("this zenoh session is closed; open another one")
         full_name = validate_node_name(join(namespace, node_name))
         graph = ZenohGraph(self, full_name, namespace, remappings or {}, parameters or {})
         self._nodes.add(graph)
@@ -135,7 +135,7 @@ class ZenohSession:
         return graph
 
     def leave(self, graph: ZenohGraph) -> None:
-        """Remove a node that has left."""
+        """Remove a node that has closed."""
         self._nodes.discard(graph)
 
     def next_id(self) -> int:
@@ -151,7 +151,7 @@ class ZenohSession:
         self.graph.apply_tokens([(text, is_there)])
 
     async def look(self, key: str, timeout_s: float) -> list[str]:
-        """Ask the network which tokens match a key expression now."""
+        """Query the network for the current tokens that match a key expression."""
         loop = asyncio.get_running_loop()
         found: list[str] = []
         done = asyncio.Event()
@@ -188,13 +188,13 @@ class ZenohSession:
 
     async def _start(self, configuration: zenoh.Config) -> ZenohSession:
         self.listens_on = endpoints_of(configuration, "listen")
-        # Without other programs, the usual place is known to be free.
+        # Without other programs, the default endpoint is known to be free.
         named = [each for each in endpoints_of(configuration, "connect") if each != ROUTER_ENDPOINT]
         self.connects_to = tuple(named)
         if not self.is_router:
             await self._wait_for_link()
         if named:
-            # Beside the start: a machine that is off is given up only after a second.
+            # In the background: a machine that is off is detected only after a second.
             self._asking = asyncio.ensure_future(self._report_faults(named, configuration))
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
@@ -210,7 +210,7 @@ class ZenohSession:
     async def _wait_for_link(self) -> None:
         """Wait for the first connection: a query sent earlier reaches no peer."""
         deadline_s = time.monotonic() + FIRST_LINK_TIMEOUT_S
-        # Zenoh announces no connections; looking is cheap.
+        # Zenoh does not report connections; polling is cheap.
         while not self._is_linked() and time.monotonic() < deadline_s:  # noqa: ASYNC110
             await asyncio.sleep(LINK_POLL_S)
 
@@ -233,12 +233,12 @@ class ZenohSession:
                 )
 
     async def _report_unreachable(self, named: Sequence[str], tls: Mapping[str, Any]) -> None:
-        """Report once which of the endpoints that the user named cannot be reached, and why."""
+        """Report once which configured endpoints cannot be reached, and why."""
         faults = await find_faults(named, tls)
         if self.is_router:
             await self._wait_for_link()
         if not faults and not self._is_linked():
-            # For other protocols than TCP, only a connection shows this.
+            # For protocols other than TCP, only a connection shows whether the endpoint is reachable.
             faults = dict.fromkeys(named, "check that it is running and can be reached")
         for endpoint, fault in faults.items():
             _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
@@ -286,8 +286,9 @@ async def _open(configuration: zenoh.Config) -> zenoh.Session:
         text = one_line(error)
         if "listener" in text:
             raise MasterUnreachableError(
-                f"zenoh cannot listen: {text}: stop what uses the port, or give another endpoint"
+                f"zenoh cannot listen: {text}; stop the program that uses the port, "
+                "or choose another endpoint"
             ) from error
         raise MasterUnreachableError(f"zenoh cannot open a session: {text}") from error
     except Exception as error:
-        raise ConfigError(f"zenoh does not take its configuration: {one_line(error)}") from error
+        raise ConfigError(f"zenoh does not accept its configuration: {one_line(error)}") from error

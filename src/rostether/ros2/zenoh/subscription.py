@@ -25,7 +25,7 @@ from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.session import LiveToken
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
-# The past messages that a subscriber requests of a latched publisher: ROS 1's latch has one.
+# The number of past messages requested from a latched publisher: one, like in ROS 1.
 LATCHED_SAMPLES = 1
 
 Report = Callable[[Level, str], None]
@@ -43,7 +43,7 @@ class Taker:
 
 
 class Subscription:
-    """A `graph.ports.Subscriber`. Without a support it takes every type, learnt from tokens and samples."""
+    """A `graph.ports.Subscriber`. Without a type it accepts every type, learned from tokens and samples."""
 
     def __init__(
         self,
@@ -63,7 +63,7 @@ class Subscription:
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
-        # The sender of a sample: looked up only if nodes are left out.
+        # The sender of a sample is looked up only if some nodes are excluded.
         self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
         self._is_closed = False
@@ -88,7 +88,7 @@ class Subscription:
             on_waiting=self._queue.pause,
             on_found=self._learn,
         )
-        # Publishers that are not latched keep no history, so that asking for it costs nothing then.
+        # Publishers that are not latched keep no history, so requesting it costs nothing.
         self._subscriber = ext.declare_advanced_subscriber(
             node.session.zenoh,
             self._key,
@@ -104,7 +104,7 @@ class Subscription:
 
     @property
     def publisher_count(self) -> int:
-        """How many publishers of our type there are now."""
+        """The number of publishers of the same type."""
         return len(self._publishers)
 
     @property
@@ -113,7 +113,7 @@ class Subscription:
         return self._queue.dropped_count + self._undecodable_count
 
     def pause(self) -> None:
-        """Pass nothing on; messages wait, and the oldest are dropped if there are too many."""
+        """Keep messages in the queue, which drops the oldest if it is full."""
         self._is_paused = True
         self._queue.pause()
 
@@ -159,7 +159,7 @@ class Subscription:
         payloads: list[bytes] = []
         support = self._support
         for key, gid, cdr in samples:
-            # In the loop, which knows the tokens that came before the sample.
+            # In the event loop, which has processed the tokens that came before the sample.
             if gid in self._node_names and self._node_names[gid] in self._skip_nodes:
                 continue
             if key:

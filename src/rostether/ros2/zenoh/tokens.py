@@ -1,9 +1,9 @@
-"""Liveliness tokens: how the nodes, topics and services of a graph over zenoh are known.
+"""Liveliness tokens, which announce the nodes, topics and services of a graph over zenoh.
 
     @ros2_lv/<domain>/<session>/<node id>/<node id>/NN/<enclave>/<namespace>/<node>
     @ros2_lv/<domain>/<session>/<node id>/<id>/MP|MS|SS|SC/<enclave>/<ns>/<node>/<name>/<type>/<hash>/<qos>
 
-Names are mangled: `/` is written `%`. Newer distributions append one more part (backends); it is ignored.
+Names are mangled: `/` is written as `%`. Newer distributions append one more part (backends); it is ignored.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _TAIL = ":,:,:,,"
 ADMIN_SPACE = "@ros2_lv"
 _NODE_PARTS = 9
 _ENDPOINT_PARTS = 13
-# Eight names of ROS 2's greatest length; a longer token is no node's and would only fill our memory.
+# Eight times the longest ROS 2 name; a longer token is not from a node, and would only use memory.
 MAX_TOKEN_CHARACTERS = 4096
 
 
@@ -133,7 +133,7 @@ def demangle(part: str) -> str:
 
 
 def _is_number(text: str) -> bool:
-    # Short enough that int() takes no time, whatever a peer sends.
+    # A limit, because int() is slow for very long digits.
     return len(text) <= 20 and text.isascii() and text.isdecimal()
 
 
@@ -147,7 +147,7 @@ def format_qos(qos: Qos) -> str:
 
 
 def parse_qos(text: str) -> Qos:
-    """Read the text of a peer; what is missing, unknown or 0 (system default) counts as the default."""
+    """Read a peer's text; missing, unknown and 0 (system default) values become the default."""
     reliability, durability, history = [*text.split(":"), "", "", ""][:3]
     kind, _, depth = history.partition(",")
     return Qos(

@@ -19,4 +19,4 @@ def kind_of(board: str) -> str:
     try:
         return KINDS[board]
     except KeyError:
-        raise ConfigError(f"no simulated board {board!r}; known are {', '.join(KINDS)}") from None
+        raise ConfigError(f"no simulated board {board!r}; known: {', '.join(KINDS)}") from None

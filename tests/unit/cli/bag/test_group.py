@@ -124,12 +124,12 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path, shell: Shell, verb: 
     ("name", "content", "told"),
     [
         ("a.mcap", b"{}" * 50, "it is not an MCAP file"),
-        ("a.mcap.active", b"\x89MCAP", "it is truncated: it has 5 bytes"),
-        ("a.mcap", b"\x89MCAP1\r\n" + bytes(50), "an unsupported version"),
+        ("a.mcap.active", b"\x89MCAP", "it is truncated: it has only 5 bytes"),
+        ("a.mcap", b"\x89MCAP1\r\n" + bytes(50), "an unsupported MCAP version"),
         ("a.db3", b"{}" * 50, "not a SQLite file"),
         ("a.db3", b"SQLite", "not a SQLite file"),
         ("a.db3", b"", "is empty"),
-        ("a.bag", b"#ROSBAG", "is truncated: it has 7 bytes"),
+        ("a.bag", b"#ROSBAG", "is truncated: it has only 7 bytes"),
     ],
 )
 def test_what_is_broken_is_reported_by_its_ending(

@@ -117,7 +117,7 @@ def test_options_are_words_for_the_board() -> None:
     [
         (["missing.elf"], 1, "missing.elf cannot be read"),
         (["missing.ino"], 1, "missing.ino does not exist; give a sketch"),
-        (["ELF", "--board", "due"], 1, "no simulated board 'due'; known are uno, nano"),
+        (["ELF", "--board", "due"], 1, "no simulated board 'due'; known: uno, nano"),
         (["ELF", "--board", "mega"], 1, "built for another chip"),
         (["ELF", "--watch", "D77"], 1, "watch D77: this board has no such pin"),
         (["ELF", "--for", "soon"], 1, "for soon: how long to run"),

@@ -131,7 +131,7 @@ def test_parameters_of_foxglove_bridge() -> None:
         ({"port": "many"}, "~port must be a whole number, not 'many'"),
         ({"tls": True}, "~tls needs ~certfile and ~keyfile"),
         ({"topic_whitelist": "/a"}, "~topic_whitelist must be a list"),
-        ({"topic_whitelist": ["("]}, "~topic_whitelist: .* is no regular expression"),
+        ({"topic_whitelist": ["("]}, "~topic_whitelist: .* is not a regular expression"),
         ({"capabilities": "services"}, "~capabilities must be a list"),
     ],
 )

@@ -43,7 +43,7 @@ async def test_serve_offers_its_graph_to_web_pages() -> None:
         assert match is not None, serve.text
         assert await nodes(f"{match[1]}/?token=abc") == ["/rosapi", "/rosbridge_websocket", "/rosout"]
         status = await said_and_heard(match[1], op="call_service", service="/rosapi/nodes")
-        assert "wants a token" in status["msg"]
+        assert "requires a token" in status["msg"]
         assert (
             "rosbridge: accepts connections from this machine only; "
             "--rosbridge 0.0.0.0:0 allows other machines" in serve.text

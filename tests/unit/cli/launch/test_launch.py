@@ -283,7 +283,7 @@ def test_windows_that_are_not_installed_are_views_of_the_dashboard(arm: Path, gr
     with launched("arm", "view.launch", master_uri=graph.uri, cwd=arm.parent) as process:
         text = ""
         assert process.stdout is not None
-        while "no node is left; the launch runs until Ctrl-C" not in text:
+        while "all nodes have ended; the launch continues until Ctrl-C" not in text:
             line = process.stdout.readline()
             assert line, text
             text += line

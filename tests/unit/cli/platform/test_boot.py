@@ -103,4 +103,4 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
         ).stdout.split()
         (core,) = children
         os.kill(int(core), signal.SIGKILL)
-        await up.wait_for("core   | ended (signal SIGKILL); starts again in 1 s")
+        await up.wait_for("core   | ended (signal SIGKILL); restarts in 1 s")

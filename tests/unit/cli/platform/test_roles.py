@@ -127,7 +127,7 @@ async def test_sensors_and_their_commands(master: MasterServer, graph: TypedGrap
             assert (await graph.wait_for_message("/sensor_node0", timeout_s=60)).data in range(101)
             assert await typed("rename", "sensor_node0", "Test value") == ["sensor_node0: Test value"]
             (refused,) = await typed("rename", "Distance", "Range", code=1)
-            assert "the name of arm/ultrasound is in the sensors' file: change it there" in refused
+            assert "the name of arm/ultrasound is set in sensors.toml; change it there" in refused
         async with started(*managing, **environ) as manager:
             await manager.wait_for("sensors known from an earlier run: 1")
             async with asyncio.timeout(60):

@@ -14,7 +14,7 @@ async def test_requests_are_bounded_from_the_moment_they_are_asked() -> None:
 
     for _ in range(3):
         work.ask(wait, failed.append, 2)
-    assert failed == ["more than 2 requests at once: wait for answers"]
+    assert failed == ["more than 2 requests at once; wait for the responses"]
     work.ask(wait, failed.append, 1, "assets")
     assert len(failed) == 1
     go.set()

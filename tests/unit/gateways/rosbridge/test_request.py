@@ -18,16 +18,16 @@ def request(**fields: Any) -> Request:
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        ("garbage", "this is no JSON"),
-        ("", "this is no JSON"),
-        (b"\xff\xfe\x00", "this is no JSON"),
-        ("[1, 2]", r"a message is a JSON object with an op, got \[1, 2\]"),
-        ("7", "a message is a JSON object"),
-        ("{}", "field 'op' wants a text, got nothing"),
-        ('{"op": 7}', "field 'op' wants a text, got 7"),
-        ('{"op": null}', "field 'op' wants a text, got None"),
+        ("garbage", "this is not JSON"),
+        ("", "this is not JSON"),
+        (b"\xff\xfe\x00", "this is not JSON"),
+        ("[1, 2]", r"a message must be a JSON object with an op, got \[1, 2\]"),
+        ("7", "a message must be a JSON object"),
+        ("{}", "field 'op' must be a string, got nothing"),
+        ('{"op": 7}', "field 'op' must be a string, got 7"),
+        ('{"op": null}', "field 'op' must be a string, got None"),
         ("[" * 100_000, "nested too deeply"),
-        ('{"op": ' + "9" * 5000 + "}", "this is no JSON"),
+        ('{"op": ' + "9" * 5000 + "}", "this is not JSON"),
     ],
 )
 def test_what_is_no_message_is_refused_in_one_short_line(data: str | bytes, reason: str) -> None:
@@ -43,7 +43,7 @@ def test_binary_frames_may_hold_json() -> None:
 
 @pytest.mark.parametrize("given", [7, None, ["a"], {}, True])
 def test_a_text_must_be_one(given: object) -> None:
-    with pytest.raises(RemoteProtocolError, match="publish: field 'topic' wants a text"):
+    with pytest.raises(RemoteProtocolError, match="publish: field 'topic' must be a string"):
         request(topic=given).text("topic")
     with pytest.raises(RemoteProtocolError, match="got nothing"):
         request().text("topic")
@@ -81,12 +81,14 @@ def test_an_id_is_a_text_or_a_number(given: object, read: object) -> None:
 def test_what_would_be_kept_by_the_thousand_is_no_book() -> None:
     book = "x" * (MAX_WORD_CHARACTERS + 1)
     assert request(id=book[1:], topic=book[1:]).word("topic") == request(id=book[1:]).id
-    with pytest.raises(RemoteProtocolError, match="'topic' wants 512 characters at most, got 'xxx") as caught:
+    with pytest.raises(
+        RemoteProtocolError, match="'topic' must be at most 512 characters, got 'xxx"
+    ) as caught:
         request(topic=book).word("topic")
     assert len(str(caught.value)) < 250
-    with pytest.raises(RemoteProtocolError, match="'id' wants 512"):
+    with pytest.raises(RemoteProtocolError, match="'id' must be at most 512"):
         _ = request(id=book).id
-    with pytest.raises(RemoteProtocolError, match="field 'op' wants 512"):
+    with pytest.raises(RemoteProtocolError, match="field 'op' must be at most 512"):
         Request({"op": book})
 
 
@@ -96,7 +98,7 @@ def test_what_would_be_kept_by_the_thousand_is_no_book() -> None:
 def test_only_the_beginning_of_what_is_wrong_is_put_into_words(value: object) -> None:
     tracemalloc.start()
     try:
-        with pytest.raises(RemoteProtocolError, match="field 'topic' wants a text") as caught:
+        with pytest.raises(RemoteProtocolError, match="field 'topic' must be a string") as caught:
             request(topic=value).text("topic")
         assert tracemalloc.get_traced_memory()[1] < 1 << 20
     finally:

@@ -59,7 +59,7 @@ async def test_a_topic_that_exists_needs_no_advertising(there: World) -> None:
         status = await client.receive("status")
         assert status["level"] == "error"
         assert status["id"] == "p1"
-        assert status["msg"] == "publish: /nobody has no type yet: advertise it first"
+        assert status["msg"] == "publish: /nobody has no type yet; advertise it first"
         await until(lambda: "/chatter" in there.network.snapshot().topics)
         await client.say("publish", topic="/chatter", msg={"data": "hi"})
         assert (await heard).data == "hi"
@@ -134,7 +134,8 @@ async def test_compressions(there: World) -> None:
         assert raw["secs"] > 0
         await client.say("subscribe", topic="/other", compression="zip")
         assert (
-            "compression wants one of none, png, cbor, cbor-raw, got 'zip'" in (await client.receive())["msg"]
+            "compression must be one of none, png, cbor, cbor-raw, got 'zip'"
+            in (await client.receive())["msg"]
         )
 
 
@@ -185,7 +186,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
         assert answer["values"]["success"] is False
         mistakes: list[tuple[Any, str]] = [
             ({"date": True}, "std_srvs/SetBoolRequest has no field date; it has data"),
-            ({"data": "yes"}, "std_srvs/SetBoolRequest wants a bool for field data, got 'yes'"),
+            ({"data": "yes"}, "std_srvs/SetBoolRequest needs a bool for field data, got 'yes'"),
             ([True, 1], "call_service: std_srvs/SetBoolRequest has 1 fields, args 2 values"),
         ]
         for args, reason in mistakes:
@@ -193,7 +194,9 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
             answer = await client.receive("service_response")
             assert (answer["result"], answer["values"]) == (False, reason)
         await client.say("call_service", service="/nothing")
-        assert (await client.receive())["values"] == "service /nothing does not exist: is its node running?"
+        assert (await client.receive())[
+            "values"
+        ] == "service /nothing does not exist; check that its node is running"
         await client.say("call_service", service="no name", id="n")
         assert (await client.receive("service_response"))["result"] is False
 
@@ -233,7 +236,7 @@ async def test_calls_that_never_end_hold_up_nothing_else(
             await client.say("call_service", service="/hang", id=number)
         refused = await client.receive("service_response")
         assert refused["id"] == 2
-        assert refused["values"] == "this client has 2 calls under way: /hang is not called"
+        assert refused["values"] == "this client has 2 pending calls; /hang is not called"
         await client.say("publish", topic="/nobody", msg={})
         assert "advertise it first" in (await client.receive("status"))["msg"]
 
@@ -279,7 +282,7 @@ async def test_what_calls_hold_is_bounded(there: World, monkeypatch: pytest.Monk
             await client.say("call_service", service="/hang", id=number, filler="x" * 900)
         refused = await client.receive("service_response")
         assert (refused["id"], refused["result"]) == (1, False)
-        assert "bytes of calls under way: /hang is not called" in refused["values"]
+        assert "bytes of pending calls; /hang is not called" in refused["values"]
         go_on.set()
         assert (await client.receive("service_response"))["id"] == 0
         await client.say("call_service", service="/hang", id=2, filler="x" * 2000)
@@ -311,7 +314,7 @@ async def test_a_client_serves_and_its_faults_reach_the_caller(there: World) -> 
             await call(values={"success": "maybe"}, result=True)
         assert "field success" in (await client.receive("status"))["msg"]
         await client.say("service_response", service="/add", id="made up", values={}, result=True)
-        assert "no call of /add waits for the id 'made up'" in (await client.receive("status"))["msg"]
+        assert "no call of /add has the id 'made up'" in (await client.receive("status"))["msg"]
         calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
         await client.receive("call_service")
         await client.say("unadvertise_service", service="/add")
@@ -326,7 +329,7 @@ async def test_a_client_that_hangs_up_fails_the_calls_that_it_was_to_answer(ther
         calling = asyncio.ensure_future(there.graph.call("/add", "std_srvs/SetBool", timeout_s=60))
         await client.receive("call_service")
         client.connection.transport.abort()
-    with pytest.raises(ServiceCallError, match="has lost the client that offers it"):
+    with pytest.raises(ServiceCallError, match="ended: the client that offers it has disconnected"):
         await calling
     await until(lambda: "/add" not in there.network.snapshot().services)
 
@@ -346,21 +349,24 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
 @pytest.mark.parametrize(
     ("said", "told"),
     [
-        ("garbage", "this is no JSON"),
-        (b"\xff\xfe", "this is no JSON"),
-        ("[]", "a message is a JSON object with an op"),
-        ('{"op": "dance"}', "there is no op 'dance'; known are advertise"),
-        ('{"op": "publish"}', "publish: field 'topic' wants a text, got nothing"),
-        ('{"op": "publish", "topic": ["/a"]}', "publish: field 'topic' wants a text"),
+        ("garbage", "this is not JSON"),
+        (b"\xff\xfe", "this is not JSON"),
+        ("[]", "a message must be a JSON object with an op"),
+        ('{"op": "dance"}', "unknown op 'dance'; known: advertise"),
+        ('{"op": "publish"}', "publish: field 'topic' must be a string, got nothing"),
+        ('{"op": "publish", "topic": ["/a"]}', "publish: field 'topic' must be a string"),
         ('{"op": "subscribe", "topic": "not a name"}', "not a name"),
         ('{"op": "subscribe", "topic": "\\ud800"}', "name"),
         ('{"op": "advertise", "topic": "/a", "type": "no_msgs/No"}', "no package 'no_msgs' is known"),
         ('{"op": "advertise", "topic": "/a", "type": "../../etc/passwd"}', "passwd"),
         ('{"op": "advertise", "topic": "/a", "type": ""}', ""),
-        ('{"op": "subscribe", "topic": "/a", "throttle_rate": "fast"}', "'throttle_rate' wants a number"),
+        ('{"op": "subscribe", "topic": "/a", "throttle_rate": "fast"}', "'throttle_rate' must be a number"),
         ('{"op": "unadvertise", "topic": "\\ud800 \\u001b[2J"}', r"does not advertise \ud800 \u001b[2J"),
-        ('{"op": "dance\\ud800"}', "there is no op"),
-        ('{"op": "set_level", "level": "loud"}', "level wants one of none, error, warning, info, got 'loud'"),
+        ('{"op": "dance\\ud800"}', "unknown op"),
+        (
+            '{"op": "set_level", "level": "loud"}',
+            "level must be one of none, error, warning, info, got 'loud'",
+        ),
         ('{"op": "unadvertise", "topic": "/a"}', "does not advertise /a"),
         ('{"op": "advertise_service", "service": "/a", "type": "std_srvs/No"}', "has no service 'No'"),
         ('{"op": "unadvertise_service", "service": "/a"}', "this client does not offer /a"),
@@ -368,7 +374,7 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
         ('{"op": "fragment", "id": 1, "num": 5, "total": 2, "data": ""}', "fragment: num counts from 0"),
         ('{"op": "fragment"}', "fragment: "),
         ('{"op": "png", "data": "nonsense"}', "png: "),
-        ('{"op": "png"}', "png: field 'data' wants a text, got nothing"),
+        ('{"op": "png"}', "png: field 'data' must be a string, got nothing"),
     ],
 )
 async def test_every_mistake_is_told_in_one_line_and_the_client_stays(
@@ -463,7 +469,7 @@ async def test_a_slow_reader_loses_the_oldest_is_told_and_holds_up_nobody(there:
         assert 5 <= len(numbers) < 300
         assert numbers[-1] == 299
         assert statuses[0]["level"] == "warning"
-        assert "/chatter comes faster than this client reads" in statuses[0]["msg"]
+        assert "/chatter is too fast for this client" in statuses[0]["msg"]
         assert "too slowly" in there.warnings[0]
 
 
@@ -522,7 +528,7 @@ async def test_pages_of_others_are_refused_with_a_line_that_says_what_to_do(ther
     assert caught.value.response.status_code == 403
     body = bytes(caught.value.response.body or b"").decode()
     assert body == (
-        "pages of http://evil.example may not connect: allow them with --origin http://evil.example\n"
+        "pages of http://evil.example may not connect; allow them with --origin http://evil.example\n"
     )
     async with there.client(origin="http://localhost:8000") as client:
         assert await client.settled() == []
@@ -537,7 +543,7 @@ async def test_a_token_must_be_given() -> None:
             assert await client.settled() == []
         async with there.client("/?token=wrong") as client:
             await client.say("subscribe", topic="/chatter")
-            assert "this server wants a token" in (await client.receive("status"))["msg"]
+            assert "this server requires a token" in (await client.receive("status"))["msg"]
             with pytest.raises(ConnectionClosed) as caught:
                 await client.receive()
             assert caught.value.rcvd is not None

@@ -94,7 +94,7 @@ def test_what_json_has_no_number_for_is_null() -> None:
 def test_null_is_nan_for_a_float_and_no_integer() -> None:
     assert math.isnan(back("std_msgs/Float32", {"data": None}).data)
     assert math.isnan(back("std_msgs/Float64MultiArray", {"data": [1, None]}).data[1])
-    with pytest.raises(SerializationError, match="wants an int32 for field data, got null"):
+    with pytest.raises(SerializationError, match="needs an int32 for field data, got null"):
         back("std_msgs/Int32", {"data": None})
 
 
@@ -145,17 +145,17 @@ def test_whole_floats_are_integers() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("std_msgs/Int32", {"data": "x"}, "std_msgs/Int32 wants an int32 for field data, got 'x'"),
-        ("std_msgs/Int32", {"data": 1.5}, "std_msgs/Int32 wants an int32 for field data, got 1.5"),
-        ("std_msgs/Int32", {"data": True}, "std_msgs/Int32 wants an int32 for field data, got True"),
+        ("std_msgs/Int32", {"data": "x"}, "std_msgs/Int32 needs an int32 for field data, got 'x'"),
+        ("std_msgs/Int32", {"data": 1.5}, "std_msgs/Int32 needs an int32 for field data, got 1.5"),
+        ("std_msgs/Int32", {"data": True}, "std_msgs/Int32 needs an int32 for field data, got True"),
         ("std_msgs/UInt8", {"data": 300}, "field 'data' of std_msgs/UInt8 needs a uint8"),
-        ("std_msgs/Bool", {"data": 1}, "std_msgs/Bool wants a bool for field data, got 1"),
-        ("std_msgs/String", {"data": 1}, "std_msgs/String wants a string for field data, got 1"),
+        ("std_msgs/Bool", {"data": 1}, "std_msgs/Bool needs a bool for field data, got 1"),
+        ("std_msgs/String", {"data": 1}, "std_msgs/String needs a string for field data, got 1"),
         ("std_msgs/String", {"date": ""}, "std_msgs/String has no field date; it has data"),
-        ("std_msgs/String", [], r"std_msgs/String wants an object \(std_msgs/String\), got \[\]"),
+        ("std_msgs/String", [], r"std_msgs/String needs an object \(std_msgs/String\), got \[\]"),
         ("std_msgs/Empty", {"x": 1}, "std_msgs/Empty has no field x; it has no fields"),
         ("geometry_msgs/Twist", {"linear": {"q": 1}}, "geometry_msgs/Twist has no field linear.q; it has x"),
-        ("geometry_msgs/Twist", {"linear": {"x": ""}}, "wants a float64 for field linear.x, got ''"),
+        ("geometry_msgs/Twist", {"linear": {"x": ""}}, "needs a float64 for field linear.x, got ''"),
         (
             "geometry_msgs/Polygon",
             {"points": [{}, {"x": "a"}]},
@@ -163,11 +163,11 @@ def test_whole_floats_are_integers() -> None:
         ),
         ("std_msgs/Time", {"data": {"secs": "a"}}, "an integer for field data.secs, got 'a'"),
         ("std_msgs/Time", {"data": {"minutes": 1}}, "has no field data.minutes"),
-        ("std_msgs/Time", {"data": 5}, "wants a time, an object of secs and nsecs for field data, got 5"),
+        ("std_msgs/Time", {"data": 5}, "needs a time, an object of secs and nsecs for field data, got 5"),
         ("std_msgs/Time", {"data": {"secs": -1}}, "field 'data' of std_msgs/Time needs a time"),
         ("std_msgs/UInt8MultiArray", {"data": "A"}, "for field data, got 'A'"),
-        ("std_msgs/UInt8MultiArray", {"data": "data:image/png;base64,AQID"}, "wants base64 or a list"),
-        ("std_msgs/UInt8MultiArray", {"data": "ü"}, "wants base64 or a list"),
+        ("std_msgs/UInt8MultiArray", {"data": "data:image/png;base64,AQID"}, "needs base64 or a list"),
+        ("std_msgs/UInt8MultiArray", {"data": "ü"}, "needs base64 or a list"),
         ("std_msgs/UInt8MultiArray", {"data": [256]}, "field 'data' of std_msgs/UInt8MultiArray needs bytes"),
         ("std_msgs/Float64MultiArray", {"data": {"0": 1}}, r"a list \(float64\[\]\) for field data"),
         ("std_msgs/Float64MultiArray", {"data": [1, "b"]}, r"for field data\[1\], got 'b'"),

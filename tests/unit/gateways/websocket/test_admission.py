@@ -87,7 +87,7 @@ def test_another_machines_name_is_refused() -> None:
     headers = Headers({"Host": "rebound.example:8765"})
     refusal = reason(admission(), "/?token=", headers)
     assert refusal is not None
-    assert "'rebound.example:8765' is no name of this machine" in refusal
+    assert "'rebound.example:8765' is not a name of this machine" in refusal
     assert reason(admission(own_names=["rebound.example"]), "/", headers) is None
     assert reason(admission(token="s3cret"), "/?token=s3cret", headers) is None
 

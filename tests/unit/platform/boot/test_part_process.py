@@ -64,7 +64,7 @@ async def test_a_part_that_is_killed_starts_again_and_ends_with_us() -> None:
         await until(lambda: len(lines.pids) == 1)
         os.kill(lines.pids[0], signal.SIGKILL)
         await until(lambda: len(lines.pids) == 2)
-        assert "ended (signal SIGKILL); starts again in 0 s" in lines
+        assert "ended (signal SIGKILL); restarts in 0 s" in lines
     assert not is_running(lines.pids[1])
 
 
@@ -74,7 +74,7 @@ async def test_a_part_that_hangs_is_ended_and_starts_again() -> None:
         await until(lambda: len(lines.pids) == 1)
         os.kill(lines.pids[0], signal.SIGSTOP)
         await until(lambda: len(lines.pids) == 2)
-    assert "hangs since 2 s and is ended" in lines
+    assert "has not responded for 2 s; ending it" in lines
 
 
 async def test_a_part_that_never_reports_is_not_watched() -> None:

@@ -45,7 +45,7 @@ def test_a_robot(tmp_path: Path) -> None:
     ("text", "reason"),
     [
         ("name = ", "is not TOML"),
-        ("nmae = 'x'", "unknown key 'nmae'; known are address,"),
+        ("nmae = 'x'", "unknown key 'nmae'; known keys: address,"),
         ("name = 3", "name must be one line of text in quotes"),
         ("", r"no parts; add a table \[parts\]"),
         ("parts = 3", r"parts must be a table"),

@@ -52,7 +52,7 @@ async def test_a_folder_of_pictures_is_read_only_while_a_program_shows_them(tmp_
         (folder / "2.jpg").write_bytes(b"none")
         await shown.has_state(WHAT.id, "ready")
         viewing = await shown.viewer.subscriber(WHAT.topic, MESSAGE_TYPE, received.append)
-        await until(lambda: any("2.jpg: is no JPEG picture" in each for each in shown.report.texts))
+        await until(lambda: any("2.jpg is not a JPEG picture" in each for each in shown.report.texts))
         (folder / "2.jpg").write_bytes(picture("blue"))
         await until(lambda: len({bytes(each.data) for each in received}) == 2)
         await viewing.close()

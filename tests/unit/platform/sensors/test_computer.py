@@ -97,7 +97,7 @@ async def test_the_load_of_a_computer(tmp_path: Path) -> None:
         await shown.has_state("Robot_3/temperature", "alert above 80 \N{DEGREE SIGN}C")
         await shown.has_state("Robot_3/memory", "ready")
         tree(tmp_path, {"proc/stat": "none"})
-        await until(lambda: "does not begin with cpu" in shown.state("Robot_3/cpu"))
+        await until(lambda: "does not start with cpu" in shown.state("Robot_3/cpu"))
 
 
 def test_the_load_of_this_computer() -> None:

@@ -31,7 +31,7 @@ def test_a_converter_of_the_system_in_its_unit(tmp_path: Path) -> None:
     plain.write_text("7 of 9\n")
     assert (NumberFile(plain).read(), NumberFile(plain).unit) == (7.0, "")
     plain.write_text("none\n")
-    with pytest.raises(BoardError, match="value: has no number, but 'none"):
+    with pytest.raises(BoardError, match="value does not start with a number, but with 'none"):
         NumberFile(plain).read()
 
 
@@ -81,7 +81,7 @@ async def test_a_boards_topic_as_a_sensor() -> None:
 
 @pytest.mark.parametrize(
     ("field", "reason"),
-    [("distance", "has no field 'distance'"), ("header/frame_id", "frame_id is no number, but ''")],
+    [("distance", "has no field 'distance'"), ("header/frame_id", "frame_id is not a number, but ''")],
 )
 async def test_a_field_that_is_no_number(field: str, reason: str) -> None:
     async with shown_sensors() as shown:

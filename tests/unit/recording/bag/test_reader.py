@@ -114,7 +114,7 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
     [
         (b"", "is empty"),
         (b"#ROSBAG V1.2\n" + bytes(100), "format 1.2"),
-        (b"#ROSBAG V", "is truncated: it has 9 bytes"),
+        (b"#ROSBAG V", "is truncated: it has only 9 bytes"),
         (b"{}" * 50, "is not a bag"),
     ],
 )

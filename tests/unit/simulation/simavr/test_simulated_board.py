@@ -199,7 +199,7 @@ async def test_programs_for_other_boards(start: Start, tmp_path: Path) -> None:
         await start(build("echo", board="mega"))
     with pytest.raises(BoardError, match="cannot be read"):
         await start(tmp_path / "missing.elf")
-    with pytest.raises(ConfigError, match="known are uno, nano, promini, mega, leonardo, micro"):
+    with pytest.raises(ConfigError, match="known: uno, nano, promini, mega, leonardo, micro"):
         await start(build("echo"), board="due")
 
 

@@ -23,7 +23,7 @@ Allows: TypeAlias = Callable[[str], bool]
 # How long one server may take to send its type; a server may hang.
 ASK_LIMIT_S: Final = 3.0
 
-# Servers that are asked at the same time.
+# The limit of concurrent requests to servers.
 MAX_ASKED: Final = 32
 
 # Topics whose definitions one answer may contain: about 10 MB of text.
@@ -47,7 +47,7 @@ class GraphAnswers:
         ask_type: AskServer | None,
         ask_host: AskServer | None,
     ) -> None:
-        # The known types of our own services.
+        # The known types of own services.
         self.known_types: Mapping[str, str] = {}
         self._graph = graph
         self._registry = registry

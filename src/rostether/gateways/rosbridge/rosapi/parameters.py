@@ -1,6 +1,6 @@
-"""rosapi's services for parameters: values travel as JSON in a text, since a service's fields have types.
+"""rosapi's services for parameters: values are JSON strings, because fields of services have fixed types.
 
-On a ROS 2 graph a parameter is called `/node:name`, as rosapi does there; ROS 1's way to write it works too.
+On a ROS 2 graph, parameters have names such as `/node:name`, like in rosapi; the ROS 1 form also works.
 """
 
 from __future__ import annotations
@@ -74,17 +74,17 @@ def _read(text: str) -> ParamValue:
         value = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise SerializationError(
-            f'a parameter\'s value is given in JSON, a text as "\\"hello\\"": {error}'
+            f'a parameter\'s value must be JSON, a string such as "\\"hello\\"": {error}'
         ) from None
     if value is None:
-        raise SerializationError("a parameter cannot be null: delete it")
+        raise SerializationError("a parameter cannot be null; delete it instead")
     _check(value, 0)
     return value  # type: ignore[no-any-return]
 
 
 def _check(value: Any, depth: int) -> None:
     if depth > MAX_NESTING:
-        raise SerializationError(f"parameters nest {MAX_NESTING} deep at most")
+        raise SerializationError(f"parameters can be nested at most {MAX_NESTING} levels deep")
     if isinstance(value, dict):
         for each in value.values():
             _check(each, depth + 1)

@@ -1,6 +1,6 @@
 """rosapi: services that show the graph to web pages and give access to its parameters.
 
-They are those of the established package rosapi, under `/rosapi`. rosbridge's clients get their answers
+The services are the same as in the package rosapi, under `/rosapi`. rosbridge's clients get their answers
 directly from here; `offering_rosapi` also offers them to the graph, as a node.
 """
 
@@ -131,10 +131,10 @@ async def offering_rosapi(
     graph: Graph,
     is_live: Callable[[str], Awaitable[bool]] | None = None,
 ) -> AsyncIterator[bool]:
-    """Be the node `/rosapi` as long as the block lasts, unless `graph` shows that there is one already.
+    """Run the node `/rosapi` within the block, unless `graph` already has one.
 
-    `is_live` returns whether a listed node still runs: a killed one leaves its name behind.
-    Yields whether it is ours. Raises GraphError.
+    `is_live` returns whether a listed node still runs, because a killed node stays listed. Yields whether the
+    node was started here. Raises GraphError.
     """
     is_listed = NODE_NAME in (await graph.snapshot()).nodes
     if is_listed and (is_live is None or await is_live(NODE_NAME)):

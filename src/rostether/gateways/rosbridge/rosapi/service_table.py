@@ -1,6 +1,6 @@
-"""The services of rosapi, row by row: name, type, what answers a request, and the response's fields.
+"""The services of rosapi, row by row: name, type, handler, and the response's fields.
 
-In ROS 2, answers about parameters also have whether they succeeded, and why not.
+In ROS 2, responses about parameters also contain success and reason.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Types in the form of rosapi: each with its fields, and then every type below it, in order of first use.
+"""Types in the form of rosapi: each with its fields, followed by its nested types in order of first use.
 
 A field's `fieldarraylen` is -1 for a single value, 0 for an array of any length, otherwise its length; its
 example is a zero, `[]` or `{}` (source: behaviour of rosapi).
@@ -11,7 +11,7 @@ from typing import Any, Final
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import Field, MessageSpec
 
-# Types below one; those in use have some 30, and definitions also come from peers.
+# The limit of nested types; real types have about 30, and definitions also come from peers.
 MAX_TYPES: Final = 512
 
 _STAMPS: Final = ("time", "duration")
