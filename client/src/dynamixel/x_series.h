@@ -17,7 +17,7 @@ const uint16_t PROFILE_ACCELERATION = 108;  // 4
 const uint16_t PRESENT_LOAD = 126;          // 2, units of 0.1 % of the full torque; on XM and XH servos the current
 const uint16_t PRESENT_VELOCITY = 128;      // 4
 const uint16_t PRESENT_POSITION = 132;      // 4
-const uint16_t PRESENT_INPUT_VOLTAGE = 144; // 2, units of 0.1 V
+const uint16_t PRESENT_INPUT_VOLTAGE = 144;  // 2, units of 0.1 V
 const uint16_t PRESENT_TEMPERATURE = 146;   // 1, degrees Celsius
 
 const uint8_t VELOCITY_MODE = 1;

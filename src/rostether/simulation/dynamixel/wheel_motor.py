@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 # An XL430 without load is at 6 rad/s within 0.1 s.
 ACCELERATION_RAD_S2 = 60.0
 
@@ -17,6 +19,12 @@ class WheelMotor:
         self._time_s = now_s
 
     @property
+    def acceleration_now_rad_s2(self) -> float:
+        """How fast its speed changes; 0 at the goal."""
+        missing = self.goal_rad_s - self.speed_rad_s
+        return math.copysign(self.acceleration_rad_s2, missing) if missing else 0.0
+
+    @property
     def effort(self) -> float:
         """The part of its torque that accelerates the wheel, -1 to 1."""
         return max(-1.0, min(1.0, (self.goal_rad_s - self.speed_rad_s) / self.acceleration_rad_s2 / 0.1))
@@ -27,10 +35,7 @@ class WheelMotor:
         self._time_s = max(self._time_s, now_s)
         missing = self.goal_rad_s - self.speed_rad_s
         ramp_s = min(step_s, abs(missing) / self.acceleration_rad_s2)
-        reached = (
-            self.speed_rad_s
-            + (self.acceleration_rad_s2 if missing > 0 else -self.acceleration_rad_s2) * ramp_s
-        )
+        reached = self.speed_rad_s + self.acceleration_now_rad_s2 * ramp_s
         if ramp_s < step_s:
             reached = self.goal_rad_s
         self.angle_rad += (self.speed_rad_s + reached) / 2 * ramp_s + reached * (step_s - ramp_s)

@@ -1,0 +1,253 @@
+"""A simulated OpenCR: a sketch compiled as a Linux program, with a robot at its servo bus, pins and sensors.
+
+async with await OpenCrBoard.start(program) as board:
+    ...                              # `board.address` is what `serve` opens
+    board.set_pin("BDPIN_PUSH_SW_1", high=True)
+    board.base.x_m                   # where the robot is
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+import tty
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from rostether.errors import BoardError, ConfigError
+from rostether.simulation.opencr.drive_base import DriveBase
+from rostether.simulation.opencr.pins import pin_number
+from rostether.transports.pty_link import check_link, place_link, remove_link
+
+# Its last lines say why it ended.
+_MAX_SAID_BYTES = 4096
+_MAX_LINE_BYTES = 256
+_MAX_TONES = 64
+END_LIMIT_S = 2.0
+
+# The board measures its supply through a divider of 5.7, other pins directly; both with 10 bits at 3.3 V.
+BATTERY_FULL_SCALE_V = 3.3 * 5.7
+PIN_FULL_SCALE_V = 3.3
+# There and back, at 342 m/s.
+_ECHO_US_PER_M = 2e6 / 342
+_BATTERY_PIN = pin_number("BDPIN_BAT_PWR_ADC")
+_MAX_BATTERY_V = 18.0
+
+
+class Tone(NamedTuple):
+    """A tone of the buzzer; 0 hertz is silence, 0 ms is until the next."""
+
+    hertz: int
+    length_ms: int
+
+
+class OpenCrBoard:
+    """One board on a robot. It ends with `close`, and with this process.
+
+    `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
+    `last_words`: what the program reported before it ended.
+    """
+
+    def __init__(
+        self,
+        process: asyncio.subprocess.Process,
+        base: DriveBase,
+        lines: dict[str, socket.socket],
+        terminal: str,
+        link_path: Path | None,
+    ) -> None:
+        self.base = base
+        self.pins: dict[int, bool] = {}
+        self.tones: deque[Tone] = deque(maxlen=_MAX_TONES)
+        self.last_words = ""
+        self._process = process
+        self._lines = lines
+        self._terminal = terminal
+        self._link_path = link_path
+        self._unfinished = b""
+        self._felt = ""
+        self._loop = asyncio.get_running_loop()
+        self._read_lines("OPENCR_DXL", self._ask_servos)
+        self._read_lines("OPENCR_PINS", self._hear_pins)
+        self._ending = self._loop.create_task(self._wait())
+
+    @classmethod
+    async def start(
+        cls, program: Path, *, link_path: Path | None = None, clock: Callable[[], float] | None = None
+    ) -> Self:
+        """Start a program that `build_for_linux` made, its USB port linked at `link_path`.
+
+        The robot has a full battery and stands still. Raises BoardError if the program does not start,
+        TransportOpenError for a `link_path` in use.
+        """
+        if link_path is not None:
+            check_link(link_path)
+        base = DriveBase(clock if clock is not None else asyncio.get_running_loop().time)
+        with contextlib.ExitStack() as theirs:
+            master, slave = os.openpty()
+            theirs.callback(os.close, master)
+            theirs.callback(os.close, slave)
+            tty.setraw(slave)
+            terminal = os.ttyname(slave)
+            descriptors = {"OPENCR_USB": master}
+            ours: dict[str, socket.socket] = {}
+            for name in ("OPENCR_DXL", "OPENCR_PINS", "OPENCR_BLUETOOTH"):
+                ours[name], other = socket.socketpair()
+                theirs.callback(other.close)
+                ours[name].setblocking(False)
+                descriptors[name] = other.fileno()
+            # The program finds them before it runs.
+            _send(ours["OPENCR_PINS"], _battery_line(12.0) + _feel_line(base))
+            try:
+                process = await asyncio.create_subprocess_exec(
+                    str(program),
+                    stdin=asyncio.subprocess.DEVNULL,
+                    stdout=asyncio.subprocess.DEVNULL,
+                    stderr=asyncio.subprocess.PIPE,
+                    pass_fds=tuple(descriptors.values()),
+                    env={**os.environ, **{name: str(fd) for name, fd in descriptors.items()}},
+                )
+            except OSError as error:
+                for line in ours.values():
+                    line.close()
+                raise BoardError(f"cannot run {program}: {error.strerror}; build the sketch again") from error
+        if link_path is not None:
+            place_link(link_path, terminal)
+        return cls(process, base, ours, terminal, link_path)
+
+    @property
+    def address(self) -> str:
+        """Return the link address of the board's USB port, as `serve` takes it."""
+        return self._terminal
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the program has ended."""
+        return self._ending.done()
+
+    def set_pin(self, name: str, *, high: bool) -> None:
+        """Drive an input. Raises ConfigError for an unknown pin."""
+        self._tell(f"pin {pin_number(name)} {int(high)}\n")
+
+    def set_voltage(self, name: str, volts: float) -> None:
+        """Put 0 to 3.3 V at an analog input. Raises ConfigError for an unknown pin or another voltage."""
+        if not 0 <= volts <= PIN_FULL_SCALE_V:
+            raise ConfigError(
+                f"{volts:g} V are too much for {name}; its inputs accept 0 to {PIN_FULL_SCALE_V:g} V"
+            )
+        self._tell(f"adc {pin_number(name)} {round(volts / PIN_FULL_SCALE_V * 1023)}\n")
+
+    def set_battery(self, volts: float) -> None:
+        """Change the supply of the board and the servos. Raises ConfigError beyond 0 to 18 V."""
+        if not 0 <= volts <= _MAX_BATTERY_V:
+            raise ConfigError(
+                f"a battery of {volts:g} V would destroy the board; give 0 to {_MAX_BATTERY_V:g} V"
+            )
+        self._tell(_battery_line(volts))
+        for servo in self.base.servos.values():
+            servo.set_voltage(volts)
+
+    def set_range(self, metres: float | None) -> None:
+        """Put an obstacle in front of the sonar, or none."""
+        self._tell(f"sonar {0 if metres is None else round(metres * _ECHO_US_PER_M)}\n")
+
+    def hold_remote(self, buttons: int) -> None:
+        """Send a packet of the remote control RC-100. `buttons`: bits up 1, down 2, left 4, right 8."""
+        low, high = buttons & 0xFF, buttons >> 8 & 0xFF
+        _send(self._lines["OPENCR_BLUETOOTH"], bytes((0xFF, 0x55, low, low ^ 0xFF, high, high ^ 0xFF)))
+
+    async def wait_end(self) -> None:
+        """Wait until the program has ended."""
+        await asyncio.shield(self._ending)
+
+    async def close(self) -> None:
+        """End it and wait for that. Idempotent."""
+        if self._link_path is not None:
+            remove_link(self._link_path, self._terminal)
+            self._link_path = None
+        for line in self._lines.values():
+            if line.fileno() >= 0:
+                self._loop.remove_reader(line)
+                line.close()
+        # The program ends when its pins are closed; one that hangs does not.
+        try:
+            async with asyncio.timeout(END_LIMIT_S):
+                await asyncio.shield(self._ending)
+        except TimeoutError:
+            with contextlib.suppress(ProcessLookupError):
+                self._process.kill()
+            await self._ending
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    def _read_lines(self, name: str, receive: Callable[[bytes], None]) -> None:
+        line = self._lines[name]
+
+        def read() -> None:
+            try:
+                data = line.recv(4096)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b""
+            if data:
+                receive(data)
+            else:
+                self._loop.remove_reader(line)
+
+        self._loop.add_reader(line, read)
+
+    def _ask_servos(self, data: bytes) -> None:
+        answer = self.base.receive(data)
+        if answer:
+            _send(self._lines["OPENCR_DXL"], answer)
+        felt = _feel_line(self.base)
+        if felt != self._felt:
+            self._felt = felt
+            self._tell(felt)
+
+    def _hear_pins(self, data: bytes) -> None:
+        *lines, self._unfinished = (self._unfinished + data)[-_MAX_LINE_BYTES * 64 :].split(b"\n")
+        for line in lines:
+            match line.split():
+                case [b"pin", number, level]:
+                    self.pins[int(number)] = level != b"0"
+                case [b"tone", hertz, length_ms]:
+                    self.tones.append(Tone(int(hertz), int(length_ms)))
+
+    def _tell(self, text: str) -> None:
+        _send(self._lines["OPENCR_PINS"], text)
+
+    async def _wait(self) -> None:
+        stderr = self._process.stderr
+        assert stderr is not None
+        said = b""
+        while chunk := await stderr.read(4096):
+            said = (said + chunk)[-_MAX_SAID_BYTES:]
+        await self._process.wait()
+        self.last_words = said.decode(errors="replace").strip().rpartition("\n")[2]
+
+
+def _send(line: socket.socket, data: str | bytes) -> None:
+    # A program that does not read loses bytes, as on the board.
+    with contextlib.suppress(OSError):
+        line.send(data.encode() if isinstance(data, str) else data)
+
+
+def _battery_line(volts: float) -> str:
+    return f"adc {_BATTERY_PIN} {min(1023, round(volts / BATTERY_FULL_SCALE_V * 1023))}\n"
+
+
+def _feel_line(base: DriveBase) -> str:
+    return "feel " + " ".join(f"{part:.9g}" for vector in base.feel() for part in vector) + "\n"

@@ -1,0 +1,81 @@
+"""A robot on two driven wheels: where two simulated servos take it, and what an IMU on it feels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from rostether.simulation.dynamixel.servo_bus import ServoBus
+from rostether.simulation.dynamixel.wheel_motor import WheelMotor
+from rostether.simulation.motion import GRAVITY, Vector
+
+# A TurtleBot3 Burger.
+WHEEL_RADIUS_M = 0.033
+WHEEL_SEPARATION_M = 0.160
+LEFT_ID, RIGHT_ID = 1, 2
+# The field of the simulated Earth, in tesla.
+NORTH_T, UP_T = 20e-6, -44e-6
+# While the wheels change their speed, the way in a step is nearly an arc.
+_STEP_S = 0.005
+# After a long pause the steps are longer, so that they take no longer than 20 ms to compute.
+_MAX_STEPS = 200
+
+
+class DriveBase(ServoBus):
+    """Two servos on a bus, and the pose: x forward at the start, y left, heading to the left. No slip."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        super().__init__((LEFT_ID, RIGHT_ID), clock)
+        self.x_m = 0.0
+        self.y_m = 0.0
+        self.heading_rad = 0.0
+        self._advanced_s = clock()
+
+    @property
+    def speed_m_s(self) -> float:
+        """The speed forward."""
+        left, right = self._motors()
+        return (left.speed_rad_s + right.speed_rad_s) / 2 * WHEEL_RADIUS_M
+
+    @property
+    def turn_rate_rad_s(self) -> float:
+        """How fast it turns to the left."""
+        left, right = self._motors()
+        return (right.speed_rad_s - left.speed_rad_s) * WHEEL_RADIUS_M / WHEEL_SEPARATION_M
+
+    def advance(self) -> None:
+        """Move until now."""
+        now_s = self._clock()
+        span_s = now_s - self._advanced_s
+        steps = max(1, min(_MAX_STEPS, math.ceil(span_s / _STEP_S)))
+        for step in range(1, steps + 1):
+            self._step(self._advanced_s + span_s * step / steps)
+        self._advanced_s = now_s
+
+    def feel(self) -> tuple[Vector, Vector, Vector]:
+        """Return turn rate (rad/s), acceleration (m/s²) and magnetic field (T), in the robot's axes."""
+        turn_rate, speed = self.turn_rate_rad_s, self.speed_m_s
+        rising = sum(motor.acceleration_now_rad_s2 for motor in self._motors()) / 2 * WHEEL_RADIUS_M
+        return (
+            Vector(0.0, 0.0, turn_rate),
+            Vector(rising, speed * turn_rate, GRAVITY),
+            Vector(NORTH_T * math.cos(self.heading_rad), -NORTH_T * math.sin(self.heading_rad), UP_T),
+        )
+
+    def _step(self, now_s: float) -> None:
+        left, right = self._motors()
+        before = left.angle_rad, right.angle_rad
+        for servo in self.servos.values():
+            servo.advance(now_s)
+        left_m = (left.angle_rad - before[0]) * WHEEL_RADIUS_M
+        right_m = (right.angle_rad - before[1]) * WHEEL_RADIUS_M
+        turn_rad = (right_m - left_m) / WHEEL_SEPARATION_M
+        # The chord of the arc.
+        chord = 1.0 if abs(turn_rad) < 1e-9 else math.sin(turn_rad / 2) / (turn_rad / 2)
+        way_m = (left_m + right_m) / 2 * chord
+        self.x_m += way_m * math.cos(self.heading_rad + turn_rad / 2)
+        self.y_m += way_m * math.sin(self.heading_rad + turn_rad / 2)
+        self.heading_rad = math.remainder(self.heading_rad + turn_rad, math.tau)
+
+    def _motors(self) -> tuple[WheelMotor, WheelMotor]:
+        return self.servos[LEFT_ID].motor, self.servos[RIGHT_ID].motor

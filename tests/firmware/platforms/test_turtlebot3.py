@@ -1,0 +1,214 @@
+"""The firmware of a TurtleBot3 Burger on a simulated OpenCR, through the real bridge."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator, Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from firmware.examples.attitudes import yaw_of
+from firmware.platforms.meeting import PATIENCE_S, Meeting, meeting
+from firmware.platforms.programs import EXAMPLES
+from rostether.errors import SketchError
+from rostether.firmware.opencr_build import build_for_linux
+from rostether.serde.values import Message
+from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.pins import pin_number
+from waiting import until
+
+pytestmark = pytest.mark.gcc
+
+SKETCH = EXAMPLES / "TurtleBot3Burger"
+TWIST, ODOM, STATE = "geometry_msgs/Twist", "nav_msgs/Odometry", "turtlebot3_msgs/SensorState"
+SIDE_M = 0.2
+
+
+@pytest.fixture(scope="module")
+def program() -> Path:
+    """The firmware as a Linux program."""
+    return asyncio.run(build_for_linux(SKETCH))
+
+
+class Robot:
+    """The board, and a program on the graph of its bridge."""
+
+    def __init__(self, board: OpenCrBoard, met: Meeting) -> None:
+        self.board = board
+        self.met = met
+
+    async def message(
+        self, topic: str, type_name: str, meets: Callable[[Any], object] = lambda _message: True
+    ) -> Message:
+        """Return the next message of a topic that meets a condition."""
+        async with asyncio.timeout(PATIENCE_S):
+            async for message in self.met.graph.messages(topic, type_name):
+                if meets(message):
+                    return message
+        raise AssertionError("the graph has ended")
+
+    async def publish(self, topic: str, type_name: str, **fields: Any) -> None:
+        """Publish one message to the board."""
+        publisher = await self.met.graph.publisher(topic, type_name)
+        assert await publisher.wait_for_subscriber(PATIENCE_S), f"the board does not subscribe to {topic}"
+        publisher.publish(**fields)
+
+    async def drive_until(self, speed: float, turn: float, reached: Callable[[Any], object]) -> None:
+        """Command a speed until an odometry message meets a condition, and wait until the robot stands."""
+        publisher = await self.met.graph.publisher("/cmd_vel", TWIST)
+        assert await publisher.wait_for_subscriber(PATIENCE_S)
+        async with asyncio.timeout(PATIENCE_S):
+            async for message in self.met.graph.messages("/odom", ODOM):
+                if reached(message.pose.pose):
+                    break
+                publisher.publish(linear={"x": speed}, angular={"z": turn})
+        publisher.publish(linear={"x": 0.0})
+        await self.message("/odom", ODOM, stands)
+
+
+def stands(message: Any) -> bool:
+    return bool(message.twist.twist.linear.x == message.twist.twist.angular.z == 0)
+
+
+def is_away(start: Any, pose: Any) -> bool:
+    return math.dist((pose.position.x, pose.position.y), (start.x, start.y)) > SIDE_M - 0.01
+
+
+def is_turned(heading: float, pose: Any) -> bool:
+    return math.remainder(heading - yaw_of(pose.orientation), math.tau) < 0.08
+
+
+@contextlib.asynccontextmanager
+async def burger(program: Path, **parameters: Any) -> AsyncIterator[Robot]:
+    """Start the robot, with private parameters for it."""
+    async with meeting() as met, await OpenCrBoard.start(program) as board:
+        for key, value in parameters.items():
+            await met.graph.set_param(f"/burger/{key}", value)
+        async with met.bridge(f"{board.address}?name=burger"):
+            yield Robot(board, met)
+
+
+async def test_it_drives_a_square_and_knows_where_it_is(program: Path) -> None:
+    async with burger(program) as robot:
+        base = robot.board.base
+        for side in range(4):
+            start = (await robot.message("/odom", ODOM, stands)).pose.pose.position
+            await robot.drive_until(0.2, 0, partial(is_away, start))
+            await robot.drive_until(0, 2.0, partial(is_turned, (side + 1) * math.pi / 2))
+            pose = (await robot.message("/odom", ODOM, stands)).pose.pose
+            base.advance()
+            assert math.dist((pose.position.x, pose.position.y), (base.x_m, base.y_m)) < 0.01
+            assert abs(math.remainder(yaw_of(pose.orientation) - base.heading_rad, math.tau)) < 0.01
+        # Back where it began; the corners are not exact on a busy machine.
+        assert math.hypot(base.x_m, base.y_m) < SIDE_M / 2
+        (frame,) = (await robot.message("/tf", "tf/tfMessage")).transforms
+        assert (frame.header.frame_id, frame.child_frame_id) == ("odom", "base_footprint")
+        assert frame.transform.translation.x == pytest.approx(pose.position.x)
+        joints = await robot.message("/joint_states", "sensor_msgs/JointState")
+        assert list(joints.name) == ["wheel_left_joint", "wheel_right_joint"]
+        motors = [servo.motor.angle_rad for servo in base.servos.values()]
+        assert list(joints.position) == pytest.approx(motors, abs=0.01)
+
+        # A command lasts half a second. The servos accept no more than 265 units.
+        driving = asyncio.ensure_future(
+            robot.message("/odom", ODOM, lambda each: each.twist.twist.linear.x > 0.15)
+        )
+        await robot.publish("/cmd_vel", TWIST, linear={"x": 1.0}, angular={"z": 0.0})
+        await driving
+        assert base.speed_m_s < 0.22
+        await robot.message("/odom", ODOM, stands)
+        await robot.publish("/reset", "std_msgs/Empty")
+        await robot.message("/odom", ODOM, lambda each: each.pose.pose.position.x == 0)
+
+
+async def test_it_senses(program: Path) -> None:
+    async with burger(program, tf_prefix="tb3_0") as robot:
+        board = robot.board
+        board.set_pin("BDPIN_PUSH_SW_1", high=True)
+        board.set_pin("OLLO_4", high=True)
+        board.set_voltage("OLLO_2", 1.65)
+        board.set_voltage("A1", 0.33)
+        board.set_range(0.5)
+        board.set_battery(10.8)
+        state = await robot.message("/sensor_state", STATE, lambda each: each.sonar > 1 and each.torque)
+        assert (state.button, state.bumper) == (1, 1)
+        assert (state.cliff, state.illumination) == (512, 102)
+        assert state.sonar == pytest.approx(50, abs=0.1)
+        assert state.battery == pytest.approx(10.8, abs=0.02)
+        # Its LEDs: connected, low battery.
+        await until(lambda: board.pins.get(pin_number("LED_USER_2")) is False, "the low battery's LED")
+        assert board.pins[pin_number("LED_USER_1")] is False
+
+        def is_low(message: Any) -> bool:
+            parts = {each.name: each for each in message.status}
+            return (parts["Power System"].level, parts["Actuator"].values[0].value) == (1, "10.8 V")
+
+        await robot.message("/diagnostics", "diagnostic_msgs/DiagnosticArray", is_low)
+        battery = await robot.message("/battery_state", "sensor_msgs/BatteryState")
+        assert (battery.percentage, battery.present) == (0, True)
+        imu = await robot.message("/imu", "sensor_msgs/Imu", lambda each: each.header.frame_id)
+        assert imu.header.frame_id == "tb3_0/imu_link"
+        assert imu.linear_acceleration.z == pytest.approx(9.807, abs=0.002)
+        field = (await robot.message("/magnetic_field", "sensor_msgs/MagneticField")).magnetic_field
+        assert (field.x, field.y, field.z) == pytest.approx((20e-6, 0, -44e-6), abs=0.2e-6)
+
+        # The remote control turns it, for as long as its packets come.
+        turning = asyncio.ensure_future(
+            robot.message("/imu", "sensor_msgs/Imu", lambda each: each.angular_velocity.z > 0.9)
+        )
+        held = asyncio.ensure_future(robot.message("/cmd_vel_rc100", TWIST, lambda each: each.angular.z == 1))
+        while not (turning.done() and held.done()):
+            board.hold_remote(4)
+            await asyncio.sleep(0.1)
+        assert (await turning).angular_velocity.z == pytest.approx(1, abs=0.1)
+        await robot.message("/odom", ODOM, stands)
+
+        await robot.publish("/sound", "turtlebot3_msgs/Sound", value=4)
+        await until(lambda: board.tones, "a tone")
+        assert board.tones[0] == (880, 100)
+
+
+async def test_torque_and_errors_of_the_servos(program: Path) -> None:
+    async with burger(program) as robot:
+        base = robot.board.base
+        await robot.message("/sensor_state", STATE)
+        await until(lambda: base.servos[1]["operating_mode"] == 1, "velocity mode")
+        await robot.publish("/motor_power", "std_msgs/Bool", data=False)
+        await robot.message("/sensor_state", STATE, lambda each: not each.torque)
+        assert [servo["torque_enable"] for servo in base.servos.values()] == [0, 0]
+
+        # Overloaded.
+        base.servos[2].fail(0x20)
+
+        def has_failed(message: Any) -> bool:
+            (part,) = [each for each in message.status if each.name == "Actuator"]
+            return (part.level, part.message) == (2, "the right servo has a hardware error: 0x20")
+
+        await robot.message("/diagnostics", "diagnostic_msgs/DiagnosticArray", has_failed)
+        await robot.publish("/motor_power", "std_msgs/Bool", data=True)
+        await until(lambda: base.servos[2]["torque_enable"] == 1, "the torque after a restart")
+        assert base.servos[2]["hardware_error_status"] == 0
+
+        # A line that damages each answer: the robot reports it, and goes on when the line is whole.
+        base.damage = lambda answer: answer[:-1] + bytes((answer[-1] ^ 1,))
+        is_silent = "a servo does not answer"
+        await robot.message(
+            "/diagnostics",
+            "diagnostic_msgs/DiagnosticArray",
+            lambda message: is_silent in [each.message for each in message.status],
+        )
+        base.damage = None
+        await robot.message("/odom", ODOM)
+
+
+async def test_a_sketch_with_an_error_is_reported_with_its_lines(tmp_path: Path) -> None:
+    sketch = tmp_path / "wrong.ino"
+    sketch.write_text("void setup() { pinMode(BDPIN_LED_USER_1, OUTPUT); }\nvoid loop() { missing(); }\n")
+    with pytest.raises(SketchError) as raised:
+        await build_for_linux(sketch)
+    assert "wrong.ino:2:" in raised.value.diagnostics
