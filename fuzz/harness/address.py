@@ -10,7 +10,6 @@ from rostether.transports.address import (
     MAX_BAUD,
     MAX_SEED,
     MAX_UART,
-    MAX_XBEE_ADDRESS,
     Address,
     SerialAddress,
     SimAddress,
@@ -19,6 +18,7 @@ from rostether.transports.address import (
     XbeeAddress,
     parse_address,
 )
+from rostether.transports.xbee.radio_address import BROADCAST_ADDRESS, MAX_SHORT_ADDRESS
 
 _MAX_PORT = 65535
 
@@ -31,7 +31,7 @@ def seeds() -> list[bytes]:
         b"udp://[::1]:11411?connect=yes&bind=1",
         b"tls://:11412?cert=a.pem&key=a.key&ca=b.pem&psk=key.txt",
         b"pty:/tmp/a",
-        b"xbee:/dev/ttyUSB0?peers=1,0x2a",
+        b"xbee:/dev/ttyUSB0?peers=1,0x2a,0013A20040A1B2C3",
         b"sim:blink.ino?board=uno&adc=A0:2.5&uart=1&seed=7",
         b"COM3",
     ]
@@ -52,7 +52,7 @@ def generate(source: random.Random) -> bytes:
     )
     options = []
     for key in source.sample(keys, source.randint(0, len(keys))):
-        limits = {"baud": MAX_BAUD, "bind": _MAX_PORT, "peers": MAX_XBEE_ADDRESS, "uart": MAX_UART}
+        limits = {"baud": MAX_BAUD, "bind": _MAX_PORT, "peers": MAX_SHORT_ADDRESS, "uart": MAX_UART}
         value = source.choice(("yes", "no", "maybe", "", "10.0.0.0/8", "1,2", "A0:2.5"))
         if key in (*limits, "seed"):
             value = _number(source, limits.get(key, MAX_SEED))
@@ -83,7 +83,7 @@ def _check(address: Address) -> None:
             assert 1 <= address.baud <= MAX_BAUD, "a speed that no port has"
         case XbeeAddress():
             assert 1 <= address.baud <= MAX_BAUD, "a speed that no port has"
-            assert all(0 <= peer <= MAX_XBEE_ADDRESS for peer in address.peers), "no address of a peer"
+            assert all(_is_radio_address(peer) for peer in address.peers), "no address of a peer"
         case TcpAddress():
             assert 0 <= address.port <= _MAX_PORT, "no port"
         case UdpAddress():
@@ -92,3 +92,7 @@ def _check(address: Address) -> None:
         case SimAddress():
             assert address.uart is None or 0 <= address.uart <= MAX_UART
             assert 0 <= address.seed <= MAX_SEED
+
+
+def _is_radio_address(address: int) -> bool:
+    return 0 <= address <= MAX_SHORT_ADDRESS or BROADCAST_ADDRESS < address < 2**64

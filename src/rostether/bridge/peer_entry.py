@@ -35,8 +35,12 @@ def _frames_in(data: bytes) -> list[Frames]:
     return [each for each in decoded if isinstance(each, Frames)]
 
 
+# A sync byte and no protocol version: a board without a host requests the time, another one ignores it.
+_CALL = b"\xff\x00"
+
 BOARD_ENTRY = PeerEntry(
     is_frame=holds_frame,
     question=encode_frame(ids.TOPIC_REQUEST, b""),
     is_answer=holds_answer,
+    call=_CALL,
 )

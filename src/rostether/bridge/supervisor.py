@@ -41,7 +41,7 @@ from rostether.ports.settings import DeviceSettings
 from rostether.serde.store import TypeStore
 from rostether.transports.address import Address, SerialAddress, TcpAddress, WebAddress, XbeeAddress
 from rostether.transports.opening import listen, open_transport
-from rostether.transports.peers import PeerEntry
+from rostether.transports.peers import PeerEntry, PeerTransport
 from rostether.transports.transport import Listener, Transport
 from rostether.transports.web import WebTransport
 
@@ -231,6 +231,7 @@ class Supervisor:
         try:
             node = board.node or await self._give_node(address, board, device)
             node.hardware_id = hardware_id(address, transport.peer, identity)
+            node.health.radio = transport.quality if isinstance(transport, PeerTransport) else None
             node.program = address.program if isinstance(address, SerialAddress) else None
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress | WebAddress) else None
             if self._tap is not None:

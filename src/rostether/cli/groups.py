@@ -220,3 +220,19 @@ def link() -> None:
     A capture contains the bytes of the board and of the host, with times. Use it to show a problem without
     the board.
     """
+
+
+@click.group(
+    cls=LazyGroup,
+    verbs={
+        "setup": VerbEntry("rostether.cli.xbee.setup:xbee_setup", "Set up a radio for a network of boards."),
+        "simulate": VerbEntry("rostether.cli.xbee.simulate:xbee_simulate", "Run a simulated radio network."),
+    },
+    examples="""
+    rostether xbee setup --coordinator /dev/ttyUSB0
+    rostether xbee setup /dev/ttyUSB1 1
+    rostether xbee simulate --boards 8 --loss 0.05 --link ./xbee
+    """,
+)
+def xbee() -> None:
+    """Set up XBee radios, and simulate a network of them."""

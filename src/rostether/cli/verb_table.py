@@ -12,6 +12,7 @@ VERBS = {
         "Connect one board, with the arguments of serial_node.py.",
     ),
     "board": VerbEntry("rostether.cli.groups:board", "Run sketches on simulated boards."),
+    "xbee": VerbEntry("rostether.cli.groups:xbee", "Set up XBee radios, and simulate a network."),
     "doctor": VerbEntry("rostether.cli.bridge.doctor:doctor", "Diagnose why a board does not connect."),
     "self-check": VerbEntry(
         "rostether.cli.bridge.self_check:self_check",

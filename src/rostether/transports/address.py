@@ -4,7 +4,7 @@
     tcp://:11411    tcp://0.0.0.0:11411?allow=192.168.1.0/24    tcp://robot.local:11411?connect=yes
     tcp://:11411?psk=key.txt    tls://:11412?cert=server.pem&key=server.key&ca=boards.pem
     udp://:11411    udp://192.168.1.7:11411?connect=yes&bind=11411
-    pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2
+    pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2,0013A20040A1B2C3
     sim:blink.ino?board=uno&adc=A0:2.5&range=0.5
     web:    web:?ns=lab
 
@@ -21,6 +21,7 @@ from rostether.errors import ConfigError
 from rostether.transports.allow_list import check_networks
 from rostether.transports.sim_words import SIM_WORDS, sim_words
 from rostether.transports.tls import TlsFiles
+from rostether.transports.xbee.radio_address import parse_radio_address
 
 # What the established device library opens its port with.
 DEFAULT_BAUD = 57600
@@ -31,9 +32,6 @@ LOOPBACK = "127.0.0.1"
 
 # Faster UARTs do not exist on USB bridges; the bound catches a slipped digit.
 MAX_BAUD = 20_000_000
-# 16-bit addresses; 0xffff is the broadcast address and 0xfffe means "use the 64-bit address".
-MAX_XBEE_ADDRESS = 0xFFFD
-
 # A mega has four.
 MAX_UART = 3
 MAX_SEED = 2**32 - 1
@@ -132,7 +130,7 @@ class PtyAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class XbeeAddress(_Named):
-    """An XBee coordinator's serial port; `peers` are 16-bit addresses known to be there before they speak."""
+    """An XBee radio's serial port; `peers` are 16-bit or 64-bit addresses served before they send."""
 
     path: str
     baud: int = DEFAULT_BAUD
@@ -279,16 +277,14 @@ class _Options:
         value = self.values.get("peers")
         if value is None:
             return ()
-        try:
-            peers = tuple(int(peer, 0) for peer in value.split(","))
-        except ValueError:
-            peers = (-1,)
-        if not all(0 <= peer <= MAX_XBEE_ADDRESS for peer in peers):
+        peers = [parse_radio_address(peer) for peer in value.split(",")]
+        known = tuple(dict.fromkeys(peer for peer in peers if peer is not None))
+        if len(known) < len(peers):
             raise ConfigError(
-                f"peers={value} in link address {self.address!r}: "
-                "write 16-bit addresses separated by commas, for instance peers=1,0x2a"
+                f"peers={value} in link address {self.address!r}: write each address once, separated by "
+                "commas, of 16 bits or as on the radio's label: peers=1,0x2a,0013A20040A1B2C3"
             )
-        return peers
+        return known
 
     def _number(self, key: str, default: int, lowest: int, highest: int) -> int:
         value = self.values.get(key)

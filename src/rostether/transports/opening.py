@@ -103,9 +103,14 @@ async def listen(
             )
         case XbeeAddress():
             from rostether.transports.serial import open_serial
-            from rostether.transports.xbee import XbeeListener
+            from rostether.transports.xbee.listener import XbeeListener
 
-            return await XbeeListener.start(address, on_transport, open_serial=open_serial)
+            return await XbeeListener.start(
+                address,
+                on_transport,
+                open_serial=open_serial,
+                call=entry.call if entry is not None else b"",
+            )
         case WebAddress():
             if web_boards is None:
                 raise ConfigError(f"{address} needs --dashboard: its page connects the boards")

@@ -11,6 +11,7 @@ from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.transport import Receiver, Transport
+from rostether.transports.xbee.link_quality import LinkQuality
 
 PeerKey = TypeVar("PeerKey", bound=Hashable)
 
@@ -31,11 +32,15 @@ SILENT_LIMIT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class PeerEntry:
-    """How a sender becomes a peer: by a frame; `question` asks for one. An answer proves its address."""
+    """How a sender becomes a peer: by a frame; `question` asks for one. An answer proves its address.
+
+    Only a board without a host answers `call`, so it can be broadcast.
+    """
 
     is_frame: Callable[[bytes], bool]
     question: bytes
     is_answer: Callable[[bytes], bool]
+    call: bytes = b""
 
 
 @dataclass(slots=True)
@@ -55,6 +60,7 @@ class PeerTransport(Generic[PeerKey]):
     ) -> None:
         self.remote = remote
         self.key = key
+        self.quality = table.quality_of(key)
         self.expires = expires
         self.heard_at_s = table.now_s()
         # Whether it has answered us. Until then its address may be forged, and we send no more than came.
@@ -83,8 +89,8 @@ class PeerTransport(Generic[PeerKey]):
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet, over all peers of the medium."""
-        return 0 if self._lost else self._table.write_buffer_bytes()
+        """How many written bytes have not left yet."""
+        return 0 if self._lost else self._table.write_buffer_bytes(self.key)
 
     def is_replaceable(self, now_s: float) -> bool:
         """Return whether it has been silent for so long that a new peer may take its place."""
@@ -195,17 +201,19 @@ class PeerTable(Generic[PeerKey]):
         send: Callable[[PeerKey, bytes | bytearray | memoryview], None],
         show: Callable[[PeerKey], str],
         host_of: Callable[[PeerKey], str | None] = lambda _key: None,
-        write_buffer_bytes: Callable[[], int],
+        write_buffer_bytes: Callable[[PeerKey], int],
+        quality_of: Callable[[PeerKey], LinkQuality | None] = lambda _key: None,
         max_peers: int = MAX_PEERS,
         idle_limit_s: float = IDLE_LIMIT_S,
         clock: Callable[[], float] | None = None,
-        on_forget: Callable[[], None] | None = None,
+        on_forget: Callable[[PeerKey], None] | None = None,
         entry: PeerEntry | None = None,
     ) -> None:
         self.entry = entry
         self._candidates: dict[PeerKey, _Candidate] = {}
         self.send = send
         self.write_buffer_bytes = write_buffer_bytes
+        self.quality_of = quality_of
         self.now_s = clock if clock is not None else asyncio.get_running_loop().time
         self.refusals = RefusalLog(medium, self.now_s)
         self._on_transport = on_transport
@@ -292,7 +300,7 @@ class PeerTable(Generic[PeerKey]):
         if self._peers.get(peer.key) is peer:
             del self._peers[peer.key]
             if self._on_forget is not None:
-                self._on_forget()
+                self._on_forget(peer.key)
 
     def expire(self, now_s: float) -> None:
         """End every peer that was silent for too long."""

@@ -108,7 +108,7 @@ class UdpListener(_DatagramSocket):
             send=self.send,
             show=_show_peer,
             host_of=lambda peer: peer[0],
-            write_buffer_bytes=self.write_buffer_bytes,
+            write_buffer_bytes=lambda _peer: self.write_buffer_bytes(),
             max_peers=max_peers,
             idle_limit_s=idle_limit_s,
             clock=clock,
@@ -174,8 +174,8 @@ class _UdpClient(_DatagramSocket):
             send=self._send_connected,
             show=_show_peer,
             host_of=lambda peer: peer[0],
-            write_buffer_bytes=self.write_buffer_bytes,
-            on_forget=self.close_wire,
+            write_buffer_bytes=lambda _peer: self.write_buffer_bytes(),
+            on_forget=lambda _peer: self.close_wire(),
         )
         self.only_peer: PeerTransport[_Peer] | None = None
 

@@ -44,6 +44,7 @@ from rostether.transports.address import (
         ("pty:board?name=b", PtyAddress("board", name="b")),
         ("web:?ns=lab", WebAddress(ns="lab")),
         ("xbee:/dev/ttyUSB0?baud=57600&peers=1,0x2a", XbeeAddress("/dev/ttyUSB0", 57600, (1, 42))),
+        ("xbee:/dev/x?peers=0013A20040A1B2C3", XbeeAddress("/dev/x", peers=(0x0013A20040A1B2C3,))),
     ],
 )
 def test_read_as_typed(text: str, address: Address) -> None:
@@ -86,8 +87,8 @@ def test_read_as_typed(text: str, address: Address) -> None:
         ("udp://h?connect=yes&bind=70000", "write a number from 0 to 65535"),
         ("pty:", "has no path"),
         ("serial:", "has no path"),
-        ("xbee:/dev/x?peers=one", "16-bit addresses"),
-        ("xbee:/dev/x?peers=0xffff", "16-bit addresses"),
+        ("xbee:/dev/x?peers=one", "of 16 bits or as on the radio's label"),
+        ("xbee:/dev/x?peers=0xffff", "of 16 bits or as on the radio's label"),
         ("bluetooth:/dev/x", "unknown kind of link 'bluetooth'"),
     ],
 )

@@ -23,7 +23,7 @@ class Medium:
             self.arrivals,
             send=lambda key, data: self.sent.append((key, bytes(data))),
             show=lambda key: f"peer {key}",
-            write_buffer_bytes=lambda: self.unsent_bytes,
+            write_buffer_bytes=lambda _key: self.unsent_bytes,
             max_peers=max_peers,
             idle_limit_s=10.0,
             clock=lambda: self.now_s,

@@ -7,6 +7,7 @@ from rostether.bridge.findings.endpoints import EndpointFindings
 from rostether.bridge.findings.finding import Code, Finding, Severity, warning
 from rostether.bridge.findings.ledger import FindingLedger
 from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.radio_loss import find_radio_loss
 from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
@@ -15,6 +16,7 @@ from rostether.graph.ports import Level
 from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.serde.store import TypeStore
+from rostether.transports.xbee.link_quality import LinkQuality
 
 # 5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000.
 DRIFT_PPM = 2000
@@ -36,6 +38,8 @@ class BoardHealth:
         self.connection_count = 0
         self.connected_at_s = 0.0
         self.watch: LineWatch | None = None
+        # None if the board is not on a radio.
+        self.radio: LinkQuality | None = None
         self.required = required if required is not None else RequiredTopics()
         self._notices = notices
         self._resets = Resets()
@@ -74,6 +78,7 @@ class BoardHealth:
         found = self.watch.find(now_s)
         found += self._endpoints.find(now_s, self.watch.too_large_s, self.watch.oversizes)
         found += self.required.find()
+        found += find_radio_loss(self.radio)
         drift_ppm = self.clock.drift_ppm
         if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
             found.append(_drift(drift_ppm))

@@ -43,6 +43,7 @@ class Code(StrEnum):
     MESSAGES_LOST = "messages-lost"
     SLOW_LOOP = "slow-loop"
     CLOCK_DRIFT = "clock-drift"
+    RADIO_LOSS = "radio-loss"
     MISSING_TOPIC = "missing-topic"
 
 

@@ -9,6 +9,7 @@ from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView
 from rostether.bridge.health.rates import Rates
 from rostether.bridge.reporter import shown_line
+from rostether.transports.xbee.link_quality import LinkQuality
 
 TYPE = "diagnostic_msgs/DiagnosticArray"
 TOPIC = "/diagnostics"
@@ -70,6 +71,8 @@ class StatusWriter:
         yield "clock offset [ms]", _scaled(health.clock.offset_s(view.round_trip_s), 1e3, "+.1f")
         yield "clock drift [ppm]", _scaled(health.clock.drift_ppm, 1, "+.0f")
         yield "loop late [ms]", _scaled(late_s, 1e3, ".0f")
+        if health.radio is not None:
+            yield from _radio_values(health.radio)
         if (program := node.program) is not None:
             yield "flash [bytes]", str(program.flash_bytes)
             yield "flash limit [bytes]", str(program.flash_limit_bytes or UNKNOWN)
@@ -85,6 +88,15 @@ class StatusWriter:
                 yield f"{name} misfit", str(endpoint.misfit_count)
         for finding in findings:
             yield f"finding {finding.code}", str(finding)
+
+
+def _radio_values(radio: LinkQuality) -> Iterator[tuple[str, str]]:
+    yield "signal [dBm]", _scaled(radio.rssi_dbm, 1, ".0f")
+    yield "radio packets received", str(radio.received_packets)
+    yield "radio packets sent", str(radio.sent_packets)
+    yield "radio packets lost", str(radio.lost_packets)
+    yield "radio retries", _scaled(radio.retries, 1, ".0f")
+    yield "last radio packet", radio.last_status
 
 
 def state_of(view: BoardView) -> str:

@@ -24,6 +24,8 @@ SERVED_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rosserial_server", "serial_node"): ("role", "rosserial-server-serial"),
     ("rosserial_server", "socket_node"): ("role", "rosserial-server-socket"),
     ("rosserial_server", "udp_socket_node"): ("role", "rosserial-server-udp"),
+    ("rosserial_xbee", "setup_xbee.py"): ("xbee", "setup"),
+    ("rosserial_xbee", "xbee_network.py"): ("role", "xbee-network"),
     ("rosserial_arduino", "make_libraries.py"): ("role", "make-libraries"),
     ("rosserial_client", "make_libraries"): ("role", "make-libraries"),
     ("rosserial_client", "make_libraries.py"): ("role", "make-libraries"),

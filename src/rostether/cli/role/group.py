@@ -29,6 +29,9 @@ ROLES = {
     "rosserial-server-udp": VerbEntry(
         f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's udp_socket_node."
     ),
+    "xbee-network": VerbEntry(
+        "rostether.cli.xbee.network:xbee_network", "Bridge boards on XBee radios, like xbee_network.py."
+    ),
     "robot-state-publisher": VerbEntry(
         "rostether.cli.role.robot:robot_state_publisher", "Turn joint states into transforms."
     ),

@@ -18,6 +18,7 @@ ELSEWHERE = {
     Code.CANNOT_OPEN: (PROCESS, "error cannot-open"),
     Code.NOBODY_CONNECTED: (PROCESS, "error nobody-connected"),
     Code.MESSAGES_LOST: (TESTS / "interop" / "test_diagnostics_ros1.py", "finding messages-lost"),
+    Code.RADIO_LOSS: (TESTS / "unit" / "simulation" / "xbee" / "test_network.py", "finding radio-loss"),
     Code.MISSING_TOPIC: (
         TESTS / "unit" / "cli" / "bridge" / "test_serial_node.py",
         "does not announce imu, which devices.toml requires",

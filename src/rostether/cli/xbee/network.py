@@ -1,0 +1,42 @@
+"""xbee_network.py as a role: serves the boards of a radio network, with its arguments.
+
+xbee_network.py PORT ID1 [ID2 ID3 ...]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import click
+
+from rostether.cli.bridge.serial_node import HostRole, run_host
+from rostether.cli.role.node import NODE_SETTINGS, node_arguments
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+
+
+@click.command(
+    "xbee-network",
+    cls=Verb,
+    context_settings=NODE_SETTINGS,
+    examples="""
+    rostether role xbee-network /dev/ttyUSB0 1 2 3
+    rostether role xbee-network /dev/ttyUSB0 1 __name:=greenhouse
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="PORT ID... [NAME:=VALUE]...")
+def xbee_network(arguments: tuple[str, ...]) -> None:
+    """Bridge the boards whose XBee radios have the addresses ID, over the radio on PORT.
+
+    Each board is a node: xbee_network, xbee_network_2 and so on.
+    """
+    run_host(HostRole("xbee_network", "RosSerial Xbee Network", (), network_link), node_arguments(arguments))
+
+
+def network_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+    """Return the link address from the arguments. Raises ConfigError."""
+    if len(rest) < 2:
+        raise ConfigError("write the port of the XBee radio and the address of each board: /dev/ttyUSB0 1 2")
+    port, *ids = rest
+    name = node_name.removeprefix(namespace.rstrip("/") + "/")
+    return f"xbee:{port}?peers={','.join(ids)}&name={name}" + (f"&ns={namespace}" if namespace != "/" else "")

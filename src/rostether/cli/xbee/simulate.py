@@ -1,0 +1,207 @@
+"""`rostether xbee simulate`: a simulated radio network, with a serial port for the host."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.simulation.xbee.counting_board import CountingBoard
+    from rostether.simulation.xbee.network import XbeeNetwork
+    from rostether.simulation.xbee.radio import SimulatedRadio
+
+# The limit of boards on one radio.
+_MAX_BOARDS = 64
+_KINDS = ("series1", "series3", "digimesh")
+
+
+@dataclass(frozen=True, slots=True)
+class SimulationOptions:
+    """What to simulate."""
+
+    boards: int
+    link_path: Path | None
+    fresh_path: Path | None
+    kind: str
+    loss: float
+    repeat: float
+    delay_ms: float
+    rssi_dbm: int
+    rate_hz: float
+    seed: int
+
+
+_probability = click.FloatRange(0.0, 1.0)
+_simulation_options = option_group(
+    "options",
+    SimulationOptions,
+    (
+        click.option(
+            "--boards",
+            type=click.IntRange(1, _MAX_BOARDS),
+            default=1,
+            show_default=True,
+            help="How many boards have a radio.",
+        ),
+        click.option(
+            "--link",
+            "link_path",
+            type=click.Path(path_type=Path),
+            help="Create the serial port of the host's radio at PATH.",
+        ),
+        click.option(
+            "--fresh",
+            "fresh_path",
+            type=click.Path(path_type=Path),
+            help="Create the serial port of a radio in its factory settings at PATH.",
+        ),
+        click.option(
+            "--kind", type=click.Choice(_KINDS), default=_KINDS[0], show_default=True, help="The radios."
+        ),
+        click.option(
+            "--loss", type=_probability, default=0.0, help="The share of lost transmissions, e.g. 0.05."
+        ),
+        click.option(
+            "--repeat", type=_probability, default=0.0, help="The share of packets that arrive twice."
+        ),
+        click.option(
+            "--delay",
+            "delay_ms",
+            type=click.FloatRange(0.0, 10_000.0),
+            default=0.0,
+            metavar="MS",
+            help="The additional delay of each packet.",
+        ),
+        click.option(
+            "--signal",
+            "rssi_dbm",
+            type=click.IntRange(-120, -1),
+            default=-60,
+            show_default=True,
+            metavar="DBM",
+            help="The signal strength.",
+        ),
+        click.option(
+            "--rate",
+            "rate_hz",
+            type=click.FloatRange(0.1, 100.0),
+            default=5.0,
+            show_default=True,
+            metavar="HZ",
+            help="How often each board publishes.",
+        ),
+        click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="The seed of the losses."),
+    ),
+)
+
+
+@click.command(
+    "simulate",
+    cls=Verb,
+    examples="""
+    rostether xbee simulate --boards 8 --loss 0.05 --link ./xbee
+    rostether xbee simulate --boards 3 --kind digimesh --delay 20 --link ./xbee
+    rostether xbee simulate Blink.ino --boards 2 --link ./xbee
+    rostether xbee simulate --fresh ./radio
+    """,
+)
+@click.argument("sketch", type=click.Path(path_type=Path), required=False)
+@_simulation_options
+@msg_path_option
+def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
+    """Run a simulated XBee network: a radio for the host, and boards with a radio each.
+
+    Board 1 publishes board_1/count (std_msgs/UInt32) and listens on board_1/led (std_msgs/Bool); with SKETCH,
+    the boards are simulated Unos that run it. The radios answer AT commands and lose packets like real ones.
+    """
+    if options.link_path is None and options.fresh_path is None:
+        raise click.UsageError("give --link, the serial port for `rostether serve`, or --fresh")
+    run(_simulate(sketch, options, msg_paths), is_service=True)
+
+
+async def _simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
+    from rostether.simulation.xbee.air import AirConditions
+    from rostether.simulation.xbee.models import MODELS
+    from rostether.simulation.xbee.network import XbeeNetwork
+    from rostether.transports.address import PtyAddress
+    from rostether.transports.pty import open_pty
+
+    conditions = AirConditions(options.loss, options.repeat, options.delay_ms / 1e3, options.rssi_dbm)
+    network = XbeeNetwork(conditions, model=MODELS[options.kind], seed=options.seed)
+    boards: list[CountingBoard] = []
+    async with AsyncExitStack() as stack:
+        stack.callback(network.close)
+        if options.fresh_path is not None:
+            network.add_fresh(open_pty(PtyAddress(str(options.fresh_path))))
+            write_line(f"A radio in its factory settings is at {options.fresh_path}")
+        if options.link_path is not None:
+            coordinator = network.add_coordinator(open_pty(PtyAddress(str(options.link_path))))
+            if sketch is None:
+                boards = await _add_counting(network, coordinator, options, stack)
+            else:
+                await _add_sketches(network, coordinator, sketch, options, msg_paths, stack)
+            many = "s" if options.boards > 1 else ""
+            write_line(
+                f"{options.boards} board{many} on {options.kind} radios, {options.loss:.0%} loss; "
+                f"connect: rostether serve xbee:{options.link_path}"
+            )
+        try:
+            await asyncio.get_running_loop().create_future()
+        finally:
+            _show_totals(network, boards)
+
+
+async def _add_counting(
+    network: XbeeNetwork, coordinator: SimulatedRadio, options: SimulationOptions, stack: AsyncExitStack
+) -> list[CountingBoard]:
+    from rostether.simulation.xbee.counting_board import CountingBoard
+    from rostether.transports.memory import memory_pair
+
+    boards = []
+    for number in range(1, options.boards + 1):
+        port, radio_port = memory_pair()
+        network.add_board(radio_port, coordinator, short_address=number)
+        boards.append(CountingBoard(f"board_{number}", port, rate_hz=options.rate_hz))
+        await stack.enter_async_context(boards[-1])
+    return boards
+
+
+async def _add_sketches(
+    network: XbeeNetwork,
+    coordinator: SimulatedRadio,
+    sketch: Path,
+    options: SimulationOptions,
+    msg_paths: tuple[Path, ...],
+    stack: AsyncExitStack,
+) -> None:
+    from rostether.cli.board.qemu import find_program
+    from rostether.cli.shell.slow_notice import reported_when_long
+    from rostether.simulation.simavr.simulated_board import SimulatedBoard
+    from rostether.transports.opening import open_transport
+
+    with reported_when_long(warn, f"preparing {options.boards} simulated boards for {sketch}"):
+        program = await find_program(sketch, "uno", msg_paths)
+        for number in range(1, options.boards + 1):
+            board = await stack.enter_async_context(await SimulatedBoard.start(program, seed=number))
+            network.add_board(await open_transport(board.address), coordinator, short_address=number)
+
+
+def _show_totals(network: XbeeNetwork, boards: list[CountingBoard]) -> None:
+    for board in boards:
+        write_line(f"{board.name}: published {board.published}, LED switched {board.led_changes} times")
+    counts = network.air.counts
+    write_line(
+        f"The air carried {counts.packets} packets in {counts.transmissions} transmissions; "
+        f"{counts.lost_packets} got lost, {counts.repeated_packets} came twice"
+    )

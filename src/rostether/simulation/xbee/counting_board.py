@@ -1,0 +1,72 @@
+"""A board behind a simulated radio: it counts on a topic, and shows the state of its LED."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from rostether.device.device import Device
+from rostether.rosserial.device_link import DeviceLinkConfig
+from rostether.serde.store import TypeStore
+from rostether.transports.transport import Transport
+
+# The established library's buffers on an Uno.
+_UNO = DeviceLinkConfig(
+    max_subscribers=25, max_publishers=25, input_buffer_bytes=280, output_buffer_bytes=280
+)
+
+
+class CountingBoard:
+    """Publishes `NAME/count` (std_msgs/UInt32) at a rate, and `NAME/led` (std_msgs/Bool) switches its LED."""
+
+    def __init__(
+        self,
+        name: str,
+        transport: Transport,
+        *,
+        rate_hz: float,
+        store: TypeStore | None = None,
+        msg_paths: Sequence[Path] = (),
+    ) -> None:
+        self.name = name
+        self.published = 0
+        self.led_changes = 0
+        self.is_lit = False
+        self._period_s = 1 / rate_hz
+        self._device = Device(transport, config=_UNO, store=store, msg_paths=msg_paths)
+        self._count = self._device.publisher(f"{name}/count", "std_msgs/UInt32")
+        self._device.subscriber(f"{name}/led", "std_msgs/Bool", self._switch)
+        self._counting: asyncio.Task[None] | None = None
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether a host has asked for its topics and still answers."""
+        return self._device.connected
+
+    async def __aenter__(self) -> Self:
+        """Begin to count."""
+        await self._device.__aenter__()
+        self._counting = asyncio.get_running_loop().create_task(self._run())
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop."""
+        if self._counting is not None:
+            self._counting.cancel()
+            await asyncio.gather(self._counting, return_exceptions=True)
+        await self._device.close()
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(self._period_s)
+            if self._count.publish(data=self.published + 1):
+                self.published += 1
+
+    def _switch(self, message: Any) -> None:
+        self.led_changes += message.data != self.is_lit
+        self.is_lit = message.data

@@ -1,0 +1,239 @@
+"""One simulated XBee radio, sans I/O: bytes on its serial port in and out, packets in the air in and out.
+
+    AP=0   transparent: bytes become packets after RO characters of silence, or when a packet is full
+           +++ with GT of silence before and after: command mode, until ATCN or CT of silence
+    AP=1,2 frames of the API
+
+Source: Digi, XBee 802.15.4 and DigiMesh User Guides, "Modes" and "API operation".
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from rostether.simulation.xbee.command_mode import CommandMode
+from rostether.simulation.xbee.models import BAUD_RATES, Model
+from rostether.simulation.xbee.registers import Registers
+from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
+
+BROADCAST = 0xFFFF
+# Series 1 has 202 bytes; what comes while they are full is lost without a word.
+_BUFFERED_PACKETS = 3
+_SERIAL_OUT_BYTES = 16 * 1024
+
+_BITS_PER_BYTE = 10
+_GUARD_UNIT_S = 0.001
+_UNUSED_SHORT = 0xFFFE
+_NO_FRAME = 0
+_DELIVERED = 0
+_INVALID_COMMAND, _INVALID_VALUE = 2, 3
+
+
+@dataclass(frozen=True, slots=True)
+class Transmission:
+    """A packet to send to a 16-bit address, or to one of 64 bits if `is_long`."""
+
+    destination: int
+    is_long: bool
+    payload: bytes
+    frame_id: int = _NO_FRAME
+    is_mesh_frame: bool = False
+
+
+class SimulatedRadio:
+    """A radio with its serial number (64-bit address), in its factory settings."""
+
+    def __init__(self, model: Model, serial_number: int) -> None:
+        self.model = model
+        self.serial_number = serial_number
+        self.registers = Registers(model, serial_number)
+        self.outgoing: deque[Transmission] = deque()
+        self.dropped_packets = 0
+        self._serial_out = bytearray()
+        self._text = bytearray()
+        self._due_s: float | None = None
+        self._heard_s = float("-inf")
+        self._pluses = 0
+        self._command_mode: CommandMode | None = None
+        self._decoder = XbeeFrameDecoder()
+        self._decoder_mode = 2
+
+    @property
+    def baud(self) -> int:
+        """The speed of its serial port."""
+        return BAUD_RATES[self.registers["BD"]]
+
+    @property
+    def short_address(self) -> int | None:
+        """Its 16-bit address, None if it has none."""
+        address = self.registers["MY"] if "MY" in self.model.registers else BROADCAST
+        return address if address < _UNUSED_SHORT else None
+
+    def serial_to_send(self) -> bytes:
+        """Return the bytes for its serial port, once."""
+        data, self._serial_out = bytes(self._serial_out), bytearray()
+        return data
+
+    def get_timer(self) -> float | None:
+        """Return when `handle_timer` is due."""
+        return self._due_s
+
+    def serial_received(self, data: bytes, now_s: float) -> None:
+        """Handle bytes from its serial port."""
+        if self._command_mode is not None:
+            self._commands(data, now_s)
+        elif self.registers["AP"]:
+            self._frames(data)
+        else:
+            self._plain(data, now_s)
+        self._heard_s = now_s
+
+    def handle_timer(self, now_s: float) -> None:
+        """End a silence: send a packet, or enter or leave command mode."""
+        if self._due_s is None or now_s < self._due_s:
+            return
+        self._due_s = None
+        if self._command_mode is not None:
+            self._leave_command_mode()
+        elif self._pluses == 3:
+            self._pluses = 0
+            self._command_mode = CommandMode(self.registers)
+            self._to_serial(b"OK\r")
+            self._due_s = now_s + self._command_limit_s()
+        else:
+            self._text += b"+" * self._pluses
+            self._pluses = 0
+            self._packetize(all_of_it=True)
+
+    def radio_received(
+        self, short_source: int | None, long_source: int, payload: bytes, rssi_dbm: int
+    ) -> None:
+        """Handle a packet for this radio."""
+        self.registers.signal_dbm = rssi_dbm
+        if not self.registers["AP"]:
+            if self._command_mode is None:
+                self._to_serial(payload)
+            return
+        if self.model.is_mesh:
+            header = bytes((0x90, *long_source.to_bytes(8, "big"), 0xFF, 0xFE, 0x01))
+        elif short_source is None:
+            header = bytes((0x80, *long_source.to_bytes(8, "big"), -rssi_dbm, 0))
+        else:
+            header = bytes((0x81, *short_source.to_bytes(2, "big"), -rssi_dbm, 0))
+        self._report(header + payload)
+
+    def transmitted(self, packet: Transmission, status: int, retries: int) -> None:
+        """Report what became of a packet, if the host wants to know."""
+        if packet.frame_id == _NO_FRAME or not self.registers["AP"]:
+            return
+        if packet.is_mesh_frame:
+            self._report(bytes((0x8B, packet.frame_id, 0xFF, 0xFE, min(retries, 0xFF), status, 0)))
+        else:
+            self._report(bytes((0x89, packet.frame_id, status)))
+
+    def _plain(self, data: bytes, now_s: float) -> None:
+        is_after_silence = now_s - self._heard_s >= self._guard_s()
+        may_be_command = set(data) == {ord("+")} and (is_after_silence or self._pluses)
+        if may_be_command and not self._text and self._pluses + len(data) <= 3:
+            self._pluses += len(data)
+            self._due_s = now_s + self._guard_s()
+            return
+        self._text += b"+" * self._pluses + data
+        self._pluses = 0
+        self._packetize(all_of_it=self.registers["RO"] == 0)
+        silence_s = self.registers["RO"] * _BITS_PER_BYTE / self.baud
+        self._due_s = now_s + silence_s if self._text else None
+
+    def _packetize(self, *, all_of_it: bool) -> None:
+        size = self.model.packet_bytes
+        while len(self._text) >= size or (all_of_it and self._text):
+            payload = bytes(self._text[:size])
+            del self._text[:size]
+            high, low = self.registers["DH"], self.registers["DL"]
+            is_long = bool(high) or (self.model.is_mesh and low != BROADCAST)
+            self._send(Transmission(high << 32 | low, is_long, payload))
+
+    def _send(self, packet: Transmission) -> None:
+        if len(self.outgoing) >= _BUFFERED_PACKETS:
+            self.dropped_packets += 1
+            return
+        self.outgoing.append(packet)
+
+    def _commands(self, data: bytes, now_s: float) -> None:
+        assert self._command_mode is not None
+        self._to_serial(self._command_mode.receive(data))
+        if self._command_mode.is_left:
+            self._leave_command_mode()
+            self._due_s = None
+        else:
+            self._due_s = now_s + self._command_limit_s()
+
+    def _leave_command_mode(self) -> None:
+        self._command_mode = None
+        self.registers.apply()
+
+    def _frames(self, data: bytes) -> None:
+        mode = self.registers["AP"]
+        if self._decoder_mode != mode:
+            self._decoder = XbeeFrameDecoder(escaped=mode == 2)
+            self._decoder_mode = mode
+        for frame in self._decoder.feed(data):
+            self._frame(frame)
+
+    def _frame(self, frame: bytes) -> None:
+        kind, frame_id = (frame[0], frame[1]) if len(frame) > 1 else (None, 0)
+        match kind:
+            case 0x08 if len(frame) >= 4:
+                self._at(frame_id, frame[2:4].decode("latin-1"), frame[4:])
+            case 0x01 if len(frame) >= 5:
+                self._packet(frame_id, int.from_bytes(frame[2:4], "big"), frame[5:])
+            case 0x00 if len(frame) >= 11:
+                self._packet(frame_id, int.from_bytes(frame[2:10], "big"), frame[11:], is_long=True)
+            case 0x10 if len(frame) >= 14:
+                destination = int.from_bytes(frame[2:10], "big")
+                self._packet(frame_id, destination, frame[14:], is_long=True, is_mesh_frame=True)
+            case _:
+                return
+
+    def _packet(
+        self,
+        frame_id: int,
+        destination: int,
+        payload: bytes,
+        *,
+        is_long: bool = False,
+        is_mesh_frame: bool = False,
+    ) -> None:
+        is_broadcast = destination == BROADCAST
+        packet = Transmission(destination, is_long and not is_broadcast, payload, frame_id, is_mesh_frame)
+        # A mesh knows only its own frames.
+        if self.model.is_mesh != is_mesh_frame and self.model.is_mesh:
+            return
+        if len(payload) > self.model.packet_bytes:
+            self.transmitted(packet, 0x74, 0)
+            return
+        self._send(packet)
+
+    def _at(self, frame_id: int, command: str, value: bytes) -> None:
+        is_ok, answer = self.registers.execute(command, int.from_bytes(value, "big") if value else None)
+        if frame_id != _NO_FRAME:
+            failed = _INVALID_VALUE if value else _INVALID_COMMAND
+            status = bytes((_DELIVERED if is_ok else failed,))
+            text = command.encode("latin-1")
+            self._report(bytes((0x88, frame_id)) + text + status + self.registers.as_bytes(command, answer))
+        # A frame applies its value at once.
+        self.registers.apply()
+
+    def _report(self, data: bytes) -> None:
+        self._to_serial(encode_frame(data, escaped=self.registers["AP"] == 2))
+
+    def _to_serial(self, data: bytes) -> None:
+        if len(self._serial_out) + len(data) <= _SERIAL_OUT_BYTES:
+            self._serial_out += data
+
+    def _guard_s(self) -> float:
+        return self.registers["GT"] * _GUARD_UNIT_S
+
+    def _command_limit_s(self) -> float:
+        return self.registers["CT"] * 0.1

@@ -1,0 +1,104 @@
+"""The serial port of a simulated radio: moves bytes at the port's speed, and runs the radio's timer."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from rostether.errors import TransportError
+from rostether.simulation.xbee.radio import SimulatedRadio
+from rostether.transports.transport import Transport
+
+_BITS_PER_BYTE = 10
+# A faster host has to wait, as at a real port: half a second of the line would only make all bytes late.
+_BACKLOG_S = 0.05
+
+
+class RadioPort:
+    """Joins a radio and the transport of its serial port; `on_packets(radio)` is called when it may send.
+
+    With `host_baud` both understand each other only while the radio has that speed.
+    """
+
+    def __init__(
+        self,
+        radio: SimulatedRadio,
+        transport: Transport,
+        on_packets: Callable[[SimulatedRadio], None],
+        *,
+        host_baud: int | None = None,
+    ) -> None:
+        self.radio = radio
+        self._transport = transport
+        self._on_packets = on_packets
+        self._host_baud = host_baud
+        self._loop = asyncio.get_running_loop()
+        self._in_free_s = 0.0
+        self._out_free_s = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+        self._is_closed = False
+        transport.start(self)
+
+    def data_received(self, data: bytes) -> None:
+        """Pass bytes on to the radio when its line has carried them."""
+        now_s = self._loop.time()
+        self._in_free_s = max(self._in_free_s, now_s) + self._line_s(data)
+        self._loop.call_at(self._in_free_s, self._enter, data)
+        if self._in_free_s - now_s > _BACKLOG_S:
+            self._transport.pause_reading()
+            self._loop.call_at(self._in_free_s, self._transport.resume_reading)
+
+    def connection_lost(self, error: TransportError | None) -> None:
+        """Stop."""
+        self._is_closed = True
+
+    def pause_writing(self) -> None:
+        """Do nothing: a radio does not wait for its host."""
+
+    def resume_writing(self) -> None:
+        """Do nothing, as in `pause_writing`."""
+
+    def update(self, baud: int | None = None) -> None:
+        """Send what the radio has for its host and for others, and set its timer.
+
+        `baud` is the speed for its host, if that has just changed: the answer to ATCN still has the old one.
+        """
+        if data := self.radio.serial_to_send():
+            self._out_free_s = max(self._out_free_s, self._loop.time()) + self._line_s(data)
+            if self._is_understood(baud):
+                self._loop.call_at(self._out_free_s, self._leave, data)
+        self._on_packets(self.radio)
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        due_s = self.radio.get_timer()
+        if due_s is not None and not self._is_closed:
+            self._timer = self._loop.call_at(due_s, self._silence)
+
+    def close(self) -> None:
+        """End the port. Idempotent."""
+        self._is_closed = True
+        if self._timer is not None:
+            self._timer.cancel()
+        self._transport.close()
+
+    def _enter(self, data: bytes) -> None:
+        if not self._is_closed and self._is_understood():
+            baud = self.radio.baud
+            self.radio.serial_received(data, self._loop.time())
+            self.update(baud)
+
+    def _leave(self, data: bytes) -> None:
+        if not self._is_closed:
+            self._transport.write(data)
+
+    def _silence(self) -> None:
+        self._timer = None
+        self.radio.handle_timer(self._loop.time())
+        self.update()
+
+    def _is_understood(self, baud: int | None = None) -> bool:
+        return self._host_baud is None or self._host_baud == (baud or self.radio.baud)
+
+    def _line_s(self, data: bytes) -> float:
+        return len(data) * _BITS_PER_BYTE / self.radio.baud

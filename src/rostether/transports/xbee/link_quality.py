@@ -1,0 +1,50 @@
+"""How well one board's radio link works, counted by the radio at the host."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from rostether.transports.xbee.packets import TransmitStatus, status_text
+
+# The last packets, of which a finding tells the lost share: some seconds of a busy link, and enough that one
+# lost packet is not much.
+RECENT_PACKETS = 50
+
+
+@dataclass(slots=True)
+class LinkQuality:
+    """Counts since the host opened the radio.
+
+    `rssi_dbm`: the signal strength of the last packet from the board, None if unknown. `retries` is None if
+    the radio does not count them.
+    """
+
+    rssi_dbm: int | None = None
+    received_packets: int = 0
+    sent_packets: int = 0
+    lost_packets: int = 0
+    retries: int | None = None
+    last_status: str = "none"
+    _recent: deque[bool] = field(default_factory=lambda: deque(maxlen=RECENT_PACKETS))
+
+    def received(self, rssi_dbm: int | None) -> None:
+        """Count a packet from the board."""
+        self.received_packets += 1
+        if rssi_dbm is not None:
+            self.rssi_dbm = rssi_dbm
+
+    def finished(self, status: TransmitStatus | None) -> None:
+        """Count a packet to the board; None if the radio never reported what became of it."""
+        is_lost = status is None or not status.is_delivered
+        self.sent_packets += 1
+        self.lost_packets += is_lost
+        self._recent.append(is_lost)
+        self.last_status = "no report" if status is None else status_text(status.status)
+        if status is not None and status.retries is not None:
+            self.retries = (self.retries or 0) + status.retries
+
+    @property
+    def recent_loss(self) -> float | None:
+        """The lost share of the last packets to the board, from 0 to 1; None until there are enough."""
+        return sum(self._recent) / RECENT_PACKETS if len(self._recent) == RECENT_PACKETS else None

@@ -1,0 +1,198 @@
+"""A bridge and boards on a simulated radio network, on a virtual clock."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
+
+import pytest
+
+from rostether.bridge.supervisor import Supervisor
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.simulation.xbee.air import AirConditions
+from rostether.simulation.xbee.counting_board import CountingBoard
+from rostether.simulation.xbee.models import DIGIMESH, SERIES_1, SERIES_3, Model
+from rostether.simulation.xbee.network import XbeeNetwork
+from rostether.simulation.xbee.radio import SimulatedRadio
+from rostether.transports.address import Address, SerialAddress, XbeeAddress
+from rostether.transports.memory import memory_pair
+from rostether.transports.peers import PeerEntry
+from rostether.transports.transport import Listener, Transport
+from rostether.transports.xbee.listener import XbeeListener
+from unit.bridge.nodes import STORE
+from unit.bridge.virtual_time import run as run_on_virtual_time
+
+COUNT = STORE.registry.message_type("std_msgs/UInt32")
+LED = STORE.registry.message_type("std_msgs/Bool")
+
+
+class Radios:
+    """A bridge with its radio, and boards with theirs; `received` are the numbers of each board's topic."""
+
+    def __init__(self, conditions: AirConditions, model: Model, *, diagnostics: bool) -> None:
+        self.xbees = XbeeNetwork(conditions, model=model, seed=1)
+        self.network = MemoryNetwork()
+        self.supervisor = Supervisor(self.network.join, STORE, listen=self.listen, diagnostics=diagnostics)
+        self.boards: list[CountingBoard] = []
+        self.radios: list[SimulatedRadio] = []
+        self.received: dict[str, list[int]] = {}
+        self.port, radio_port = memory_pair()
+        self.coordinator = self.xbees.add_coordinator(radio_port)
+
+    async def listen(
+        self,
+        address: Address,
+        on_transport: Callable[[Transport], None],
+        *,
+        entry: PeerEntry | None = None,
+    ) -> Listener:
+        assert isinstance(address, XbeeAddress)
+        assert entry is not None
+        return await XbeeListener.start(address, on_transport, open_serial=self.open, call=entry.call)
+
+    async def open(self, address: SerialAddress) -> Transport:
+        return self.port
+
+    def board(self, number: int, *, is_short: bool, rate_hz: float) -> CountingBoard:
+        board_port, radio_port = memory_pair()
+        short_address = number if is_short else None
+        self.radios.append(self.xbees.add_board(radio_port, self.coordinator, short_address=short_address))
+        board = CountingBoard(f"board_{number}", board_port, rate_hz=rate_hz, store=STORE)
+        self.boards.append(board)
+        self.received[board.name] = []
+        return board
+
+    def radio_of(self, number: int) -> SimulatedRadio:
+        return self.radios[number - 1]
+
+    def set_registers(self, **values: int) -> None:
+        for radio in (self.coordinator, *self.radios):
+            for name, value in values.items():
+                radio.registers.execute(name, value)
+            radio.registers.apply()
+
+
+def _collect(numbers: list[int], payloads: list[bytes]) -> None:
+    numbers.extend(struct.unpack("<I", each)[0] for each in payloads)
+
+
+@asynccontextmanager
+async def radios(
+    count: int,
+    conditions: AirConditions,
+    *,
+    model: Model = SERIES_1,
+    rate_hz: float = 5.0,
+    is_short: bool = True,
+    diagnostics: bool = False,
+) -> AsyncIterator[Radios]:
+    site = Radios(conditions, model, diagnostics=diagnostics)
+    peer = await site.network.join("/peer")
+    async with AsyncExitStack() as stack:
+        for number in range(1, count + 1):
+            board = await stack.enter_async_context(site.board(number, is_short=is_short, rate_hz=rate_hz))
+            numbers = site.received[board.name]
+            await peer.subscribe(f"/{board.name}/count", COUNT, partial(_collect, numbers))
+        await site.supervisor.start([XbeeAddress("/dev/radio", 57600)])
+        stack.push_async_callback(site.supervisor.close)
+        yield site
+    site.xbees.close()
+
+
+@pytest.mark.parametrize(
+    ("model", "is_short", "mac_mode"),
+    [(SERIES_1, True, 0), (SERIES_1, True, 1), (SERIES_3, False, 2), (DIGIMESH, False, None)],
+    ids=["series 1", "no acknowledgements", "64-bit addresses", "DigiMesh"],
+)
+def test_eight_boards_with_losses_and_repeats_none_starved(
+    model: Model, is_short: bool, mac_mode: int | None
+) -> None:
+    seconds, rate_hz = 10, 5.0
+
+    async def main() -> None:
+        conditions = AirConditions(loss=0.05, repeat=0.02, delay_s=0.01)
+        async with radios(8, conditions, model=model, rate_hz=rate_hz, is_short=is_short) as site:
+            if mac_mode is not None:
+                site.set_registers(MM=mac_mode)
+            driver = await site.network.join("/driver")
+            leds = [await driver.advertise(f"/{board.name}/led", LED) for board in site.boards]
+            for turn in range(2 * seconds):
+                await asyncio.sleep(0.5)
+                for led in leds:
+                    led.publish_raw([bytes((turn % 2,))])
+            for board in site.boards:
+                numbers = set(site.received[board.name])
+                # The first messages come within 4 s, even if the first call of a board got lost.
+                assert len(numbers) > (seconds - 4) * rate_hz * 0.8, board.name
+                assert board.is_connected
+                assert board.led_changes > seconds / 2, board.name
+
+    run_on_virtual_time(main())
+
+
+def test_a_board_out_of_reach_does_not_delay_others() -> None:
+    async def main() -> None:
+        async with radios(3, AirConditions(), rate_hz=20.0) as site:
+            await asyncio.sleep(2.0)
+            site.radio_of(1).registers.execute("CH", 0x0F)
+            site.radio_of(1).registers.apply()
+            driver = await site.network.join("/driver")
+            leds = [await driver.advertise(f"/{board.name}/led", LED) for board in site.boards]
+            before = [board.led_changes for board in site.boards]
+            for turn in range(100):
+                for led in leds:
+                    led.publish_raw([bytes((turn % 2,))])
+                await asyncio.sleep(0.05)
+            changes = [board.led_changes - start for board, start in zip(site.boards, before, strict=True)]
+            assert changes[0] == 0
+            assert min(changes[1:]) >= 95
+            lost = next(view for view in site.supervisor.boards() if view.node == "/xbee_0x0001")
+            assert lost.is_connected
+
+    run_on_virtual_time(main())
+
+
+def test_link_quality_is_on_diagnostics() -> None:
+    async def main() -> None:
+        async with radios(1, AirConditions(rssi_dbm=-71), diagnostics=True) as site:
+            peer = await site.network.join("/monitor")
+            arrays: list[bytes] = []
+            kind = STORE.registry.message_type("diagnostic_msgs/DiagnosticArray")
+            await peer.subscribe("/diagnostics", kind, arrays.extend)
+            await asyncio.sleep(6.0)
+            status = STORE.codec("diagnostic_msgs/DiagnosticArray").decode(arrays[-1]).status[0]
+            values = {each.key: each.value for each in status.values}
+            assert status.hardware_id == "xbee 0x0001"
+            assert values["signal [dBm]"] == "-71"
+            assert values["last radio packet"] == "delivered"
+            assert int(values["radio packets sent"]) > 2
+            assert values["radio packets lost"] == "0"
+            # From now on the board hears nothing.
+            site.radio_of(1).registers.execute("ID", 0x1234)
+            site.radio_of(1).registers.apply()
+            driver = await site.network.join("/driver")
+            led = await driver.advertise("/board_1/led", LED)
+            for _ in range(100):
+                led.publish_raw([b"\x01"])
+                await asyncio.sleep(0.05)
+            await asyncio.sleep(1.5)
+            status = STORE.codec("diagnostic_msgs/DiagnosticArray").decode(arrays[-1]).status[0]
+            finding = next(each.value for each in status.values if each.key == "finding radio-loss")
+            assert "no acknowledgement, signal -71 dBm" in finding
+
+    run_on_virtual_time(main())
+
+
+def test_closing_asks_every_board_to_stop() -> None:
+    async def main() -> None:
+        async with radios(8, AirConditions()) as site:
+            await asyncio.sleep(3.0)
+            assert all(board.is_connected for board in site.boards)
+            await site.supervisor.close()
+            await asyncio.sleep(0.2)
+            assert not any(board.is_connected for board in site.boards)
+
+    run_on_virtual_time(main())
