@@ -35,7 +35,7 @@ REVIEWED_LONG_FILES = {
     "transports/peers.py",
     "transports/tcp.py",
 }
-NAMES_THAT_SAY_NOTHING = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
+VAGUE_NAMES = {"util", "utils", "helper", "helpers", "manager", "common", "misc", "base"}
 # `core` is the verb that every ROS user knows, and modules are called as rospy's programs import them.
 ALLOWED = {PACKAGE / "cli" / "bridge" / "core.py", *(PACKAGE / "rospy" / "modules").rglob("*.py")}
 HEAVY = {
@@ -65,9 +65,9 @@ def test_only_reviewed_files_are_long() -> None:
     assert long <= REVIEWED_LONG_FILES, "split it, or let a reviewer agree and add it to the list"
 
 
-def test_names_say_what_is_inside() -> None:
+def test_names_show_the_content() -> None:
     parts = {(path, part) for path in MODULES for part in path.relative_to(PACKAGE).with_suffix("").parts}
-    vague = {path for path, part in parts if part in NAMES_THAT_SAY_NOTHING or part == "core"}
+    vague = {path for path, part in parts if part in VAGUE_NAMES or part == "core"}
     assert vague <= ALLOWED
 
 

@@ -74,7 +74,7 @@ async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch:
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
 @pytest.mark.parametrize("kind", ["GET", "upgrade"])
-async def test_pipelined_requests_hold_up_nobody(
+async def test_pipelined_requests_do_not_delay_others(
     gateway: str, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with serving(gateway) as port:

@@ -140,7 +140,7 @@ async def test_search_finds_what_is_the_nodes_own(join: JoinGraph) -> None:
 
 
 @pytest.mark.parametrize("owner", ["watcher", "other"])
-async def test_a_watch_tells_the_value_now_and_every_change(join: JoinGraph, owner: str) -> None:
+async def test_a_watch_reports_the_value_now_and_every_change(join: JoinGraph, owner: str) -> None:
     watcher, other = await join("/watcher"), await join("/other")
     await acquainted(watcher, other)
     name = f"/{owner}/rate"

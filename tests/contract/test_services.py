@@ -93,7 +93,7 @@ async def test_calls_run_side_by_side(join: JoinGraph) -> None:
     assert await asyncio.gather(*calls) == [answer("a"), answer("b"), answer("c")]
 
 
-async def test_a_service_nobody_offers_is_unavailable(join: JoinGraph) -> None:
+async def test_a_service_without_a_server_is_unavailable(join: JoinGraph) -> None:
     client = await join("/client")
     with pytest.raises(ServiceUnavailableError, match="no node offers the service /switch"):
         await client.call_service("/switch", SET_BOOL, TRUE)

@@ -92,7 +92,7 @@ async def test_a_topic_that_is_not_latched_does_not(join: JoinGraph) -> None:
     assert inbox.headers[0]["latching"] == "0"
 
 
-async def test_a_connection_tells_the_publisher_and_its_type(join: JoinGraph, can: Capabilities) -> None:
+async def test_a_connection_has_the_publisher_and_its_type(join: JoinGraph, can: Capabilities) -> None:
     talker, listener, inbox = await join("/talker"), await join("/listener"), Inbox()
     await talker.advertise("/chat", STRING)
     await listener.subscribe("/chat", ANY_MESSAGE, inbox.take, on_connection=inbox.take_header)

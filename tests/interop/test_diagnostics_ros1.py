@@ -78,7 +78,7 @@ async def test_rostopic_echo_of_a_board_that_is_well(roscore: Ros1Peers, tmp_pat
         assert found[key].isdigit(), key
 
 
-async def test_several_boards_as_monitors_tell_them_apart(roscore: Ros1Peers, tmp_path: Path) -> None:
+async def test_several_boards_are_distinguishable_in_monitors(roscore: Ros1Peers, tmp_path: Path) -> None:
     arm, base = tmp_path / "ttyACM0", tmp_path / "ttyACM1"
     monitor = await roscore.rospy(MONITOR)
     async with Device(f"pty:{base}") as there:

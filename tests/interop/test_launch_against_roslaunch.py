@@ -58,7 +58,7 @@ def test_plan_is_that_of_roslaunch(file: Path, roslaunch: dict[str, Any]) -> Non
     assert exact(described(load(file))) == exact(theirs)
 
 
-def test_what_is_noted_down_is_what_roslaunch_says(roslaunch: dict[str, Any]) -> None:
+def test_recorded_vectors_equal_the_output_of_roslaunch(roslaunch: dict[str, Any]) -> None:
     noted = expected()
     assert noted.keys() == {file.stem for file in RIGHT}
     said = {name: {**roslaunch[name]} for name in noted}

@@ -184,7 +184,7 @@ async def test_joint_state_publisher_publishes_what_debians_does(roscore: Ros1Pe
         assert ours[field] == pytest.approx(theirs[field], abs=TOLERANCE)
 
 
-async def test_joint_state_publisher_hears_sources(roscore: Ros1Peers) -> None:
+async def test_joint_state_publisher_uses_sources(roscore: Ros1Peers) -> None:
     _, theirs = await joint_states(roscore, "debian", "gripper", {}, has_source=True)
     _, ours = await joint_states(roscore, "ours", "gripper", {}, has_source=True)
     assert ours["name"] == theirs["name"]

@@ -154,7 +154,7 @@ def setting(parent: str, child: str, at_s: float, **kept: Any) -> list[Any]:
     ]
 
 
-def test_a_loop_is_told_of() -> None:
+def test_a_loop_is_reported() -> None:
     counts = compare(
         [
             setting("y", "x", 100),

@@ -103,7 +103,7 @@ async def test_a_subscriber_of_any_type_learns_it(
     await peer.ask("unadvertise", topic=topic)
 
 
-async def test_sensor_data_is_heard(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
+async def test_sensor_data_is_received(join: JoinGraph, peer: RclpyPeer, store: TypeStore) -> None:
     node, inbox = await join("/board"), Inbox()
     string_type = store.registry.message_type("std_msgs/String")
     # Asked for reliably before anybody publishes: the subscription adapts.

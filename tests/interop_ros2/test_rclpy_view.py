@@ -130,7 +130,7 @@ async def test_a_node_of_rclpy_describes_its_types(join: JoinGraph, peer: RclpyP
     await node.close()
 
 
-async def test_time_comes_from_clock_where_a_node_is_told_to(join: JoinGraph, peer: RclpyPeer) -> None:
+async def test_time_comes_from_clock_with_use_sim_time(join: JoinGraph, peer: RclpyPeer) -> None:
     node = await join("/simulated")
     await node.set_param("~use_sim_time", value=True)
     assert node.now() == Time()

@@ -16,7 +16,7 @@ from interop_ros2.test_tools import tool
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 
 
-async def test_what_rclpy_says_is_recorded_and_played_to_it(peer: RclpyPeer, tmp_path: Path) -> None:
+async def test_messages_of_rclpy_are_recorded_and_played_back(peer: RclpyPeer, tmp_path: Path) -> None:
     folder = tmp_path / "drive"
     await peer.ask("advertise", topic="/scan", type="sensor_msgs/msg/LaserScan", quality="sensor")
     await peer.ask("advertise", topic="/place", type="geometry_msgs/msg/PoseStamped", quality="latched")

@@ -99,7 +99,7 @@ async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
     return found
 
 
-async def test_ros1_is_heard_in_ros2_and_nothing_is_lost_or_twice(sides: Sides) -> None:
+async def test_ros2_receives_each_message_of_ros1_once(sides: Sides) -> None:
     await sides.ros2.ask("subscribe", topic="/sensors/joints", type="sensor_msgs/msg/JointState")
     counter = await sides.ros1.rospy(COUNTER)
     joints = await received(sides.ros2, "/sensors/joints", 100)
@@ -109,7 +109,7 @@ async def test_ros1_is_heard_in_ros2_and_nothing_is_lost_or_twice(sides: Sides) 
     assert numbers == [numbers[0] + index for index in range(len(numbers))]
 
 
-async def test_ros2_is_heard_in_ros1(sides: Sides) -> None:
+async def test_ros1_receives_messages_of_ros2(sides: Sides) -> None:
     echo = await sides.ros1.start("rostopic", "echo", "/cmd_vel")
     await sides.ros2.ask("advertise", topic="/cmd_vel", type="geometry_msgs/msg/Twist")
     while "z: 3.0" not in echo.text:

@@ -68,7 +68,7 @@ async def failure(client: ProtocolClient) -> dict[str, Any]:
     return await client.wait("serviceCallFailure")
 
 
-async def test_both_say_the_same(web_peers: WebPeers, tmp_path: Path) -> None:
+async def test_both_give_the_same_output(web_peers: WebPeers, tmp_path: Path) -> None:
     (tmp_path / "mesh.stl").write_bytes(b"solid")
     async with stage(find_packages=lambda: {"arm": tmp_path}) as there, there.client() as client:
         registry = there.store.registry

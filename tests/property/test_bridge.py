@@ -60,7 +60,7 @@ def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int])
 
 @given(st.lists(st.binary(max_size=200), max_size=20))
 @settings(deadline=None, max_examples=60)
-def test_garbage_stops_nothing_and_says_little(garbage: list[bytes]) -> None:
+def test_garbage_stops_nothing_and_is_reported_briefly(garbage: list[bytes]) -> None:
     async def scenario() -> tuple[list[bytes], World]:
         world = await World().open()
         received = await world.listen("/chatter")

@@ -60,7 +60,7 @@ def test_time_round_trip(secs: int, nsecs: int) -> None:
 
 
 @given(st.binary(max_size=200))
-def test_packets_that_are_believed_are_what_they_say(payload: bytes) -> None:
+def test_accepted_packets_match_their_content(payload: bytes) -> None:
     for kind in (TopicInfo, ParameterRequest, ParameterResponse):
         value = kind.decode(payload)
         if value is not None and not isinstance(value, ParameterResponse):

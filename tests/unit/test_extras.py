@@ -30,7 +30,7 @@ def test_pip_is_the_systems_without_an_environment(prefix: Path, monkeypatch: py
     assert install_command("zenoh") == "pip install 'rostether[zenoh]'"
 
 
-def test_an_environment_that_nobody_activated_is_named(prefix: Path) -> None:
+def test_an_inactive_environment_is_named(prefix: Path) -> None:
     assert install_command("zenoh") == f"{prefix}/bin/python -m pip install 'rostether[zenoh]'"
 
 

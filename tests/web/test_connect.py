@@ -92,7 +92,9 @@ async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: B
         following.cancel()
 
 
-async def test_a_browser_without_serial_ports_is_told_so(served: tuple[str, str], browser: Browser) -> None:
+async def test_a_browser_without_serial_ports_shows_a_message(
+    served: tuple[str, str], browser: Browser
+) -> None:
     script = "delete Navigator.prototype.serial"
     page = await browser.do("open", url=served[0] + "#/connect", script=script)
     await browser.wait_for(page, "document.body.innerText.includes('This browser has no serial ports')")

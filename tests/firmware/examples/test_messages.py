@@ -80,7 +80,7 @@ async def test_button_example(kind: str) -> None:
         assert len(pushed.heard) == 2
 
 
-async def test_blinkm_sends_colours_and_tells_that_no_light_answers(kind: str) -> None:
+async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> None:
     # There is no BlinkM on the simulated board: what goes to it stands in the buffer of the I2C library.
     async with running("BlinkM", kind) as stage:
         log = await stage.log()

@@ -72,7 +72,7 @@ async def test_udp_converses(udp_sketch: Path) -> None:
         await met.converse()
 
 
-async def test_udp_sends_whole_frames_and_hears_only_the_host(udp_sketch: Path) -> None:
+async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch: Path) -> None:
     request_topics = encode_frame(0, b"")
     with _udp_socket() as host, _udp_socket() as stranger:
         async with running(udp_sketch, str(host.getsockname()[1])):

@@ -135,7 +135,7 @@ def test_operating_systems(library: Path, command: tuple[str, ...]) -> None:
 
 
 @pytest.mark.arm
-def test_an_unknown_system_is_told_what_to_do(library: Path, tmp_path: Path) -> None:
+def test_an_unknown_system_gets_a_hint(library: Path, tmp_path: Path) -> None:
     source = tmp_path / "main.cpp"
     source.write_text("#include <ros.h>\n")
     with pytest.raises(AssertionError, match="define ROS_NO_PLATFORM and give ros::NodeHandle_ a Hardware"):

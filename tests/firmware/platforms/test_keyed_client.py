@@ -81,7 +81,7 @@ def test_what_is_no_hello_is_left_at_once(program: Path, data: bytes) -> None:
     assert run_client(program, data, stays=True)[0] == NO_HELLO
 
 
-def test_a_host_that_says_nothing_is_left_in_time(program: Path) -> None:
+def test_a_silent_host_is_abandoned_in_time(program: Path) -> None:
     assert run_client(program, b"RSPSK1 00", stays=True)[0] == NO_ANSWER
 
 

@@ -119,7 +119,7 @@ def test_tags_of_every_length(robot: Path) -> None:
     assert {each[0] for each in actual(robot, series)} == {"1"}
 
 
-def test_other_senders_are_refused_and_told_who_commands(robot: Path) -> None:
+def test_other_senders_are_refused_with_the_name_of_the_holder(robot: Path) -> None:
     to_robot = SenderSettings(3, to_groups=False, kind=KIND, key=KEY)
     first, second = CommandSender(to_robot, 1_000), CommandSender(to_robot, 2_000)
     other_type = CommandSender(replace(to_robot, kind=b"\1\2\3\4"), 3_000)
@@ -225,7 +225,7 @@ async def test_a_sketch_obeys_answers_and_stops_when_its_sender_is_silent(robot:
     channel.close()
 
 
-async def test_a_deaf_socket_is_opened_and_hears_again(robot: Path) -> None:
+async def test_a_deaf_socket_is_reopened_and_receives_again(robot: Path) -> None:
     group = loopback_group()
     channel = CommandChannel(group, lambda level, text: None, key=KEY)
     async with running(robot, group.port, 10) as sketch:

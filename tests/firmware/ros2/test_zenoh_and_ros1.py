@@ -129,7 +129,7 @@ async def test_messages_go_to_the_board_and_come_from_it(world: World, name: str
     assert without_seq(to_plain(codec.decode(back))) == MIRRORED[name]
 
 
-async def test_sdk_hears_and_tells_the_board(world: World) -> None:
+async def test_sdk_receives_from_and_sends_to_the_board(world: World) -> None:
     kind = {"msg_type": "std_msgs/msg/String", "msg_definition": "string data\n"}
     await world.sdk.do("subscribe", "/lab/out_String", **kind)
     await world.sdk.do("advertise", "/lab/in_String", **kind)

@@ -190,7 +190,7 @@ def test_protocol_version_1() -> None:
     assert "version 1" in diagnosis.findings[0].seen
 
 
-def test_a_version_that_nobody_knows() -> None:
+def test_an_unknown_version() -> None:
     frame = bytearray(encode_frame(125, b"hello"))
     frame[1] = 0xFC
 
@@ -229,7 +229,7 @@ def test_a_board_that_resets_in_a_loop(period_s: float) -> None:
     assert Code.RESET_LOOP in codes(diagnosis)
 
 
-def test_a_reset_loop_with_what_the_board_says_of_it() -> None:
+def test_a_reset_loop_with_the_output_of_the_board() -> None:
     text = b"\r\nBrownout detector was triggered\r\n\r\nets Jun  8 2016 00:22:57\r\n"
     diagnosis = diagnose(lambda transport: talker(transport, reset_every_s=3.0, boot_text=text))
     (finding,) = [each for each in diagnosis.findings if each.code is Code.RESET_LOOP]
@@ -371,7 +371,7 @@ def test_a_service_answer_longer_than_the_board_announced() -> None:
     assert (finding.code, finding.subject) == (Code.MESSAGES_TOO_LONG, "check")
 
 
-def test_a_board_that_says_that_a_message_was_too_large() -> None:
+def test_a_board_that_reports_a_message_as_too_large() -> None:
     from rostether.rosserial.packets import LogLevel
 
     def complain(board: SketchBoard) -> None:

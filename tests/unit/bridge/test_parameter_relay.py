@@ -89,7 +89,7 @@ async def world() -> World:
         (b"binary", None),
     ],
 )
-def test_what_a_board_is_told_of_a_value(value: ParamValue, answer: Answer | None) -> None:
+def test_values_sent_to_a_board(value: ParamValue, answer: Answer | None) -> None:
     assert to_answer(value) == answer
 
 
@@ -114,7 +114,7 @@ async def test_a_private_name_is_the_boards_own(world: World) -> None:
 
 
 @pytest.mark.parametrize("name", ["missing", "no spaces", "tree", ""])
-async def test_what_cannot_be_told_is_answered_with_nothing_and_one_line(world: World, name: str) -> None:
+async def test_unknown_answers_are_empty_with_one_line(world: World, name: str) -> None:
     await world.peer.set_param("/tree", {"a": 1})
     answers = Answers()
     asking = relay(world, answers)
@@ -197,7 +197,7 @@ async def test_a_flood_of_questions_is_bounded(world: World) -> None:
     assert len(answers.given) == MAX_WAITING
 
 
-async def test_a_lost_board_is_told_nothing(world: World) -> None:
+async def test_a_lost_board_gets_nothing(world: World) -> None:
     answers = Answers()
     asking = relay(world, answers, BrokenGraph(1000))
     asking.ask("gain")

@@ -54,7 +54,7 @@ def test_an_episode_is_one_line(notices: Notices, reporter: RecordingReporter, c
     assert reporter.texts == ["damaged"]
 
 
-def test_a_new_episode_tells_what_the_last_one_left_unsaid(
+def test_a_new_episode_reports_what_the_last_one_omitted(
     notices: Notices, reporter: RecordingReporter, clock: Clock
 ) -> None:
     notices.episode("misfit", Level.WARN, "damaged")

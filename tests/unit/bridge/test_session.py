@@ -81,7 +81,7 @@ async def bridge() -> AsyncIterator[Bridge]:
     await bridge.close()
 
 
-async def test_a_board_is_asked_for_its_topics_and_says_what_established_hosts_say(bridge: Bridge) -> None:
+async def test_a_board_announces_the_same_topics_to_established_hosts(bridge: Bridge) -> None:
     await bridge.connect(
         CHATTER,
         LED,
@@ -278,7 +278,7 @@ async def test_a_reset_ends_the_call_in_flight(bridge: Bridge) -> None:
         await asyncio.wait_for(call, 60.0)
 
 
-async def test_stopping_tells_the_board_to_stop(bridge: Bridge) -> None:
+async def test_stopping_sends_a_stop_to_the_board(bridge: Bridge) -> None:
     board = await bridge.connect(CHATTER)
     await bridge.settled()
     await bridge.session.stop()

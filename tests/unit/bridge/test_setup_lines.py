@@ -36,7 +36,7 @@ async def test_a_buffers_size_is_reported_once_for_each_direction(world: World) 
     ]
 
 
-async def test_endpoints_are_reported_as_established_hosts_say_them(world: World) -> None:
+async def test_endpoints_are_reported_like_in_established_hosts(world: World) -> None:
     lines = SetupLines(world.notices, Clock())
     lines.topic(publisher("ultrasound", "sensor_msgs/Range"))
     lines.topic(subscriber("led_out", "std_msgs/Byte"))
@@ -51,7 +51,7 @@ async def test_endpoints_are_reported_as_established_hosts_say_them(world: World
     assert {level for level, _, _ in world.reporter.lines} == {Level.INFO}
 
 
-async def test_a_board_that_reconnects_all_day_says_few_lines(world: World) -> None:
+async def test_a_board_that_reconnects_all_day_causes_few_lines(world: World) -> None:
     clock = Clock()
     lines = SetupLines(world.notices, clock)
     for _ in range(20_000):
@@ -68,7 +68,7 @@ async def test_a_board_that_reconnects_all_day_says_few_lines(world: World) -> N
     assert 1 < len(summaries) <= clock.now_s / SUMMARY_PERIOD_S + 1
 
 
-async def test_a_board_that_calms_down_says_all_of_its_lines_again(world: World) -> None:
+async def test_a_board_that_calms_down_gets_all_of_its_lines_again(world: World) -> None:
     clock = Clock()
     lines = SetupLines(world.notices, clock)
     for _ in range(SAVED_LINES + 10):

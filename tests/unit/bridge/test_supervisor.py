@@ -412,7 +412,7 @@ async def test_closing_while_everything_waits(site: Site, tmp_path: Path) -> Non
     assert site.nodes() == set()
 
 
-async def test_a_view_tells_how_a_board_is_doing(site: Site) -> None:
+async def test_a_view_shows_the_state_of_a_board(site: Site) -> None:
     await site.start(f"{PORT}?name=arm")
     await site.serving("/arm")
     site.boards[0].send(125, text("a"), b"bad")
@@ -456,7 +456,7 @@ async def test_who_hangs_up_without_a_frame_leaves_no_node_behind() -> None:
     await site.supervisor.close()
 
 
-async def test_a_board_that_comes_back_and_says_nothing_keeps_its_topics() -> None:
+async def test_a_board_that_returns_silently_keeps_its_topics() -> None:
     site = Site(BridgeSettings(grace_s=3600))
     await site.start("tcp://:11411?name=arm")
     board = site.connect()

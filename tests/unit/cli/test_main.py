@@ -32,7 +32,7 @@ VERBS = {path: (command, summary) for path, command, summary in all_verbs(rostet
 
 
 @pytest.mark.parametrize("path", VERBS)
-def test_every_command_says_what_it_is_for_and_how_it_is_typed(path: str, shell: Shell) -> None:
+def test_every_command_has_a_purpose_and_examples(path: str, shell: Shell) -> None:
     command, summary = VERBS[path]
     text = shell.output(*path.split()[1:], "--help")
     assert summary.endswith(".")
@@ -115,7 +115,7 @@ def test_one_line(error: Exception, text: str) -> None:
     assert error_text(error) == text
 
 
-def test_what_nobody_expected_says_how_to_see_more(
+def test_unexpected_errors_show_how_to_see_more(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert error_text(RostetherError()).startswith("RostetherError")

@@ -22,7 +22,7 @@ def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
         assert state.wait(60) == 0
 
 
-def test_without_a_description_a_line_says_who_sets_it(graph: LiveGraph) -> None:
+def test_without_a_description_a_line_names_the_parameter(graph: LiveGraph) -> None:
     for role in ("robot-state-publisher", "joint-state-publisher"):
         with running("role", role, ROS_MASTER_URI=graph.uri) as process:
             _, said = process.communicate(timeout=60)

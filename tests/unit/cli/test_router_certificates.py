@@ -99,7 +99,9 @@ def ours(name: str) -> dict[str, object]:
         ({}, "no authority is given", "it does not know the authority"),
     ],
 )
-async def test_both_sides_say_why(folder: Path, tls: dict[str, object], here: str, there: str) -> None:
+async def test_both_sides_report_the_reason(
+    folder: Path, tls: dict[str, object], here: str, there: str
+) -> None:
     port, tcp_port = free_port(), free_port()
     robot = {
         **OURS,

@@ -145,7 +145,7 @@ def test_platformio_and_python_have_the_same_version(library: RenderedLibrary) -
     assert [f"src/{header}" in library.files for header in described["headers"]] == [True]
 
 
-def test_there_are_no_files_that_only_linux_can_tell_apart(library: RenderedLibrary) -> None:
+def test_no_file_names_differ_only_in_case(library: RenderedLibrary) -> None:
     assert len({path.casefold() for path in library.files}) == len(library.files)
 
 

@@ -68,9 +68,7 @@ def test_the_parts_of_actions_and_halves_of_services(tmp_path: Path) -> None:
         ("my_robot_msgs/Wheels", "no package 'my_robot_msgs' is known for my_robot_msgs/Wheels; "),
     ],
 )
-def test_a_message_that_nobody_knows_is_reported_with_its_line(
-    header: str, reason: str, tmp_path: Path
-) -> None:
+def test_an_unknown_message_is_reported_with_its_line(header: str, reason: str, tmp_path: Path) -> None:
     wanted = of_sketch(tmp_path, f"#include <ros.h>\n#include <{header}.h>\n")
     assert not wanted.doubtful
     assert len(wanted.missing) == 1

@@ -50,7 +50,7 @@ def bench(hostile_registry: Registry, hostile_library: WrittenLibrary) -> Bench:
     return Bench(WireProgram(index, hostile_library.path, types, bodies), store, types, filled)
 
 
-def test_fields_are_where_their_names_say(bench: Bench) -> None:
+def test_fields_have_the_values_of_their_names(bench: Bench) -> None:
     for (name, message), answer in zip(bench.filled, bench.program.filled(len(bench.filled)), strict=True):
         expected = bench.store.codec(name).encode(message)
         assert (name, answer.written, answer.payload) == (name, len(expected), expected)

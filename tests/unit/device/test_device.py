@@ -214,7 +214,7 @@ async def test_call_services_one_at_a_time(pair: tuple[Device, Any]) -> None:
         assert (await client.call({"input": "xy"})).output == "yx"
 
 
-async def test_a_call_that_nobody_answers_ends_and_a_late_answer_is_dropped(pair: tuple[Device, Any]) -> None:
+async def test_an_unanswered_call_ends_and_a_late_answer_is_dropped(pair: tuple[Device, Any]) -> None:
     device, line = pair
     client = device.service_client("lookup", "rosserial_arduino/Test")
     async with tethered(device, line) as host:

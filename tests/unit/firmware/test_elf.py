@@ -28,7 +28,7 @@ def build(folder: Path, version: int) -> ElfFile:
 
 
 @pytest.mark.parametrize("version", [2, 3, 4, 5])
-def test_every_version_tells_files_and_types(tmp_path: Path, version: int) -> None:
+def test_every_version_lists_files_and_types(tmp_path: Path, version: int) -> None:
     elf = build(tmp_path, version)
     source = str(tmp_path / "wheel.cpp")
     left = next(each.address for each in elf.symbols if each.name == "left")

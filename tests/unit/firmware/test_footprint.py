@@ -35,7 +35,7 @@ def group(footprint: Footprint, name: str) -> tuple[int, int]:
 
 @pytest.mark.parametrize("board", ["uno", "mega", "leonardo"])
 @pytest.mark.parametrize("text", [SERIAL, HELLO], ids=["serial", "ros"])
-async def test_the_groups_add_up_to_what_avr_size_says(tmp_path: Path, text: str, board: str) -> None:
+async def test_the_groups_add_up_to_the_total_of_avr_size(tmp_path: Path, text: str, board: str) -> None:
     built = await build(tmp_path, text, board)
     footprint = await measure_built(built)
     output = subprocess.run(["avr-size", built.elf], check=True, capture_output=True, text=True).stdout

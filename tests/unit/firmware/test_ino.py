@@ -50,7 +50,7 @@ def test_code_that_is_not_compiled_gets_no_prototype() -> None:
     assert "void f ( Nowhere n );" not in text
 
 
-def test_the_preprocessor_tells_which_lines_are_compiled() -> None:
+def test_the_preprocessor_shows_which_lines_are_compiled() -> None:
     core = '# 1 "u.cpp"\n# 1 "/usr/Arduino.h" 1\nint core;\n'
     output = core + '# 1 "/x/a.ino" 2\nint a;\n\n\nint d;\n# 20 "/x/a.ino"\nint t;\n'
     assert active_lines(output)["/x/a.ino"] == {1, 4, 20}

@@ -86,6 +86,6 @@ def test_the_sketchbook_is_where_the_ide_has_it(tmp_path: Path) -> None:
     assert sketchbook_folders({"ARDUINO_DIRECTORIES_USER": "/s"}, tmp_path) == [Path("/s/libraries")]
 
 
-def test_ours_say_who_they_are() -> None:
+def test_built_in_libraries_keep_their_names() -> None:
     names = [each.name for each in read_folder(SIMULATION_LIBRARIES, Origin.SIMULATION)]
     assert names == ["Ethernet", "Servo"]

@@ -30,7 +30,7 @@ def test_pins_and_topic_are_in_the_code_and_in_the_wiring(tmp_path: Path) -> Non
 
 @pytest.mark.avr
 @pytest.mark.parametrize("kind", list(KINDS))
-async def test_every_kind_builds_and_has_what_its_table_says(tmp_path: Path, kind: str) -> None:
+async def test_every_kind_builds_and_matches_its_table(tmp_path: Path, kind: str) -> None:
     described = KINDS[kind]
     pins = {name: f"A{number + 1}" for number, name in enumerate(described.pins)}
     file = write_sketch(tmp_path / kind, described, EXAMPLES, pins, "my_topic")

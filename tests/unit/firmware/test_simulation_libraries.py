@@ -72,7 +72,7 @@ def test_ours_compile_without_a_warning(tmp_path: Path, library: str, board: str
 @pytest.mark.parametrize(
     ("board", "angle"), [("uno", 0), ("uno", 57), ("uno", 180), ("mega", 90), ("leonardo", 33)]
 )
-async def test_a_pulse_is_as_wide_as_the_angle_says(tmp_path: Path, board: str, angle: int) -> None:
+async def test_the_pulse_width_matches_the_angle(tmp_path: Path, board: str, angle: int) -> None:
     text = SERVO.replace("ANGLE", str(angle)).replace("NOISE", "")
     built = await build_sketch(write_sketch(tmp_path, "S", text), find_board(board))
     async with await SimulatedBoard.start(built.elf, board=board, link="none", paused=True) as simulated:

@@ -57,7 +57,7 @@ def usb(path: str, vendor: int, product: int) -> SerialPort:
         ("nano:atmega328old", "atmega328p", "arduino", "57600"),
     ],
 )
-async def test_avrdude_is_told_the_board_and_the_port(
+async def test_avrdude_gets_the_board_and_the_port(
     tmp_path: Path,
     avrdude: FakeProgram,
     terminal: tuple[int, str],
@@ -159,7 +159,7 @@ def test_of_one_usb_port_among_others_the_usb_port() -> None:
     assert choose_port(find_board("nano"), found) == "/dev/ttyUSB0"
 
 
-def test_without_a_port_it_says_what_to_do() -> None:
+def test_without_a_port_the_error_has_a_hint() -> None:
     with pytest.raises(FirmwareError, match="no serial port found; plug in the board, or give its port"):
         choose_port(find_board("uno"), ports())
 

@@ -161,7 +161,7 @@ async def test_a_taker_that_fails_leaves_the_others_alone(
     assert "subscriber of /chatter failed: ValueError: no" in caplog.text
 
 
-async def test_takers_that_come_at_once_share_and_a_cancelled_one_harms_nobody(
+async def test_concurrent_callers_share_and_a_cancelled_one_does_no_harm(
     shared: SharedSubscriptions, talker: MemoryGraph
 ) -> None:
     publisher = await talker.advertise(TOPIC, STRING)

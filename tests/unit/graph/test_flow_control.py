@@ -163,7 +163,7 @@ async def test_only_who_was_behind_when_the_waiting_began_has_had_its_pause() ->
 
 
 @pytest.mark.parametrize("ending", ["drains", "ends"])
-async def test_waiting_ends_when_nobody_is_behind_any_more(ending: str) -> None:
+async def test_waiting_ends_when_no_subscriber_lags_behind(ending: str) -> None:
     publication = PublicationFlow()
     subscribers = [Subscriber(publication) for _ in range(3)]
     await publication.drained(60.0)

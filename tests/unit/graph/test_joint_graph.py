@@ -53,7 +53,7 @@ def answering(text: str) -> ServiceHandler:
     return handle
 
 
-async def test_it_publishes_to_all_and_hears_all() -> None:
+async def test_it_publishes_to_all_and_receives_from_all() -> None:
     world = await make_world()
     inboxes, mine = [Inbox(), Inbox()], Inbox()
     publisher = await world.joint.advertise("chat", STRING)
@@ -100,7 +100,7 @@ async def test_its_own_messages_come_once() -> None:
     await world.joint.close()
 
 
-async def test_nodes_that_are_in_the_same_graphs_hear_each_other_once() -> None:
+async def test_nodes_in_the_same_two_graphs_receive_messages_once() -> None:
     networks = [MemoryNetwork(), MemoryNetwork()]
     join = JointJoin([network.join for network in networks])
     first = await join("/first")
@@ -213,7 +213,7 @@ async def test_both_graphs_are_seen_as_one() -> None:
     assert all(network.snapshot().nodes == ("/other",) for network in world.networks)
 
 
-async def test_a_graph_that_tells_it_to_leave_is_obeyed() -> None:
+async def test_it_leaves_when_the_graph_shuts_it_down() -> None:
     world = await make_world()
     closed = asyncio.ensure_future(world.joint.wait_closed())
     await world.networks[1].join("/board")
@@ -284,7 +284,7 @@ async def test_a_graph_that_comes_late_gets_everything(
     assert "/board" not in late.snapshot().nodes
 
 
-async def test_nobody_waits_for_a_late_graph_after_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_after_the_end_a_late_graph_is_not_awaited(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.graph.joint_parts.FIRST_RETRY_S", 0.01)
     door = ConnectionLimiter(MemoryNetwork())
     joint = await JointJoin([MemoryNetwork().join, door])("/board")
@@ -365,7 +365,7 @@ async def test_a_refusal_for_good_is_reported_once(
     await joint.close()
 
 
-async def test_a_graph_that_hangs_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_graph_that_hangs_delays_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(joint_parts, "SLOW_GRAPH_S", 0.01)
     joint, moody, _ = await make_moody()
     moody.hangs = True

@@ -32,7 +32,7 @@ def test_only_nodes_with_one_mark_in_two_graphs_are_in_both() -> None:
     assert relay_marks(one) == {"/relay": relay, "/elsewhere": other}
 
 
-def test_marks_are_names_and_tell_the_age() -> None:
+def test_marks_are_names_and_show_the_age() -> None:
     older, younger = new_relay_mark(), new_relay_mark()
     assert older < younger
     for mark in (older, younger, new_joint_mark()):

@@ -71,7 +71,7 @@ async def test_messages_learn_the_type_from_the_publisher(talker: TypedGraph, li
     assert [message.data for message in await receiving] == ["one", "two"]
 
 
-async def test_messages_of_a_type_nobody_here_knows(network: MemoryNetwork, listener: TypedGraph) -> None:
+async def test_messages_of_an_unknown_type(network: MemoryNetwork, listener: TypedGraph) -> None:
     registry = Registry(bundled=False)
     registry.add_full_text("my_robot/Probe", LOCAL_TEXT)
     talker = TypedGraph(await network.join("/talker"), TypeStore(registry))
@@ -94,7 +94,7 @@ async def test_a_type_that_is_another_one_there_is_read_as_its_publisher_means_i
     assert listener.store.codec("std_msgs/String").message_class(data="x").data == "x"
 
 
-async def test_an_unknown_type_without_a_definition_says_how_to_give_it(
+async def test_an_unknown_type_without_a_definition_has_a_hint(
     talker: TypedGraph, listener: TypedGraph
 ) -> None:
     await talker.raw.advertise("/secret", MessageType("my_robot/Secret", "0" * 32))
@@ -147,7 +147,7 @@ async def test_a_loop_ends_when_its_node_leaves(talker: TypedGraph, listener: Ty
         await listener.wait_for_message("/chatter", timeout_s=60)
 
 
-async def test_nobody_subscribes(talker: TypedGraph) -> None:
+async def test_no_subscriber(talker: TypedGraph) -> None:
     publisher = await talker.publisher("/chatter", "std_msgs/String")
     assert not await publisher.wait_for_subscriber(0.02)
 
@@ -188,7 +188,7 @@ async def test_services_as_classes(talker: TypedGraph, listener: TypedGraph) -> 
         SetBoolResponse(sucess=True)  # type: ignore[call-arg]
 
 
-async def test_a_handler_that_breaks_tells_the_caller(talker: TypedGraph, listener: TypedGraph) -> None:
+async def test_a_failing_handler_is_reported_to_the_caller(talker: TypedGraph, listener: TypedGraph) -> None:
     def answer(request: Message) -> dict[str, object]:
         raise RuntimeError("out of paint")
 

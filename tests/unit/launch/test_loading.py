@@ -54,7 +54,7 @@ def test_what_is_wrong_is_refused_in_one_line_with_its_place(file: Path) -> None
 
 
 @pytest.mark.parametrize("name", LINES)
-def test_error_says_line_and_reason(name: str) -> None:
+def test_error_contains_line_and_reason(name: str) -> None:
     with pytest.raises(LaunchError) as caught:
         load(ROBOT / "wrong" / f"{name}.launch")
     line, words = LINES[name]
@@ -62,7 +62,7 @@ def test_error_says_line_and_reason(name: str) -> None:
     assert words in str(caught.value)
 
 
-def test_error_in_an_included_file_says_who_included_it() -> None:
+def test_error_in_an_included_file_names_the_including_file() -> None:
     with pytest.raises(
         LaunchError, match=r"args\.xml:4: .*\(included at .*include_missing_argument\.launch:2\)"
     ):
@@ -77,7 +77,7 @@ def test_error_in_an_included_file_says_who_included_it() -> None:
         ("names_that_warn", "'my-node' is not a ROS name"),
     ],
 )
-def test_what_stops_nobody_is_warned_of_with_its_place(name: str, words: str) -> None:
+def test_harmless_mistakes_are_warnings_with_file_and_line(name: str, words: str) -> None:
     (warning,) = load(ROBOT / "launch" / f"{name}.launch").warnings
     assert f"{name}.launch:" in warning
     assert words in warning

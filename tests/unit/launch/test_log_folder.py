@@ -32,6 +32,6 @@ def test_folder_that_cannot_be_made_is_an_error(tmp_path: Path) -> None:
         log_folder({"ROS_LOG_DIR": str(tmp_path / "file")}, "run")
 
 
-def test_home_is_dot_ros_unless_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_home_is_dot_ros_by_default(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/home/x")
     assert ros_home({}) == Path("/home/x/.ros")

@@ -224,7 +224,7 @@ async def test_death_is_reported_with_code_command_and_logs(stage: Stage) -> Non
         assert words in line
 
 
-async def test_node_that_is_not_there_is_told_with_its_place_and_the_others_run(stage: Stage) -> None:
+async def test_a_missing_node_is_reported_with_its_line_and_the_others_run(stage: Stage) -> None:
     stage.script("say.sh", "echo hello")
     body = '\n<node name="a" pkg="p" type="never.sh"/><node name="b" pkg="p" type="say.sh"/>'
     assert await stage.run(body)
@@ -254,7 +254,7 @@ async def test_program_that_no_system_runs_is_reported(stage: Stage) -> None:
     assert "cannot run" in stage.text
 
 
-async def test_stop_interrupts_first_so_that_nodes_can_say_goodbye(stage: Stage) -> None:
+async def test_stop_interrupts_first_so_that_nodes_can_clean_up(stage: Stage) -> None:
     stage.script("polite.sh", "trap 'echo goodbye; exit 0' INT; echo ready; while :; do sleep 0.05; done")
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="polite.sh"/>'))
     await stage.until(lambda: "ready" in stage.log("n-1"))
@@ -263,7 +263,7 @@ async def test_stop_interrupts_first_so_that_nodes_can_say_goodbye(stage: Stage)
 
 
 @pytest.mark.parametrize("ignored", ["INT", "INT TERM"])
-async def test_stop_becomes_stronger_when_nobody_listens(stage: Stage, ignored: str) -> None:
+async def test_stop_escalates_without_a_reaction(stage: Stage, ignored: str) -> None:
     stage.script("deaf.sh", f"trap '' {ignored}; echo $$; while :; do sleep 0.05; done")
     limits = StopLimits(sigint_s=0.2, sigterm_s=0.2 if "TERM" in ignored else LIMIT_S)
     task = asyncio.create_task(stage.run('<node name="n" pkg="p" type="deaf.sh"/>', stop_limits=limits))
@@ -319,7 +319,7 @@ async def test_clearing_all_empties_the_server(stage: Stage) -> None:
         await stage.client.get_param("/old")
 
 
-async def test_node_killed_by_a_signal_is_told(stage: Stage) -> None:
+async def test_a_node_killed_by_a_signal_is_reported(stage: Stage) -> None:
     stage.script("die.sh", "kill -SEGV $$")
     await stage.run('<node name="n" pkg="p" type="die.sh"/>')
     assert f"exit code {-signal.SIGSEGV}" in stage.text

@@ -95,7 +95,7 @@ def test_a_change_in_a_nested_message_is_found(tmp_path: Path) -> None:
     assert "its my_msgs/Inner lacks 'int32 b'" in line
 
 
-def test_what_nobody_knows_shows_our_definition() -> None:
+def test_an_unknown_type_shows_our_definition() -> None:
     registry = Registry()
     line = explain_mismatch(registry, "sensor_msgs/Range", UNKNOWN_MD5SUM)
     assert "of any known definition; the known one is 'std_msgs/Header header, uint8 radiation_type" in line

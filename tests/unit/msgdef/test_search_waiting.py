@@ -42,7 +42,7 @@ async def test_one_search_serves_all(registry: Registry) -> None:
     assert registry.is_at_hand(registry.packages)
 
 
-async def test_a_search_that_fails_is_told_to_who_waits(
+async def test_a_failed_search_is_reported_to_the_waiting_caller(
     registry: Registry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail() -> None:

@@ -121,7 +121,7 @@ async def test_a_lazy_mux_listens_only_to_what_is_published(world: World) -> Non
         await until(lambda: inbox.payloads == [string("x")])
 
 
-async def test_a_latched_mux_tells_who_comes_later(world: World) -> None:
+async def test_a_latched_mux_sends_to_later_subscribers(world: World) -> None:
     async with world.muxing("/a", latch=True) as inbox:
         await until(lambda: world.inputs["/a"].subscriber_count == 1)
         world.inputs["/a"].publish_raw([string("kept")])

@@ -35,7 +35,7 @@ def test_the_first_root_wins_then_the_nearest(tmp_path: Path) -> None:
     assert find_packages([tmp_path / "both"]) == {"twice": near}
 
 
-def test_two_of_one_name_are_told_unless_one_overlays_the_other_or_is_its_copy(tmp_path: Path) -> None:
+def test_duplicate_names_are_reported_unless_overlays_or_copies(tmp_path: Path) -> None:
     told: list[tuple[str, Path, Path]] = []
 
     def note(*what: object) -> None:

@@ -54,7 +54,7 @@ def test_too_large_a_picture_is_rejected() -> None:
         png(Scene(20_000, 20_000))
 
 
-def test_without_the_package_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "resvg_py", None)
     with pytest.raises(
         ConfigError, match=r"PNG is not installed; run: .*rostether\[pictures\].*; or save as .svg"

@@ -72,7 +72,7 @@ async def test_other_machines_are_ignored_until_they_are_allowed(monkeypatch: py
     assert robot.speeds == []
 
 
-async def test_a_framed_robot_stops_when_it_is_told_and_when_its_sender_is_gone() -> None:
+async def test_a_framed_robot_stops_on_request_and_when_its_sender_disappears() -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_receiver", "/robot")
     address, lines, robot = loopback_group(), Lines(), Robot()
     framed = ReceiverSettings(3, kind=KIND, key=KEY)

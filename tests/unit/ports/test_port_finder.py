@@ -56,7 +56,7 @@ def test_the_board_is_followed_even_when_another_takes_its_path(tmp_path: Path) 
     assert desk.finder.find() == desk.path("ttyACM0")
 
 
-def test_a_port_without_marks_stays_what_its_path_says(tmp_path: Path) -> None:
+def test_a_port_without_marks_is_identified_by_its_path(tmp_path: Path) -> None:
     desk = Desk(tmp_path)
     desk.plug("ttyACM0", None)
     assert desk.finder.identify(desk.path("ttyACM0")).port == desk.path("ttyACM0")

@@ -104,9 +104,7 @@ async def test_nothing_is_listed_while_nothing_changes(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="inotify is Linux's")
-async def test_nobody_even_looks_where_the_kernel_wakes_us(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_no_polling_with_kernel_notifications(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
     looks = 0
     mark = port_watch.folder_mark

@@ -39,7 +39,7 @@ def _bag(plain: bytes, size: int | None = None) -> bytes:
 
 
 @pytest.mark.parametrize("name", PACKED)
-def test_what_unpacks_to_more_than_it_says_is_refused(name: str) -> None:
+def test_data_that_unpacks_to_more_than_its_stated_size_is_refused(name: str) -> None:
     packed = PACKED[name](bytes(10_000_000))
     with pytest.raises(RecordingError, match="has 101 bytes instead of 100"):
         decompress(name, packed, 100)

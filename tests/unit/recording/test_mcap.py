@@ -115,7 +115,7 @@ def test_ours_reads_those_of_the_package(tmp_path: Path, compression: str, use_c
     assert [each.time_ns - START_NS for each in some] == [9, 11, 13, 15]
 
 
-def test_what_says_that_it_is_longer_than_the_file_takes_no_memory(tmp_path: Path) -> None:
+def test_a_length_beyond_the_end_of_the_file_takes_no_memory(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     for op in range(1, 0x10):
         path.write_bytes(MAGIC + encode_record(1, bytes(8)) + RECORD_HEAD.pack(op, 1 << 62) + b"abc")

@@ -25,7 +25,7 @@ def test_a_chunk_is_unpacked_from_its_place() -> None:
     assert unpack_chunk(view, Packed("", 100, end, end + 100)) == plain
 
 
-def test_shares_are_told_the_most_frequent_first() -> None:
+def test_shares_are_listed_most_frequent_first() -> None:
     chunks = [Packed("lz4", 100, 0, 10), Packed("", 5, 10, 15), Packed("none", 7, 15, 22)]
     shares = compression_shares(chunks)
     assert [(each.name, each.chunk_count) for each in shares] == [("none", 2), ("lz4", 1)]

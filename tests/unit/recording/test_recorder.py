@@ -259,7 +259,7 @@ async def test_a_full_disk_ends_it_with_a_line_and_keeps_what_is_there(stage: St
     assert recorder.progress.message_count == 5
 
 
-async def test_what_goes_wrong_at_the_end_is_told_also_after_ctrl_c(stage: Stage) -> None:
+async def test_errors_at_the_end_are_reported_also_after_ctrl_c(stage: Stage) -> None:
     recorder = stage.recorder(TopicChoice(names=("/a",)))
     publisher = await stage.node.advertise("/a", STRING)
     task = asyncio.create_task(recorder.run())

@@ -192,7 +192,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
         assert await world.one.call_service("/refuse", SET_BOOL, TRUE) == answer("as you say")
 
 
-async def test_a_type_that_nobody_knows_is_reported_once_and_can_be_given(
+async def test_an_unknown_type_is_reported_once_and_can_be_given(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
@@ -228,7 +228,7 @@ async def test_what_a_graph_refuses_is_tried_again(world: World, monkeypatch: py
         await until(lambda: world.carries("/chat", 1))
 
 
-async def test_a_node_that_is_told_to_leave_ends_the_relay(world: World) -> None:
+async def test_a_node_shutdown_ends_the_relay(world: World) -> None:
     sides = [Side(str(number), graph, service_type) for number, graph in enumerate(world.relays)]
     relay = Relay(sides[0], sides[1], RelayFilter(), lambda _level, _text: None)
     running = asyncio.ensure_future(relay.run())

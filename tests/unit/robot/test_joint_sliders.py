@@ -63,7 +63,7 @@ def test_a_low_screen_shows_the_chosen_joint(sliders: JointSliders) -> None:
     assert len(lines) == 3
 
 
-def test_a_robot_without_joints_says_so() -> None:
+def test_a_robot_without_joints_is_reported() -> None:
     states = JointStates(parse_urdf('<robot name="x"><link name="a"/></robot>'))
     sliders = JointSliders(states)
     sliders.press(SliderKey.MORE)

@@ -14,7 +14,7 @@ from unit.robot.robots import ARM
 STATE = "sensor_msgs/JointState"
 
 
-async def test_sources_and_parameters_are_heard() -> None:
+async def test_sources_and_parameters_are_used() -> None:
     network = MemoryNetwork()
     heard: list[None] = []
     async with entered(network, "/jsp") as node, entered(network, "/arm") as arm:
@@ -68,7 +68,7 @@ async def test_parameters_that_make_no_sense_are_refused(name: str, value: Param
             await publish_joint_states(node, await read_joint_states(node))
 
 
-async def test_it_ends_when_its_node_is_told_to_leave() -> None:
+async def test_it_ends_when_its_node_is_shut_down() -> None:
     network = MemoryNetwork()
     async with entered(network, "/jsp") as node, entered(network, "/arm") as arm:
         await node.set_param("/robot_description", ARM)

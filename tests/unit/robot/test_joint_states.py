@@ -24,7 +24,7 @@ def test_a_range_without_zero_starts_in_its_middle() -> None:
 
 
 @pytest.mark.parametrize(("smallest", "limits"), [(True, (0.05, 0.15)), (False, (0.02, 0.2))])
-def test_soft_limits_count_unless_told_otherwise(smallest: bool, limits: tuple[float, float]) -> None:
+def test_soft_limits_count_by_default(smallest: bool, limits: tuple[float, float]) -> None:
     settings = JointStateSettings(use_smallest_joint_limits=smallest)
     lift = JointStates(parse_urdf(GRIPPER), settings).free["lift"]
     assert (lift.lower, lift.upper) == limits
@@ -52,7 +52,7 @@ def test_dependences_may_be_set() -> None:
     assert values.effort == [3.0, 3.0, 0.0]
 
 
-def test_short_lists_say_nothing_of_the_rest() -> None:
+def test_short_lists_have_no_line_about_the_rest() -> None:
     states = JointStates(parse_urdf(ARM))
     states.receive(["j0", "j1"], [1.0])
     assert states.values().position == [1.0, 0.0, 0.0]
@@ -93,7 +93,7 @@ def test_positions_stay_within_limits() -> None:
 @pytest.mark.parametrize(
     ("leader", "said"), [("k", "circle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
 )
-def test_following_nobody_is_refused(leader: str, said: str) -> None:
+def test_following_no_program_is_refused(leader: str, said: str) -> None:
     text = robot(
         "x",
         "a b c",

@@ -19,7 +19,7 @@ PLANE = robot(
 
 
 @pytest.mark.parametrize(("shoulder", "elbow"), [(0.0, 0.0), (0.5, 0.0), (0.3, -0.7), (2.0, 1.0)])
-def test_a_planar_arm_stands_where_geometry_says(shoulder: float, elbow: float) -> None:
+def test_a_planar_arm_is_where_geometry_predicts(shoulder: float, elbow: float) -> None:
     stands = forward_kinematics(parse_urdf(PLANE), {"shoulder": shoulder, "elbow": elbow})
     second = stands["second"]
     assert second.translation == pytest.approx((2 * math.cos(shoulder), 2 * math.sin(shoulder), 0.0))

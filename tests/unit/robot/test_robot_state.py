@@ -78,7 +78,7 @@ def test_what_is_wrong_with_a_state_is_reported(names: list[str], positions: lis
     assert said in state.problem
 
 
-def test_an_old_state_is_published_and_told_of() -> None:
+def test_an_old_state_is_published_and_reported() -> None:
     state = RobotState(parse_urdf(ARM))
     assert children(state, ["j0"], NOW - 31 * SECOND) == ["turret"]
     assert "31.000 s old" in state.problem
@@ -86,7 +86,7 @@ def test_an_old_state_is_published_and_told_of() -> None:
     assert state.problem == ""
 
 
-def test_of_a_joint_told_twice_the_first_counts() -> None:
+def test_the_first_value_of_a_repeated_joint_counts() -> None:
     model = parse_urdf(ARM)
     found = RobotState(model).moving_transforms(["j0", "j0"], [0.1, 0.2], NOW, NOW)
     assert found[0].transform == joint_transform(model.joints["j0"], 0.1)

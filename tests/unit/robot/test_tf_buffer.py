@@ -84,7 +84,7 @@ def test_a_loop_ends_with_an_error() -> None:
         place(buffer, "z", "q", 100)
 
 
-def test_why_not_says_what_lookup_would_raise(buffer: TransformBuffer) -> None:
+def test_why_not_returns_the_error_that_lookup_would_raise(buffer: TransformBuffer) -> None:
     assert buffer.why_not("root", "fixed") == ""
     assert "does not exist" in buffer.why_not("root", "nowhere")
     assert "extrapolation" in buffer.why_not("root", "a", 5)

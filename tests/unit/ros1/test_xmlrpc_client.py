@@ -192,7 +192,7 @@ async def test_on_lost_is_not_called_when_we_disconnect(server: XmlRpcServer) ->
     assert lost == []
 
 
-async def test_nobody_there() -> None:
+async def test_no_peer() -> None:
     server = XmlRpcServer({})
     await server.start()
     await server.close()
@@ -251,7 +251,7 @@ async def test_somebody_else_there(answer: bytes, reason: str) -> None:
         await client.close()
 
 
-async def test_an_answer_nobody_asked_for_ends_the_connection() -> None:
+async def test_an_unrequested_answer_ends_the_connection() -> None:
     async def session(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await read_request(reader)
         writer.write(http_answer(1))

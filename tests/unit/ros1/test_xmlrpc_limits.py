@@ -12,7 +12,7 @@ from unit.ros1.xmlrpc_stage import RawClient, client_of, request, serving
 from unit.transports.strangers import is_hung_up, stranger
 
 
-async def test_a_connection_that_never_says_a_word_is_ended() -> None:
+async def test_a_silent_connection_is_closed() -> None:
     async with serving({"ping": lambda: 1}, first_byte_limit_s=0.1) as server:
         silent = await RawClient.connect(server)
         assert await is_hung_up(silent.reader)

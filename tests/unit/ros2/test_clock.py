@@ -100,7 +100,7 @@ async def test_quick_switches_end_where_the_parameter_is(setting: Setting) -> No
     await clock.close()
 
 
-async def test_a_graph_that_refuses_is_told(setting: Setting, caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_graph_that_refuses_is_reported(setting: Setting, caplog: pytest.LogCaptureFixture) -> None:
     store = ParameterStore()
     clock = NodeClock(store, setting.node, lambda: WALL)
     await clock.open()

@@ -8,7 +8,7 @@ from rostether.errors import ConfigError
 from rostether.ros2.environment import Ros2Environment
 
 
-def test_nothing_said_is_domain_0() -> None:
+def test_the_default_is_domain_0() -> None:
     environment = Ros2Environment.read({})
     assert environment == Ros2Environment()
     assert environment.domain_id == 0

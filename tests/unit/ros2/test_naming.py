@@ -60,7 +60,7 @@ def test_takes_legal_names() -> None:
         ("/\n" * 500, "'\\n' is not allowed"),
     ],
 )
-def test_says_why_a_node_name_is_none(name: str, says: str) -> None:
+def test_reports_why_a_node_name_is_invalid(name: str, says: str) -> None:
     if name.endswith("\n"):
         name += "x"
     with pytest.raises(InvalidNameError) as error:
@@ -83,7 +83,7 @@ def test_says_why_a_node_name_is_none(name: str, says: str) -> None:
         ("/" + "a" * 247, "longer than 247 characters"),
     ],
 )
-def test_says_why_a_topic_name_is_none(name: str, says: str) -> None:
+def test_reports_why_a_topic_name_is_invalid(name: str, says: str) -> None:
     with pytest.raises(InvalidNameError) as error:
         validate_topic_name(name)
     assert says in str(error.value)

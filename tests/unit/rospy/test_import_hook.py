@@ -124,7 +124,7 @@ except rospkg.ResourceNotFound as error:
     assert lines == [f"{package} {package} ['arm']", "no leg"]
 
 
-async def test_what_a_package_says_of_itself(package: Path) -> None:
+async def test_package_information(package: Path) -> None:
     (package.parent / "leg").mkdir()
     (package.parent / "leg" / "package.xml").write_text(
         "<package><name>leg</name><version>2</version><license>MIT</license><depend>arm</depend>"

@@ -31,7 +31,7 @@ def test_what_is_new_is_reported_once() -> None:
     assert len(table) == 1
 
 
-def test_damage_tells_nothing_about_the_device() -> None:
+def test_damage_reveals_nothing_about_the_device() -> None:
     known, table = announcements()
     assert known.handle_packet(ids.PUBLISHER, b"?", 0.0) == (
         None,

@@ -93,7 +93,7 @@ def test_stamps_that_are_not_of_the_synchronised_clock_are_left_out() -> None:
     assert estimate.offset_s() is None
 
 
-def test_a_simulations_time_says_nothing_of_the_board() -> None:
+def test_simulated_time_reveals_nothing_about_the_board() -> None:
     estimate = ClockEstimate()
     run(estimate, host_speed=0.5)
     assert estimate.drift_ppm is None

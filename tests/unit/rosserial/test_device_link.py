@@ -275,7 +275,7 @@ class TestParameters:
         assert link.handle_timer(100.5) == [ParameterTimedOut("~rate")]
         assert link.handle_timer(101.0) == [ParameterTimedOut("~name")]
 
-    def test_an_answer_nobody_waits_for(self) -> None:
+    def test_an_answer_without_a_request(self) -> None:
         link, _, _ = configured()
         payload = ParameterResponse((1,)).encode()
         assert link.receive_data(frame(ids.PARAMETER, payload), 100.1) == [

@@ -232,7 +232,7 @@ class TestUnfinishedFrames:
         assert decoder.get_timer() == 0.25
         assert decoder.handle_timer(0.25) == [FrameDiscarded(DiscardReason.UNFINISHED, b"\xff")]
 
-    def test_says_which_frame_is_coming_in(self) -> None:
+    def test_reports_which_frame_is_incomplete(self) -> None:
         decoder = FrameDecoder()
         decoder.feed(A[:-1], 1.0)
         assert decoder.is_receiving({125}, 1.01)

@@ -52,14 +52,14 @@ def test_a_reset_lets_go_what_a_dead_call_holds() -> None:
     assert one.pop_ready() == frame(ids.TOPIC_REQUEST, b"")
 
 
-def test_frames_nobody_takes_do_not_fill_memory() -> None:
+def test_unread_frames_do_not_fill_memory() -> None:
     one = output()
     for _ in range(10000):
         one.parameter(ParameterResponse())
     assert len(one.pop_ready()) <= MAX_WAITING_BYTES
 
 
-def test_stop_says_nothing_else() -> None:
+def test_stop_sends_nothing_else() -> None:
     one = output()
     one.call_started()
     one.time(Time(1, 0), 0.0)

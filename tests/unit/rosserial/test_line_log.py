@@ -66,7 +66,7 @@ def test_the_version_is_seen(name: str) -> None:
     assert version_of(b"".join(chunk.data for chunk in capture.of_device())) == capture.version
 
 
-def test_what_nobody_said_is_version_2() -> None:
+def test_the_default_version_is_2() -> None:
     assert version_of(b"") == 2
 
 

@@ -168,7 +168,7 @@ def test_learning_the_version_asks_in_it_at_once() -> None:
     assert negotiation.pop_request() is None
 
 
-def test_announcements_nobody_asked_for_that_bring_news_are_confirmed() -> None:
+def test_unrequested_announcements_with_news_are_confirmed() -> None:
     negotiation, now_s = settled()
     negotiation.announced(ids.PUBLISHER, TopicInfo(126, "other", STRING, STRING_MD5, 280), now_s + 5)
     now_s, done = tick(negotiation)

@@ -84,7 +84,7 @@ def test_announcements_that_must_be_damage(wrong: dict[str, object]) -> None:
     ],
     ids=str,
 )
-def test_the_fault_says_what_to_change(wrong: dict[str, object], reason: str) -> None:
+def test_the_error_names_what_to_change(wrong: dict[str, object], reason: str) -> None:
     fields = {name: getattr(CHATTER, name) for name in CHATTER.__slots__}
     info = TopicInfo.read(TopicInfo(**{**fields, **wrong}).encode())
     assert info is not None
@@ -116,7 +116,7 @@ def test_strings_that_claim_more_than_there_is() -> None:
         assert TopicInfo.decode(CHATTER_BYTES[:2] + struct.pack("<I", claim) + CHATTER_BYTES[6:]) is None
 
 
-def test_topic_info_that_no_frame_can_say() -> None:
+def test_topic_info_that_does_not_fit_a_frame() -> None:
     with pytest.raises(LocalProtocolError, match="cannot announce"):
         TopicInfo(1 << 16, "a", "b/C", "0" * 32, 1).encode()
 

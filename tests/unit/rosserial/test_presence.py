@@ -35,7 +35,7 @@ def present(now_s: float = 0.0) -> Presence:
     return presence
 
 
-def test_nothing_is_due_before_the_device_was_heard() -> None:
+def test_nothing_is_due_before_the_first_data_of_the_device() -> None:
     assert Presence().get_timer(probes=True) is None
     assert Presence().handle_timer(100.0, probes=True) is None
 

@@ -26,7 +26,7 @@ def detector() -> ProtocolDetector:
 
 @pytest.mark.parametrize("version", [1, 2])
 @pytest.mark.parametrize("topic_id", PACKETS)
-def test_a_control_packet_tells_the_version(version: int, topic_id: int) -> None:
+def test_a_control_packet_shows_the_version(version: int, topic_id: int) -> None:
     for size in (1, 1000):
         one = detector()
         data = frame(topic_id, PACKETS[topic_id], version)
@@ -36,7 +36,7 @@ def test_a_control_packet_tells_the_version(version: int, topic_id: int) -> None
         assert found == [Frames(topic_id, [PACKETS[topic_id]])]
 
 
-def test_a_message_tells_version_2_but_not_version_1() -> None:
+def test_a_message_proves_version_2_but_not_version_1() -> None:
     one = detector()
     assert one.feed(frame(125, b"hello", 1), 0.0) == []
     assert one.decoder is None
@@ -45,7 +45,7 @@ def test_a_message_tells_version_2_but_not_version_1() -> None:
 
 
 @pytest.mark.parametrize("payload", [bytes(7), bytes(9)])
-def test_damage_tells_nothing(payload: bytes) -> None:
+def test_damage_is_ignored(payload: bytes) -> None:
     for version in (1, 2):
         one = detector()
         one.feed(frame(ids.TIME, payload, version), 0.0)

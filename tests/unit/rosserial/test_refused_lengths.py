@@ -37,7 +37,7 @@ def test_a_length_no_endpoint_can_have_delays_nothing(topic_id: int, size: int) 
     assert b"".join(event.data for event in discarded) == claim
 
 
-def test_announcements_may_be_longer_than_the_buffer_that_they_tell() -> None:
+def test_announcements_may_be_longer_than_the_buffer_that_they_announce() -> None:
     link, now_s = settled_link()
     long_name = TopicInfo(126, "a" * 240, STRING, STRING_MD5, 280)
     assert len(long_name.encode()) > 280

@@ -67,7 +67,7 @@ def test_a_store_for_other_types_has_values_of_the_same_kind(store: TypeStore, k
     assert isinstance(codec.decode(codec.encode({})).data, kind)
 
 
-def test_without_numpy_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_numpy_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numpy", None)
     with pytest.raises(ConfigError, match="type: pip install numpy"):
         NumpyClasses()

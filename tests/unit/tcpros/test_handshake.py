@@ -39,7 +39,7 @@ def test_the_first_header_decides(fields: dict[str, str], purpose: Purpose) -> N
         ({"service": "/a", "probe": "1"}, "Missing required 'md5sum'"),
     ],
 )
-def test_headers_that_say_too_little_are_refused(fields: dict[str, str], reason: str) -> None:
+def test_headers_with_missing_fields_are_refused(fields: dict[str, str], reason: str) -> None:
     with pytest.raises(RemoteProtocolError, match=reason):
         purpose_of(fields)
 

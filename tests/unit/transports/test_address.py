@@ -111,7 +111,7 @@ def test_refuse_with_what_to_type(text: str, said: str) -> None:
         ("xbee:/dev/x", True),
     ],
 )
-def test_say_whether_many_devices_come(text: str, listens: bool) -> None:
+def test_reports_whether_many_devices_connect(text: str, listens: bool) -> None:
     assert parse_address(text).listens is listens
 
 

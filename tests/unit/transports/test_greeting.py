@@ -108,7 +108,7 @@ async def test_a_board_without_a_key_is_refused_in_one_line(
     assert "it sent no pre-shared-key hello; give it the key" in caplog.records[0].getMessage()
 
 
-async def test_who_says_nothing_is_given_up(key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_silent_client_is_dropped(key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(greeting, "PSK_LIMIT_S", 0.05)
     async with listening(f"tcp://:0?psk={key}") as (listener, arrivals, port):
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
@@ -193,7 +193,7 @@ async def test_files_that_cannot_be_read_are_named(text: str, reason: str) -> No
         await TcpListener.start(cast(TcpAddress, parse_address(text)), Arrivals())
 
 
-async def test_silent_connections_of_one_address_keep_nobody_out(
+async def test_silent_connections_of_one_address_do_not_block_others(
     key: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(greeting, "PSK_LIMIT_S", 600.0)

@@ -99,7 +99,7 @@ async def test_the_manipulator_sees_each_chunk_and_its_direction() -> None:
     ]
 
 
-async def test_close_lets_written_bytes_arrive_and_tells_both_ends_once() -> None:
+async def test_close_delivers_written_bytes_and_notifies_both_ends_once() -> None:
     first, second = memory_pair()
     near, far = Recorder(), Recorder()
     first.start(near)

@@ -147,7 +147,7 @@ def entering(max_peers: int = 4) -> Medium:
     return medium
 
 
-async def test_a_sender_is_a_peer_once_it_says_a_frame() -> None:
+async def test_a_sender_is_a_peer_after_its_first_frame() -> None:
     medium = entering()
     medium.table.receive("a", b"text")
     assert (len(medium.table), medium.arrivals.count) == (0, 0)

@@ -75,7 +75,7 @@ print(read_port_facts(sys.argv[1], list).may_open)
 """
 
 
-def test_who_may_not_open_it_is_told() -> None:
+def test_a_missing_permission_is_reported() -> None:
     if os.getuid() != 0:
         pytest.skip("only root becomes somebody else")
     master, slave = os.openpty()

@@ -78,7 +78,7 @@ def test_a_script_is_named_by_its_file(tmp_path: Path, pty: str) -> None:
     assert holder.name.endswith(" serial_node.py")
 
 
-def test_we_ourselves_are_nobody_else(pty: str) -> None:
+def test_the_own_process_is_not_another_program(pty: str) -> None:
     descriptor = os.open(pty, os.O_RDWR | os.O_NOCTTY)
     assert find_holders(pty) == []
     os.close(descriptor)

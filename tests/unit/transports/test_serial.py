@@ -149,7 +149,7 @@ input()
         other.communicate(b"\n")
 
 
-def test_a_port_that_nobody_has_open_has_no_holder(tmp_path: Path) -> None:
+def test_a_port_that_is_not_open_has_no_holder(tmp_path: Path) -> None:
     assert find_holder(str(tmp_path / "nobody")) is None
 
 
@@ -266,7 +266,7 @@ def test_no_permission_names_the_group_and_the_command(
     assert "sudo chmod a+rw" in str(explained(error, path=str(port)))
 
 
-def test_windows_says_access_denied_of_a_busy_port(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_windows_reports_access_denied_for_a_busy_port(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(serial_errors.sys, "platform", "win32")  # type: ignore[attr-defined]
     assert "is in use by another program" in str(explained(PermissionError(13, "Access is denied")))
 

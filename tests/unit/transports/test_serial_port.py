@@ -5,7 +5,7 @@ from pathlib import Path
 from rostether.transports.serial_port import SerialPort, find_usb_location
 
 
-def test_the_socket_is_found_where_the_kernel_says(tmp_path: Path) -> None:
+def test_the_socket_is_found_in_the_kernel_table(tmp_path: Path) -> None:
     device = tmp_path / "devices/pci0000:00/usb1/1-1/1-1.2/1-1.2:1.0/ttyUSB0"
     device.mkdir(parents=True)
     (tmp_path / "class/ttyUSB0").mkdir(parents=True)

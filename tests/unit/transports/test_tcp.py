@@ -137,7 +137,7 @@ async def test_pausing_stops_the_sender_and_loses_nothing() -> None:
         await board_seen.until(lambda seen: seen.write_pauses == [True, False])
 
 
-async def test_tell_when_the_board_hangs_up() -> None:
+async def test_reports_when_the_board_disconnects() -> None:
     async with listening() as (listener, arrivals):
         async with connected_to(listener) as (board, board_seen):
             host, host_seen = await arrivals.next_started()
@@ -156,7 +156,7 @@ async def test_tell_when_the_board_hangs_up() -> None:
         assert listener.connection_count == 0
 
 
-async def test_tell_when_the_connection_is_reset() -> None:
+async def test_reports_a_reset_connection() -> None:
     async with listening() as (listener, arrivals):
         raw = socket.create_connection(("127.0.0.1", port_of(listener)))
         _, host_seen = await arrivals.next_started()
@@ -200,7 +200,9 @@ async def test_close_gives_up_on_a_peer_that_does_not_read() -> None:
         assert board_seen.losses == [None]
 
 
-async def test_refuse_boards_beyond_the_limit_and_say_so_once(caplog: pytest.LogCaptureFixture) -> None:
+async def test_boards_beyond_the_limit_are_refused_and_reported_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     async with (
         listening(max_connections=2) as (listener, arrivals),
         connected_to(listener),
@@ -276,7 +278,7 @@ async def test_a_foreign_host_cannot_be_listened_on() -> None:
         await TcpListener.start(TcpAddress("192.0.2.1", 0), Arrivals())
 
 
-async def test_nobody_listening_is_reported() -> None:
+async def test_a_missing_listener_is_reported() -> None:
     async with listening() as (listener, _):
         port = port_of(listener)
     with pytest.raises(TransportOpenError, match=rf"no program listens on 127\.0\.0\.1:{port}"):

@@ -133,7 +133,7 @@ async def test_new_peers_beyond_the_limit_wait_for_a_silent_one_to_expire() -> N
         await seen.until_received(b"second")
 
 
-async def test_a_peer_outside_the_allowed_networks_is_not_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_peer_outside_the_allowed_networks_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     trust_nobody(monkeypatch)
     async with (
         listening(allow=("10.0.0.0/8",)) as (listener, arrivals),

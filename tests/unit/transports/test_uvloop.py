@@ -18,7 +18,7 @@ uvloop = pytest.importorskip("uvloop")
         test_tcp.test_carry_bytes_both_ways,
         test_tcp.test_keep_what_came_before_start,
         test_tcp.test_pausing_stops_the_sender_and_loses_nothing,
-        test_tcp.test_tell_when_the_board_hangs_up,
+        test_tcp.test_reports_when_the_board_disconnects,
         test_tcp.test_a_taken_port_names_itself_and_the_way_out,
         test_udp.test_each_peer_is_a_transport_of_its_own,
         test_udp.test_send_from_the_port_a_board_expects,

@@ -111,7 +111,7 @@ async def test_a_defect_of_one_endpoint_is_a_line_and_the_next_opens(world: Worl
     ]
 
 
-async def test_finishing_waits_for_nobody_for_long(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_finishing_takes_a_limited_time(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rostether.bridge.endpoint.openings.CLOSE_LIMIT_S", 0.02)
     openings = EndpointOpenings(world.notices)
     hanging: Any = Endpoint("level", [])

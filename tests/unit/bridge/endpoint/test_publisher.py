@@ -150,7 +150,7 @@ async def test_a_slow_subscriber_loses_its_own_and_that_is_counted(world: World)
     assert world.reporter.texts == []
 
 
-async def test_a_detached_endpoint_hears_nothing_and_stays_advertised(world: World) -> None:
+async def test_a_detached_endpoint_receives_nothing_and_stays_advertised(world: World) -> None:
     line, chatter = FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     await chatter.open()

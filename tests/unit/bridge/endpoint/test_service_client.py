@@ -174,7 +174,7 @@ async def test_a_board_that_is_lost_gets_no_response(world: World) -> None:
     assert line.transport.written == b""
 
 
-async def test_an_illegal_name_is_told_when_it_is_set_up(world: World) -> None:
+async def test_an_illegal_name_is_reported_at_setup(world: World) -> None:
     with pytest.raises(InvalidNameError):
         await endpoint(world, name="no spaces").open()
     await endpoint(world).open()

@@ -62,7 +62,7 @@ def test_a_readable_name_that_is_wrong_is_the_sketch() -> None:
     assert finding.reported
 
 
-def test_a_damaged_name_is_not_told_twice() -> None:
+def test_a_damaged_name_is_reported_once() -> None:
     announcements = Announcements()
     announcements.refused(AnnouncementRefused("te\x00mp", "std_msgs/String", "a name must; write it"))
     assert announcements.find() == []

@@ -27,7 +27,7 @@ ELSEWHERE = {
 PAGE = Path(__file__).parents[4] / "docs" / "how-to" / "when-a-board-does-not-connect.md"
 
 
-def test_one_line_says_what_was_seen_and_what_to_do() -> None:
+def test_one_line_has_the_finding_and_a_hint() -> None:
     finding = error(Code.BUSY, "the port is in use", "close the monitor")
     assert str(finding) == "the port is in use; close the monitor"
     assert finding.severity is Severity.ERROR

@@ -29,7 +29,7 @@ def test_it_is_reported_again_when_it_gets_worse() -> None:
     assert ledger.news([worse], 1.0) == [worse]
 
 
-def test_findings_of_several_subjects_are_each_told() -> None:
+def test_findings_of_several_subjects_are_all_reported() -> None:
     ledger = FindingLedger()
     both = [error(Code.BUFFER_TOO_SMALL, topic, "", topic) for topic in ("a", "b")]
     assert ledger.news(both[:1], 0.0) == both[:1]

@@ -31,7 +31,7 @@ def test_a_board_that_only_publishes_may_be_slower() -> None:
     assert requests(3.3).find(is_listener=False) is not None
 
 
-def test_answers_to_our_own_questions_say_nothing() -> None:
+def test_answers_to_own_requests_reveal_nothing() -> None:
     speed = LoopSpeed()
     for number in range(10):
         speed.request(number * 2.7, number)

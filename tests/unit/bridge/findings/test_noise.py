@@ -80,7 +80,7 @@ def test_a_flood_is_kept_within_bounds() -> None:
         "Soft WDT reset",
     ],
 )
-def test_what_a_board_says_of_its_crash(line: str) -> None:
+def test_crash_output_of_a_board(line: str) -> None:
     watched = Noise()
     watched.handle_discarded(
         noise(b"\x00\xffother\r\n" + line.encode() + b"\r\nmore\r\n"), 0.0, is_alive=True

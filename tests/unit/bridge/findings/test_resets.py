@@ -16,7 +16,7 @@ def test_three_in_a_minute_are_a_loop() -> None:
     assert "3 times in 20 s" in finding.seen
 
 
-def test_what_the_board_says_is_reported() -> None:
+def test_output_of_the_board_is_reported() -> None:
     resets = Resets()
     for second in range(3):
         resets.happened(float(second))

@@ -214,7 +214,7 @@ def test_a_serial_line_gets_little_at_a_time_and_all_of_it() -> None:
     assert bench.ids_written().count(101) == 100
 
 
-def test_a_board_with_usb_of_its_own_gets_more_than_its_baud_rate_says() -> None:
+def test_a_board_with_native_usb_gets_more_than_its_baud_rate() -> None:
     bench = Bench(baud=57600, bytes_per_s=1_000_000)
     lane = TopicQueue(101, "images")
     bench.outbox.put(lane, [b"x" * 492] * 20)

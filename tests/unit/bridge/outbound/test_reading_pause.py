@@ -21,7 +21,7 @@ def no_failure(error: Exception) -> None:
     raise AssertionError(f"a wait failed: {error}")
 
 
-async def test_everybody_who_asked_is_waited_for() -> None:
+async def test_all_requests_are_awaited() -> None:
     transport = PausableTransport()
     pause = ReadingPause(transport, no_failure)
     first, second = asyncio.Event(), asyncio.Event()
@@ -42,7 +42,7 @@ async def test_a_link_that_cannot_pause_is_not_waited_for() -> None:
     assert not transport.is_paused
 
 
-async def test_closing_waits_for_nobody() -> None:
+async def test_closing_does_not_wait() -> None:
     transport = PausableTransport()
     pause = ReadingPause(transport, no_failure)
     pause.until(asyncio.Event().wait)

@@ -260,7 +260,7 @@ async def test_a_speed_in_the_file_needs_no_probe(site: Site) -> None:
     assert not site.reporter.having("Found")
 
 
-async def test_a_port_in_use_is_left_alone_said_once_and_served_later(site: Site) -> None:
+async def test_a_port_in_use_is_left_alone_reported_once_and_served_later(site: Site) -> None:
     machine = site.machine
     machine.users[machine.path("ttyACM0")] = "screen (PID 4711)"
     await site.start()

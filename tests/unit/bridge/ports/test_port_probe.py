@@ -63,7 +63,7 @@ class Line(FakeTransport):
             self.receiver.data_received(garbled(ANSWER, self.board_baud, speed))
 
 
-async def test_the_port_is_left_at_the_speed_of_the_board_with_what_it_said() -> None:
+async def test_the_port_keeps_the_speed_and_the_received_bytes() -> None:
     line = Line(115200)
     assert await probe_port(line) == BoardFound(115200, 2, ANSWER)
     assert (line.baud, line.released, line.is_paused) == (115200, ANSWER, True)

@@ -30,7 +30,7 @@ def test_one_board_needs_no_name_and_verbose_shows_more(capsys: pytest.CaptureFi
     assert capsys.readouterr().out == "[DEBUG] [1.000000]: hello\n"
 
 
-def test_lines_that_nobody_reads_stop_nothing() -> None:
+def test_unread_lines_block_nothing() -> None:
     code = """
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.graph.ports import Level

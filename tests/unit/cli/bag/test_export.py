@@ -42,7 +42,7 @@ def test_a_folder_of_tables_a_file_or_stdout(bag: Path, shell: Shell) -> None:
     assert Path("b.parquet").read_bytes()[:4] == Path("tables/b.parquet").read_bytes()[:4] == b"PAR1"
 
 
-def test_what_makes_no_sense_is_told_and_leaves_no_file(bag: Path, shell: Shell) -> None:
+def test_invalid_arguments_are_reported_and_leave_no_file(bag: Path, shell: Shell) -> None:
     assert "a file can hold only one topic" in shell.failure("export", str(bag), "-o", "-")
     assert "a file can hold only one topic" in shell.failure("export", str(bag), "-o", "all.csv")
     assert "only CSV can be written to stdout; give a file" in shell.failure(

@@ -141,7 +141,7 @@ def test_what_is_broken_is_reported_by_its_ending(
     assert "\n" not in failure
 
 
-def test_names_do_not_matter_where_the_content_tells(tmp_path: Path, bag: Path, shell: Shell) -> None:
+def test_names_do_not_matter_if_the_content_is_clear(tmp_path: Path, bag: Path, shell: Shell) -> None:
     for name in ("a.mcap", "a.db3"):
         (tmp_path / name).write_bytes(bag.read_bytes())
         assert "messages:    30\n" in shell.output("bag", "info", str(tmp_path / name))

@@ -38,7 +38,7 @@ class _Lines:
                 await asyncio.sleep(0.005)
 
 
-async def test_serve_records_what_its_boards_say(tmp_path: Path) -> None:
+async def test_serve_records_the_messages_of_its_boards(tmp_path: Path) -> None:
     bags = tmp_path / "bags"
     async with (
         board_at(tmp_path / "arm"),

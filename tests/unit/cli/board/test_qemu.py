@@ -57,7 +57,7 @@ def test_options_of_other_boards_are_refused() -> None:
 
 
 @pytest.mark.qemu
-def test_what_qemu_cannot_run_ends_with_what_it_says(tmp_path: Path) -> None:
+def test_a_program_that_qemu_cannot_run_fails_with_its_message(tmp_path: Path) -> None:
     result = run_to_end(str(tmp_path / "nothing.elf"))
     assert result.returncode == 1
     assert "rostether: error: qemu has ended: " in result.stderr

@@ -23,7 +23,7 @@ def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[
     return subprocess.run([*OURS, *RUN, *arguments], input=words, capture_output=True, text=True, timeout=120)
 
 
-def test_it_says_what_runs_where_and_ends_when_told() -> None:
+def test_it_lists_what_it_runs_and_ends_on_request() -> None:
     result = run_to_end(str(build("tick")), "--for", "30ms", "--watch", "D13")
     lines = result.stdout.splitlines()
     assert lines[0].startswith(f"uno (atmega328p) runs {build('tick')}; serial port /dev/pts/")

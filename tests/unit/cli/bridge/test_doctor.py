@@ -190,14 +190,14 @@ async def test_a_board_that_connects_over_tcp() -> None:
     assert "waiting" in err
 
 
-async def test_nobody_connects() -> None:
+async def test_no_connection() -> None:
     code, out, _ = await doctor(f"tcp://127.0.0.1:{free_port()}", "--seconds", "1")
     assert code == 1
     assert "error nobody-connected" in out
     assert "cannot reach loopback" in out
 
 
-async def test_nobody_listens_where_we_connect_to() -> None:
+async def test_no_listener_at_the_address() -> None:
     code, out, _ = await doctor(f"tcp://127.0.0.1:{free_port()}?connect=yes")
     assert code == 1
     assert "error cannot-open" in out

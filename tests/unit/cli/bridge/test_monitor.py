@@ -127,7 +127,7 @@ async def test_live_in_a_terminal(tmp_path: Path) -> None:
             os.close(ours)
 
 
-def test_nobody_tells(shell: Shell, graph: LiveGraph) -> None:
+def test_no_board_to_monitor(shell: Shell, graph: LiveGraph) -> None:
     result = shell("monitor")
     assert result.code == 1
     assert result.out == ""

@@ -107,7 +107,7 @@ def test_a_low_window_shows_what_is_wrong_first_and_counts_the_rest() -> None:
     assert len(text(*boards, height=500)) == 1 + 20 * 4 + 1
 
 
-def test_long_names_are_told_apart_and_in_order() -> None:
+def test_long_names_stay_distinct_and_in_order() -> None:
     boards = [replace(ARM, name=f"/tcp_192_168_0_7_{number}", endpoints=()) for number in (10, 2, 1)]
     _, *rows = text(*boards)
     assert [row.split()[0] for row in rows] == ["/tcp_..68_0_7_1", "/tcp_..68_0_7_2", "/tcp_..8_0_7_10"]
@@ -154,7 +154,7 @@ def test_statuses_of_others_are_left_out() -> None:
     assert [board.name for board in read_statuses(array)] == ["/arm"]
 
 
-def test_a_status_is_read_whatever_it_says() -> None:
+def test_every_status_is_read() -> None:
     values = {
         "connected [s]": "12",
         "received [bytes]": "99",

@@ -16,7 +16,7 @@ def plugged(monkeypatch: pytest.MonkeyPatch) -> list[SerialPort]:
     return ports
 
 
-def test_each_port_says_what_it_is(plugged: list[SerialPort], shell: Shell, tmp_path: Path) -> None:
+def test_each_port_has_a_description(plugged: list[SerialPort], shell: Shell, tmp_path: Path) -> None:
     path = tmp_path / "ttyUSB0"
     path.touch()
     by_id = "/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0"
@@ -51,7 +51,7 @@ def test_for_scripts(plugged: list[SerialPort], shell: Shell, tmp_path: Path) ->
     assert f"{path}  Arduino Uno  [2341:0043]\n" in shell.output("ports")
 
 
-def test_no_port_at_all_says_what_to_try(plugged: list[SerialPort], shell: Shell) -> None:
+def test_no_port_at_all_gives_a_hint(plugged: list[SerialPort], shell: Shell) -> None:
     result = shell("ports")
     assert (result.code, result.out) == (0, "")
     assert "a USB cable that carries data" in result.err

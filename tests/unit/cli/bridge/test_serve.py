@@ -73,7 +73,7 @@ async def test_port_of_something_else_is_reported() -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-async def test_end_tells_the_board_and_leaves_the_graph(number: signal.Signals) -> None:
+async def test_end_informs_the_board_and_leaves_the_graph(number: signal.Signals) -> None:
     master = await MasterServer.start(port=0)
     try:
         async with started("serve", "tcp://:0?name=arm", ROS_MASTER_URI=master.uri) as serve:
@@ -141,7 +141,7 @@ async def test_core_serves_its_uri() -> None:
             assert "/rosout" in (await graph.snapshot()).nodes
 
 
-async def test_second_core_says_the_port_is_taken() -> None:
+async def test_second_core_reports_the_port_in_use() -> None:
     master = await MasterServer.start(port=0)
     try:
         port = master.uri.rstrip("/").rpartition(":")[2]

@@ -11,7 +11,7 @@ LOOPBACK = RosEnvironment.read({})
 WIDE = RosEnvironment.read({"ROS_IP": "192.0.2.5"})
 
 
-def test_a_listener_without_a_host_listens_where_it_is_told() -> None:
+def test_a_listener_without_a_host_uses_the_given_hosts() -> None:
     hosts = WIDE.listen_hosts
     assert read_links("tcp://:11411") == [TcpAddress("127.0.0.1", 11411)]
     udp_links = read_links("udp://:11411?name=a", hosts)
@@ -30,7 +30,7 @@ def test_a_listener_without_a_host_listens_where_it_is_told() -> None:
         (RosEnvironment.read({"ROS_MASTER_URI": "http://192.0.2.1:11311"}), ["/dev/ttyACM0"], 1),
     ],
 )
-def test_one_line_says_what_is_on_loopback_only(
+def test_one_line_names_what_listens_only_on_loopback(
     environment: RosEnvironment, addresses: list[str], count: int
 ) -> None:
     links = [link for address in addresses for link in read_links(address, environment.listen_hosts)]
@@ -52,7 +52,7 @@ def test_a_dashboard_serves_the_boards_of_its_pages() -> None:
         assert links == []
 
 
-def test_one_line_says_when_the_wanted_connections_need_too_many_open_files(
+def test_one_line_reports_too_many_open_files_for_the_connections(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("resource.getrlimit", lambda _: (4096, 4096))

@@ -37,7 +37,7 @@ def port() -> Iterator[str]:
     os.close(ours)
 
 
-def test_build_says_what_it_made_and_how_large_it_is(shell: Shell, tmp_path: Path) -> None:
+def test_build_reports_its_output_and_the_size(shell: Shell, tmp_path: Path) -> None:
     write_sketch(tmp_path, "Blink", EMPTY)
     lines = shell.output("firmware", "build", "Blink", "--output", "out").splitlines()
     assert re.fullmatch(
@@ -58,7 +58,7 @@ def test_build_as_json(shell: Shell, tmp_path: Path) -> None:
     assert (record["flash_limit_bytes"], record["ram_limit_bytes"]) == (253952, 8192)
 
 
-def test_what_does_not_compile_is_shown_as_the_compiler_says_it(shell: Shell, tmp_path: Path) -> None:
+def test_compile_errors_are_shown_in_the_words_of_the_compiler(shell: Shell, tmp_path: Path) -> None:
     write_sketch(tmp_path, "Bad", "void setup() { nowhere(); }\nvoid loop() {}\n")
     result = shell("firmware", "build", "Bad")
     assert result.code == 1
@@ -149,7 +149,7 @@ def test_size_warns_of_a_stack_that_may_not_find_room(shell: Shell, tmp_path: Pa
     )
 
 
-def test_size_tells_of_a_message_that_cannot_come_in(shell: Shell, tmp_path: Path) -> None:
+def test_size_reports_a_message_that_cannot_be_received(shell: Shell, tmp_path: Path) -> None:
     text = HELLO.replace("std_msgs/Empty", "nav_msgs/Odometry").replace(
         "std_msgs::Empty", "nav_msgs::Odometry"
     )
@@ -160,7 +160,7 @@ def test_size_tells_of_a_message_that_cannot_come_in(shell: Shell, tmp_path: Pat
     )
 
 
-def test_size_fails_when_it_does_not_fit_and_still_says_why(shell: Shell, tmp_path: Path) -> None:
+def test_size_fails_with_the_reason_if_it_does_not_fit(shell: Shell, tmp_path: Path) -> None:
     write_sketch(
         tmp_path, "Big", "volatile char big[3000];\nvoid setup() { big[0] = big[1]; }\nvoid loop() {}\n"
     )

@@ -10,7 +10,7 @@ from rostether.cli.firmware.new import new_sensor
 from unit.cli.command_shell import Shell
 
 
-def test_new_writes_a_sketch_and_says_what_is_next(
+def test_new_writes_a_sketch_and_shows_the_next_step(
     tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -71,7 +71,7 @@ async def test_pages_are_answered_where_the_graph_carries_no_rosapi(fault: Excep
         ("0.0.0.0:0", "abc", None),
     ],
 )
-async def test_it_is_told_who_can_connect(place: str, token: str, line: tuple[Level, str] | None) -> None:
+async def test_it_reports_who_can_connect(place: str, token: str, line: tuple[Level, str] | None) -> None:
     log: list[tuple[Level, str]] = []
     on = GatewayGraph(MemoryNetwork().join, TypeStore(Registry()))
     options = GatewayOptions(rosbridge=place, token=token)

@@ -96,7 +96,7 @@ async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_p
         assert answer["values"]["value"] == str(port)
 
 
-async def test_rosapi_is_a_node_of_its_own_where_a_launch_file_says_so() -> None:
+async def test_rosapi_is_a_separate_node_if_a_launch_file_starts_it() -> None:
     master = await MasterServer.start(host="127.0.0.1", port=0)
     try:
         async with (

@@ -220,7 +220,7 @@ def wait_gone(pid: int) -> None:
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 0)])
-def test_launch_joins_a_master_and_ends_its_nodes_when_told(
+def test_launch_joins_a_master_and_ends_its_nodes_on_request(
     arm: Path, graph: LiveGraph, number: signal.Signals, code: int
 ) -> None:
     with launched("arm", "stay.launch", "--screen", master_uri=graph.uri, cwd=arm) as process:
@@ -266,7 +266,7 @@ def test_launch_file_can_come_from_stdin(arm: Path, graph: LiveGraph) -> None:
     assert graph.do(graph.node("ask").get_param("/from_stdin")) == 7
 
 
-def test_arguments_that_nobody_takes_are_warned_of(arm: Path, graph: LiveGraph) -> None:
+def test_unused_arguments_cause_a_warning(arm: Path, graph: LiveGraph) -> None:
     arguments = ("arm", "params.launch", "x:=", "ghost:=1")
     with launched(*arguments, master_uri=graph.uri, cwd=arm) as process:
         output, _ = process.communicate(timeout=LIMIT_S)

@@ -27,7 +27,7 @@ def arm(workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> Path:
     return workspace / "src" / "arm"
 
 
-def test_create_says_what_catkin_create_pkg_says(
+def test_create_prints_the_same_as_catkin_create_pkg(
     workspace: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(workspace / "src")
@@ -78,7 +78,7 @@ def test_version_of_the_distribution(shell: Shell, monkeypatch: pytest.MonkeyPat
     assert "give a package," in shell.failure("pkg", "version", code=2)
 
 
-def test_make_says_what_there_is_and_writes_the_setup_file(arm: Path, shell: Shell) -> None:
+def test_make_lists_packages_and_writes_the_setup_file(arm: Path, shell: Shell) -> None:
     (arm / "msg").mkdir()
     (arm / "msg" / "Angles.msg").write_text("int16 a\n")
     workspace = arm.parents[1]
@@ -138,7 +138,7 @@ def test_a_folder_that_is_no_workspace(tmp_path: Path, shell: Shell, monkeypatch
     assert "has no folder src" in shell.failure("pkg", "make")
 
 
-def test_make_says_which_targets_it_does_not_make_and_which_scripts_are_old(arm: Path, shell: Shell) -> None:
+def test_make_reports_skipped_targets_and_old_scripts(arm: Path, shell: Shell) -> None:
     (arm / "old.py").write_text("#!/usr/bin/env python\nprint 'hello'\n")
     (arm / "old.py").chmod(0o755)
     result = shell("pkg", "make", "install", "run_tests")

@@ -86,7 +86,7 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
         assert text.splitlines()[-1].startswith("played ")
 
 
-async def test_serve_records_and_says_so_at_its_end(tmp_path: Path) -> None:
+async def test_serve_records_and_reports_it_at_the_end(tmp_path: Path) -> None:
     file = tmp_path / "problem.jsonl"
     async with (
         board_at(tmp_path / "arm"),
@@ -100,7 +100,7 @@ async def test_serve_records_and_says_so_at_its_end(tmp_path: Path) -> None:
     assert last["event"] == "closed"
 
 
-async def test_the_limit_is_told_and_the_board_served_on(tmp_path: Path) -> None:
+async def test_the_limit_is_reported_and_the_board_still_served(tmp_path: Path) -> None:
     file = tmp_path / "problem.jsonl"
     async with (
         board_at(tmp_path / "arm", 0.01),

@@ -70,7 +70,7 @@ def test_info_prints_what_rosnode_prints(talker: str, shell: Shell) -> None:
     )
 
 
-def test_info_says_none_and_names_connected_peers(graph: LiveGraph, talker: str, shell: Shell) -> None:
+def test_info_shows_none_and_names_connected_peers(graph: LiveGraph, talker: str, shell: Shell) -> None:
     listener = graph.node("listener")
     graph.do(graph.node("source").advertise("/chatter", TEXT))
     subscriber = graph.do(listener.subscribe("/chatter", TEXT, ignore))
@@ -118,7 +118,7 @@ def test_ping_average(talker: str, shell: Shell, monkeypatch: pytest.MonkeyPatch
     assert all(record["reply_ms"] > 0 for record in records)
 
 
-def test_ping_all_tells_who_is_gone(gone: str, talker: str, shell: Shell) -> None:
+def test_ping_all_lists_dead_nodes(gone: str, talker: str, shell: Shell) -> None:
     result = shell("node", "ping", "--all")
     assert result.code == 1
     assert result.out.startswith("Will ping the following nodes: \n * /gone\n * /talker\n\n")
@@ -129,7 +129,7 @@ def test_ping_all_tells_who_is_gone(gone: str, talker: str, shell: Shell) -> Non
     assert "cannot be reached" in answers["/gone"]["error"]
 
 
-def test_ping_without_a_node_says_how(shell: Shell) -> None:
+def test_ping_without_a_node_shows_the_usage(shell: Shell) -> None:
     assert "give a node;" in shell.failure("node", "ping", code=2)
     assert "leave" in shell.failure("node", "ping", "--all", "/a", code=2)
 

@@ -40,7 +40,7 @@ def test_echo_as_json(laser: None, shell: Shell) -> None:
     assert (records[0]["parent"], records[0]["child"]) == ("base", "laser")
 
 
-def test_echo_gives_up_when_told_to(laser: None, shell: Shell) -> None:
+def test_echo_ends_after_its_time_limit(laser: None, shell: Shell) -> None:
     result = shell("tf", "echo", "--timeout", "0.2", "world", "nowhere")
     assert result.code == 1
     assert '"nowhere" passed to lookupTransform argument source_frame does not exist.' in result.err
@@ -64,7 +64,7 @@ def test_tree_for_programs(laser: None, shell: Shell) -> None:
     assert '"base" -> "laser"' in dot
 
 
-def test_tree_of_nothing_says_who_publishes(graph: LiveGraph, shell: Shell) -> None:
+def test_an_empty_tree_names_possible_publishers(graph: LiveGraph, shell: Shell) -> None:
     result = shell("tf", "tree", "--time", "0.1")
     assert result.code == 1
     assert "robot_state_publisher or `rostether tf static` publish transforms" in result.err
@@ -86,7 +86,7 @@ def test_monitor_a_chain(laser: None, shell: Shell) -> None:
 
 
 @pytest.mark.parametrize("verb", [("tf", "static"), ("role", "static-transform-publisher")])
-def test_static_publishes_until_told_to_end(
+def test_static_publishes_until_interrupted(
     verb: tuple[str, str], graph: LiveGraph, shell: Shell, tmp_path: Path
 ) -> None:
     words = ["1", "-2", "-0.5", str(math.pi / 2), "0", "0", "world", "laser", "__name:=here"]
@@ -100,5 +100,5 @@ def test_static_publishes_until_told_to_end(
         assert process.wait(60) == 0
 
 
-def test_static_without_a_transform_says_how(graph: LiveGraph, shell: Shell) -> None:
+def test_static_without_a_transform_shows_the_usage(graph: LiveGraph, shell: Shell) -> None:
     assert "write X Y Z YAW PITCH ROLL PARENT CHILD" in shell.failure("tf", "static", "1", "2")

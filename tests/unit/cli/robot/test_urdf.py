@@ -37,7 +37,7 @@ def test_check_shows_the_tree_of_links(arm: str, shell: Shell) -> None:
     ]
 
 
-def test_check_says_what_is_wrong(tmp_path: Path, shell: Shell) -> None:
+def test_check_reports_errors(tmp_path: Path, shell: Shell) -> None:
     file = tmp_path / "wrong.urdf"
     file.write_text('<robot name="x">\n<link name="a"/>\n<link name="b"/></robot>')
     assert shell.failure("urdf", "check", str(file)) == (

@@ -157,7 +157,7 @@ def test_make_libraries(tmp_path: Path, shell: Shell, monkeypatch: pytest.Monkey
     assert not (tmp_path / "ros_lib" / "src" / "sensor_msgs").exists()
 
 
-async def test_nodes_are_gone_when_they_are_told_to_end(master: MasterServer, graph: TypedGraph) -> None:
+async def test_nodes_leave_on_request(master: MasterServer, graph: TypedGraph) -> None:
     async with started("role", "relay", "/a", "__name:=copier", ROS_MASTER_URI=master.uri) as node:
         await appear(graph, "/copier")
         node.process.terminate()

@@ -27,7 +27,7 @@ def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: She
         assert "header" in shell("topic", "echo", "--ros1", "-n", "1", "/ultrasound").out
 
 
-def test_the_demo_stays_in_ros1_when_told_to(graph: LiveGraph, world: ZenohWorld) -> None:
+def test_the_demo_stays_in_ros1_on_request(graph: LiveGraph, world: ZenohWorld) -> None:
     with running(
         "demo",
         "--board",
@@ -42,7 +42,7 @@ def test_the_demo_stays_in_ros1_when_told_to(graph: LiveGraph, world: ZenohWorld
     assert not any("ROS 2" in line for line in lines)
 
 
-async def test_a_demo_without_zenoh_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_demo_without_zenoh_reports_the_missing_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(graphs, "find_spec", lambda _: None)
     lines = RecentLines()
     async with AsyncExitStack() as stack:

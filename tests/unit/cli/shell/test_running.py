@@ -44,7 +44,7 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     assert command_node(graph) is None
 
 
-def test_a_service_that_is_told_to_end_has_done_its_work(graph: LiveGraph) -> None:
+def test_a_service_finishes_its_work_before_it_ends(graph: LiveGraph) -> None:
     with running("core", "--port", "0", ROS_MASTER_URI=graph.uri) as process:
         assert process.stdout is not None
         assert process.stdout.readline().startswith("ROS_MASTER_URI=http://")

@@ -17,7 +17,7 @@ async def test_a_long_wait_is_reported_once() -> None:
     assert told.empty()
 
 
-async def test_a_short_wait_is_not_told() -> None:
+async def test_a_short_wait_is_not_reported() -> None:
     told: list[str] = []
     with pytest.raises(KeyError), reported_when_long(told.append, "building", after_s=0.01):
         raise KeyError

@@ -173,7 +173,7 @@ def test_echo_ends_when_its_node_is_shut_down(graph: LiveGraph, shell: Shell) ->
     ending.join(60)
 
 
-def test_topic_that_nobody_publishes_is_reported(
+def test_a_topic_without_publishers_is_reported(
     graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     message_type = STORE.registry.message_type("std_msgs/Bool")

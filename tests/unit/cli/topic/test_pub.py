@@ -60,7 +60,7 @@ def test_once_as_a_printed_book_spells_it(graph: LiveGraph, shell: Shell) -> Non
     assert len(listener.messages) == 1
 
 
-def test_latched_until_told_to_end(graph: LiveGraph, shell: Shell) -> None:
+def test_latched_until_interrupted(graph: LiveGraph, shell: Shell) -> None:
     listener = Listener(graph, "/name", "std_msgs/String", enough=1)
     printed = shell.output("topic", "pub", "-v", "/name", "std_msgs/String", "data: hi")
     assert printed == 'publishing and latching message [data: "hi"]. Press ctrl-C to terminate\n'

@@ -154,7 +154,7 @@ async def test_a_client_publishes_raw_and_json() -> None:
     assert len(heard) == 2
 
 
-async def test_what_a_client_says_before_it_leaves_is_published() -> None:
+async def test_messages_sent_before_a_client_leaves_are_published() -> None:
     async with stage() as there, there.client() as client:
         heard: list[bytes] = []
         await there.robot.subscribe("/said", string_type(there), heard.extend)
@@ -196,7 +196,7 @@ def answers(call_id: int, failure: dict[str, Any]) -> bool:
     return bool(failure["callId"] == call_id)
 
 
-async def test_service_types_are_asked_for_where_the_graph_does_not_tell() -> None:
+async def test_service_types_are_requested_if_the_graph_does_not_know_them() -> None:
     asked: list[str] = []
 
     async def find(name: str) -> str:
@@ -325,7 +325,7 @@ async def test_all_meshes_of_a_robot_come_however_large_and_many_they_are(tmp_pa
         assert {len(each["data"]) for each in client.of("fetchAssetResponse")} == {6 << 20}
 
 
-async def test_a_client_that_does_not_read_loses_messages_and_delays_nobody() -> None:
+async def test_a_client_that_does_not_read_loses_messages_and_delays_no_other() -> None:
     limits = FoxgloveLimits(waiting_bytes=4 << 20)
     async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
         publisher = await there.robot.advertise("/flood", string_type(there))
@@ -351,7 +351,7 @@ async def test_a_client_that_does_not_read_loses_messages_and_delays_nobody() ->
             slow._reading = asyncio.ensure_future(asyncio.sleep(0))
 
 
-async def test_mistakes_are_told_and_the_connection_stays() -> None:
+async def test_mistakes_are_reported_and_the_connection_stays() -> None:
     async with stage() as there, there.client() as client:
         for message in (
             "",
@@ -420,7 +420,7 @@ async def test_requests_in_one_breath_are_bounded() -> None:
             await until(lambda: len(client.of("serviceCallFailure")) == 2 and len(calls) == 3)
 
 
-async def test_a_new_client_is_told_of_channels_also_where_there_are_none() -> None:
+async def test_a_new_client_gets_the_list_of_channels_even_if_empty() -> None:
     nothing = NameFilter.of([], "test")
     settings = FoxgloveSettings(port=0, capabilities=("parameters",), topics=nothing)
     async with stage(settings) as there, there.client() as client:

@@ -83,7 +83,7 @@ CODEC = everything()
 
 @settings(max_examples=200, deadline=None)
 @given(st.data(), st.sampled_from(Style))
-def test_the_fast_way_says_what_the_slow_way_says(data: st.DataObject, style: Style) -> None:
+def test_the_fast_path_equals_the_slow_path(data: st.DataObject, style: Style) -> None:
     payload = CODEC.encode(value(CODEC.tree, data.draw))
     form = FORMS[style]
     assert form.text(CODEC, payload) == write_json(form.to_json(CODEC, payload))

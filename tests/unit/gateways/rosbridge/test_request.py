@@ -118,7 +118,7 @@ def test_what_nests_deeply_is_shown_too() -> None:
 
 
 @pytest.mark.parametrize("end", ["]}", ""])
-def test_nobody_looks_for_garbage_while_a_large_message_is_read(end: str) -> None:
+def test_no_garbage_collection_while_a_large_message_is_read(end: str) -> None:
     looked = []
 
     def look(phase: str, _: object) -> None:

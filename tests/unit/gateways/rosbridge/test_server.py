@@ -33,7 +33,7 @@ async def there() -> AsyncIterator[World]:
         yield made
 
 
-async def test_what_one_client_publishes_another_hears_under_the_name_that_it_used(there: World) -> None:
+async def test_clients_receive_messages_of_others_under_their_own_topic_name(there: World) -> None:
     async with there.client() as talker, there.client() as listener:
         await listener.say("subscribe", topic="chatter", type=STRING)
         await listener.settled()
@@ -377,7 +377,7 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
         ('{"op": "png"}', "png: field 'data' must be a string, got nothing"),
     ],
 )
-async def test_every_mistake_is_told_in_one_line_and_the_client_stays(
+async def test_every_mistake_is_reported_in_one_line_and_the_client_stays(
     there: World, said: str | bytes, told: str
 ) -> None:
     async with there.client() as client:
@@ -444,7 +444,7 @@ async def test_messages_that_are_too_large_end_that_client_alone() -> None:
         assert "the message has more than 1000 bytes" in (await other.settled())[0]["msg"]
 
 
-async def test_a_slow_reader_loses_the_oldest_is_told_and_holds_up_nobody(there: World) -> None:
+async def test_a_slow_reader_loses_the_oldest_with_a_report_and_delays_no_other(there: World) -> None:
     publisher = await there.graph.publisher("/chatter", STRING)
     async with there.client() as slow, there.client() as fast:
         for client in (slow, fast):
@@ -488,7 +488,7 @@ async def test_throttled_topics_come_at_their_rate(there: World) -> None:
         assert (await client.receive("publish"))["msg"]["data"] == "now"
 
 
-async def test_a_late_client_hears_what_is_latched(there: World) -> None:
+async def test_a_late_client_receives_latched_messages(there: World) -> None:
     async with there.client() as talker, there.client() as first, there.client() as late:
         await talker.say("advertise", topic="/map", type=STRING, latch=True)
         await talker.say("publish", topic="/map", msg={"data": "here"})
@@ -521,7 +521,7 @@ async def test_a_page_that_was_loaded_again_may_publish_another_type(there: Worl
         assert there.network.snapshot().topics["/chatter"].type == "std_msgs/Int32"
 
 
-async def test_pages_of_others_are_refused_with_a_line_that_says_what_to_do(there: World) -> None:
+async def test_pages_of_other_sites_are_refused_with_a_hint(there: World) -> None:
     with pytest.raises(InvalidStatus) as caught:
         async with there.client(origin="http://evil.example"):
             pass
@@ -589,7 +589,7 @@ async def clients_are_counted_and_bounded(there: World) -> None:
     await counts.aclose()
 
 
-async def test_silent_connections_are_bounded_and_told_of_now_and_then(
+async def test_silent_connections_are_limited_and_reported_at_a_limited_rate(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(server, "MAX_CLIENTS", 2)

@@ -80,7 +80,7 @@ async def test_what_is_no_websocket_is_hung_up_on(noise: bytes) -> None:
             await client.wait("serverInfo")
 
 
-async def test_who_says_nothing_is_hung_up_on() -> None:
+async def test_a_silent_client_is_disconnected() -> None:
     settings = FoxgloveSettings(port=0, limits=FoxgloveLimits(handshake_s=0.05))
     async with stage(settings) as there:
         reader, writer = await open_connection(there.gateway.port, b"")
@@ -88,7 +88,7 @@ async def test_who_says_nothing_is_hung_up_on() -> None:
         writer.close()
 
 
-async def test_who_says_nothing_takes_a_place() -> None:
+async def test_a_silent_client_counts_as_a_connection() -> None:
     async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(clients=1, others=0))) as there:
         _, writer = await shaken(there.gateway.port)
         reader, second = await open_connection(there.gateway.port, b"")

@@ -168,7 +168,7 @@ def test_a_folder_of_the_user_wins_and_must_be_there(tmp_path: Path) -> None:
         Ros2Definitions.from_environment([tmp_path / "nowhere"], environ={})
 
 
-def test_tells_ros2_texts_from_those_of_ros1(tmp_path: Path) -> None:
+def test_distinguishes_ros2_definitions_from_ros1(tmp_path: Path) -> None:
     package(tmp_path / "new_msgs", Broken="time stamp\n", Good="std_msgs/Header header\n")
     package(tmp_path / "old_msgs", ROS1, Plain="int8 a\n")
     write(tmp_path / "loose_msgs/Both.msg", "int8 a\n")

@@ -28,7 +28,7 @@ def derived(text: str) -> Ros2Message:
     return derive(parse_message(text, package="my_msgs", name="Foo"), REGISTRY)
 
 
-def test_says_it_as_a_person_would_port_it() -> None:
+def test_converts_it_like_a_manual_port() -> None:
     message = derived(
         "Header header\ntime stamp\nduration[2] frameId\nstd_msgs/Time T\nfloat64[] K\nbyte b\nchar c\n"
         "geometry_msgs/Pose[3] poses\ntf/tfMessage tf\nint8 A=1\nstring some_text=it's # text\nbyte LOW=-1\n"
@@ -70,7 +70,7 @@ def test_finds_again_what_ros2_made_of_the_common_types() -> None:
     assert changed == CHANGED
 
 
-def test_refuses_what_ros2_cannot_say() -> None:
+def test_refuses_values_that_ros2_does_not_support() -> None:
     with pytest.raises(DefinitionError, match="'d' and 'D' would both be 'd' in ROS 2"):
         derived("int8 d\nint8 D\n")
     with pytest.raises(DefinitionError, match="no arrays of length 0, such as the field 'a'"):

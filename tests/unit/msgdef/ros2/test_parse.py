@@ -108,7 +108,7 @@ def test_reads_constants_comments_and_blank_lines() -> None:
         ("int32 A=", "1:1", "not an integer"),
     ],
 )
-def test_says_where_a_mistake_is(text: str, place: str, says: str) -> None:
+def test_reports_where_a_mistake_is(text: str, place: str, says: str) -> None:
     with pytest.raises(DefinitionError) as error:
         parse(text)
     assert str(error.value).startswith(f"Foo.msg:{place}: ")
@@ -141,7 +141,7 @@ def test_splits_services() -> None:
         ("int32 a\n---\nint32 B\n", "x.srv:3:7: 'B' is not a field name"),
     ],
 )
-def test_says_where_a_service_is_wrong(text: str, says: str) -> None:
+def test_reports_where_a_service_is_wrong(text: str, says: str) -> None:
     with pytest.raises(DefinitionError) as error:
         parse_service(text, package="s", name="Set", file="x.srv")
     assert says in str(error.value)

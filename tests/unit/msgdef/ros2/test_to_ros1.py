@@ -17,7 +17,7 @@ def test_keeps_the_fields_of_ros2() -> None:
     assert time.text == "int32 sec\nuint32 nanosec\n"
 
 
-def test_says_bytes_bounds_and_constants_in_ros1() -> None:
+def test_converts_bytes_bounds_and_constants_to_ros1() -> None:
     message = parse.parse_message(
         "byte B=255\nbool T=true\nfloat32 F=1e-3\nstring S=' x '\n"
         "byte b 7\nchar[3] c\nstring<=4[<=2] names\nint8[] many\n",

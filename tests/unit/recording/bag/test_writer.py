@@ -87,7 +87,7 @@ def test_a_folder_that_is_not_there_is_reported(tmp_path: Path) -> None:
         BagWriter(tmp_path / "none" / "a.bag")
 
 
-def test_a_device_that_is_full_from_the_start_is_told() -> None:
+def test_a_device_that_is_full_from_the_start_is_reported() -> None:
     with pytest.raises(RecordingError, match="No space left"):
         BagWriter(Path("/dev/full"))
 
@@ -99,7 +99,7 @@ def test_the_first_chunk_stands_where_rosbag_puts_it(tmp_path: Path) -> None:
     assert data.index(b"compression=none") == 4117 + 8
 
 
-def test_all_that_a_publisher_said_of_itself_stays_whole_through_both_formats(tmp_path: Path) -> None:
+def test_connection_headers_survive_both_formats(tmp_path: Path) -> None:
     said = {
         "callerid": "/talker",
         "latching": "0",

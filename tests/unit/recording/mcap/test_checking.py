@@ -168,7 +168,7 @@ def test_no_flipped_byte_of_the_data_is_missed(ours: bytearray) -> None:
         assert len(faults) <= MAX_FAULTS + 1
 
 
-def test_faults_are_not_told_without_end() -> None:
+def test_the_number_of_reported_faults_is_limited() -> None:
     stray = encode_record(OP_MESSAGE_INDEX, struct.pack("<HI", 1, 0))
     assert len(faults_of(MAGIC + encode_record(0x01, bytes(8)) + stray * 500)) == MAX_FAULTS + 1
 

@@ -109,7 +109,7 @@ def test_services(master: Master) -> None:
     assert master.call("lookupService", "/x", "/p/s") == (-1, "no provider", "")
 
 
-def test_a_replaced_node_is_shut_down_and_its_subscribers_hear_of_it(master: Master) -> None:
+def test_a_replaced_node_is_shut_down_and_its_subscribers_are_informed(master: Master) -> None:
     master.call("registerPublisher", "/p", "/t", "std_msgs/String", A)
     master.call("registerSubscriber", "/s", "/t", "std_msgs/String", B)
     new = "http://a:99/"

@@ -104,7 +104,7 @@ async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeC
     assert node.heard[1] == ("paramUpdate", "/p/", 2)
 
 
-async def test_a_hanging_node_delays_nobody_and_is_told_later(
+async def test_a_hanging_node_delays_no_other_and_is_informed_later(
     node: FakeNode, queue: NodeCallQueue, gone: list[str]
 ) -> None:
     other = FakeNode()

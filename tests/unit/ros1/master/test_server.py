@@ -47,7 +47,7 @@ async def test_it_has_what_roscore_sets(client: XmlRpcClient, master: MasterServ
     assert (await client.call_status("getUri", "/x"))[2] == master.uri
 
 
-async def test_subscribers_are_told_of_publishers(client: XmlRpcClient) -> None:
+async def test_subscribers_are_informed_about_publishers(client: XmlRpcClient) -> None:
     heard: list[list[str]] = []
     node = XmlRpcServer(
         {

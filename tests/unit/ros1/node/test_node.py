@@ -63,7 +63,7 @@ async def echo(request: bytes) -> bytes:
     return request
 
 
-async def test_nobody_is_there_to_join() -> None:
+async def test_no_graph_to_join() -> None:
     with pytest.raises(MasterUnreachableError, match=r"127\.0\.0\.1:1/"):
         await join_ros1("/node", master_uri="http://127.0.0.1:1/", environment=LOOPBACK)
 
@@ -74,7 +74,7 @@ async def test_a_name_that_is_none_is_refused(name: str) -> None:
         await join_ros1(name, master_uri="http://127.0.0.1:1/", environment=LOOPBACK)
 
 
-async def test_the_environment_says_which_master(stage: Stage) -> None:
+async def test_the_environment_names_the_master(stage: Stage) -> None:
     node = await join_ros1("/node", environment=RosEnvironment.read({"ROS_MASTER_URI": stage.uri}))
     stage.nodes.append(node)
     assert node.master_uri == stage.uri
@@ -146,9 +146,7 @@ async def test_a_node_cleaned_away_by_mistake_comes_back(stage: Stage) -> None:
         await asyncio.sleep(0.01)
 
 
-async def test_a_node_that_is_told_to_shut_down_leaves(
-    stage: Stage, caplog: pytest.LogCaptureFixture
-) -> None:
+async def test_a_node_leaves_on_a_shutdown_request(stage: Stage, caplog: pytest.LogCaptureFixture) -> None:
     node = await stage.join("/node")
     client = XmlRpcClient(node.node_uri)
     assert await client.call_status("shutdown", "/rosnode", "user request") == (1, "shutdown", 0)

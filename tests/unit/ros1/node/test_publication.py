@@ -107,7 +107,7 @@ async def test_peers_that_hang_up_at_once_do_no_harm(stage: Stage) -> None:
     assert stage.reports == []
 
 
-async def test_what_a_subscriber_says_is_ignored(stage: Stage) -> None:
+async def test_data_from_a_subscriber_is_ignored(stage: Stage) -> None:
     async with RawPeer.subscribing(stage.listener.port, "/chat") as peer:
         await peer.read_header()
         peer.writer.write(b"GET / HTTP/1.1\r\n\r\n" * 100)

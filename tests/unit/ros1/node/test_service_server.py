@@ -142,7 +142,7 @@ async def test_a_request_beyond_reason_is_answered_with_the_limit(stage: Stage) 
     await peer.close()
 
 
-async def test_closing_tells_a_client_that_waits(stage: Stage) -> None:
+async def test_closing_informs_a_waiting_client(stage: Stage) -> None:
     stage.go_on.clear()
     idle, busy = await stage.call(persistent="1"), await stage.call()
     for peer in (idle, busy):

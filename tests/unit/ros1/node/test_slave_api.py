@@ -114,7 +114,7 @@ async def test_requests_that_cannot_be_met_are_answered(stage: Stage, args: tupl
     assert (await stage.fail("requestTopic", *args))[0] == code
 
 
-async def test_updates_of_what_nobody_asked_for_are_answered(stage: Stage) -> None:
+async def test_unrequested_updates_are_answered(stage: Stage) -> None:
     assert await stage.fail("paramUpdate", "/rate", 1) == (-1, "not subscribed")
     assert (await stage.fail("paramUpdate", 1, 1))[0] == -1
     assert (await stage.fail("publisherUpdate", "/chat", "http://x:1/"))[0] == -1

@@ -62,7 +62,7 @@ def fake(fields: Mapping[str, str] | None = None) -> FakePublisher:
 
 
 @pytest.mark.parametrize("tcp_nodelay", [True, False])
-async def test_a_publisher_hears_what_we_want(tcp_nodelay: bool) -> None:
+async def test_a_publisher_receives_the_requested_header(tcp_nodelay: bool) -> None:
     async with fake() as publisher, subscribed(tcp_nodelay=tcp_nodelay) as stage:
         stage.topic.add_publishers([publisher.uri])
         await until(lambda: stage.topic.publisher_count == 1)

@@ -62,7 +62,7 @@ async def test_garbage_is_refused(listener: TcprosListener, data: bytes) -> None
     await peer.close()
 
 
-async def test_who_says_nothing_is_hung_up_on() -> None:
+async def test_a_silent_client_is_disconnected() -> None:
     listener = TcprosListener(
         refuse_subscriber, refuse_client, lambda *_: None, limits=GraphLimits(header_s=0.05)
     )
@@ -74,7 +74,7 @@ async def test_who_says_nothing_is_hung_up_on() -> None:
     await listener.close()
 
 
-async def test_a_crowd_that_says_nothing_keeps_nobody_out(
+async def test_many_silent_connections_do_not_block_others(
     listener: TcprosListener, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tcpros_listener, "MAX_HANDSHAKES", 3)

@@ -84,7 +84,7 @@ def test_initial_values_are_checked() -> None:
         ParameterStore({"use_sim_time": "yes"})
 
 
-def test_a_listener_that_fails_disturbs_nobody(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_failing_listener_does_not_affect_others(caplog: pytest.LogCaptureFixture) -> None:
     store = ParameterStore()
     told: list[Changes] = []
 

@@ -17,7 +17,7 @@ def _forget() -> None:
         function.cache_clear()
 
 
-def test_rclpy_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_rclpy_names_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rosidl_generator_py", None)
     monkeypatch.setitem(sys.modules, "rclpy.context", None)
     with pytest.raises(ConfigError, match=r"pip install 'rostether\[rclpy\]'; or source") as caught:

@@ -92,7 +92,7 @@ def test_tools_and_boards_have_one_hash_of_a_type_of_one_s_own(tmp_path: Path) -
     assert tools.service_by_name("own_msgs/srv/Take").type_hash == service.type_hash
 
 
-def test_unknown_types_say_what_to_do() -> None:
+def test_errors_about_unknown_types_have_a_hint() -> None:
     with pytest.raises(UnknownTypeError, match="std_msgs"):
         REGISTRY.message("std_msgs/msg/Strin")
     with pytest.raises(UnknownTypeError):

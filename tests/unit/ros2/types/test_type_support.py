@@ -70,7 +70,7 @@ def test_every_ros2_type_has_its_form(types: Ros2Types) -> None:
         assert types.native_service(name).md5sum
 
 
-def test_type_that_only_its_text_tells(types: Ros2Types) -> None:
+def test_a_type_that_only_the_text_shows(types: Ros2Types) -> None:
     text = (
         "time stamp\nstd_msgs/Header header\nmy_robot/Wheel[] wheels\nfloat32 maxSpeed\n"
         + "=" * 80
@@ -95,7 +95,7 @@ def test_its_own_definition_counts_and_not_ours(types: Ros2Types) -> None:
     assert types.message(other).converter.to_cdr(b"\1\2") == HEAD + b"\1\2"
 
 
-def test_service_that_only_its_text_tells(types: Ros2Types) -> None:
+def test_a_service_that_only_the_text_shows(types: Ros2Types) -> None:
     request = learned("my_robot/MoveRequest", "float64 distance\nduration limit\n")
     nothing = MessageType("my_robot/MoveResponse", "d41d8cd98f00b204e9800998ecf8427e", "")
     support = types.service(ServiceType("my_robot/Move", "0" * 32, request, nothing))

@@ -46,7 +46,7 @@ def test_endpoints_are_added() -> None:
     assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.1:7447"]
 
 
-def test_who_insists_on_being_a_router_listens_only_where_told() -> None:
+def test_a_forced_router_listens_only_at_its_configured_endpoints() -> None:
     reach = Reach(RouterChoice.ALWAYS, listen=("tcp/10.0.0.2:7447",))
     assert endpoints(router_configuration(Ros2Environment(), reach), "listen/endpoints") == list(reach.listen)
     usual = router_configuration(Ros2Environment(), Reach(RouterChoice.ALWAYS))

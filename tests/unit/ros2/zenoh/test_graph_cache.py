@@ -20,7 +20,7 @@ SERVER = token(Kind.SERVER, "server", "/switch", "std_srvs::srv::dds_::SetBool_"
 CLIENT = token(Kind.CLIENT, "client", "/switch", "std_srvs::srv::dds_::SetBool_", 4)
 
 
-def test_a_snapshot_is_what_the_tokens_say() -> None:
+def test_a_snapshot_matches_the_tokens() -> None:
     graph = GraphCache()
     graph.apply_tokens(
         [(each, True) for each in (TALKER, LISTENER, SERVER, CLIENT, token(Kind.NODE, "idle"))]
@@ -50,7 +50,7 @@ def test_what_is_no_token_is_passed_over() -> None:
     assert graph.snapshot().nodes == ()
 
 
-def test_several_types_of_a_topic_are_all_told() -> None:
+def test_several_types_of_a_topic_are_all_reported() -> None:
     graph = GraphCache()
     graph.apply_tokens(
         [(TALKER, True), (token(Kind.SUBSCRIBER, "odd", "/chat", "std_msgs::msg::dds_::Bool_"), True)]
@@ -58,7 +58,7 @@ def test_several_types_of_a_topic_are_all_told() -> None:
     assert graph.snapshot().topics["/chat"].type == "std_msgs/msg/Bool std_msgs/msg/String"
 
 
-def test_who_listens_hears_of_its_own_ends_once_a_batch() -> None:
+def test_listeners_are_called_for_their_endpoints_once_per_batch() -> None:
     graph = GraphCache()
     heard: list[int] = []
 

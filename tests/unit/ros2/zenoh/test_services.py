@@ -143,7 +143,7 @@ async def test_types_and_requests_that_do_not_fit(session: ZenohSession) -> None
         await node.call_service("/switch", SET_BOOL, b"too long")
 
 
-async def test_a_late_answer_disturbs_nobody(session: ZenohSession) -> None:
+async def test_a_late_answer_does_no_harm(session: ZenohSession) -> None:
     server, client = await session.join("server"), await session.join("client")
     go_on = asyncio.Event()
 
@@ -172,7 +172,7 @@ async def test_clients_are_listed_and_forgotten(
     assert sorted(text.split("/")[9] for text in found) == ["%a", "%c"]
 
 
-async def test_a_caller_that_hangs_holds_up_nobody(
+async def test_a_caller_that_hangs_delays_no_other(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     room = threading.Event()

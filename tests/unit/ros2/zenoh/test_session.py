@@ -152,7 +152,7 @@ async def test_a_named_router_that_does_not_answer_is_reported(caplog: pytest.Lo
     await session.close()
 
 
-async def test_a_router_tells_which_of_the_others_do_not_answer(caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_router_reports_unreachable_routers(caplog: pytest.LogCaptureFixture) -> None:
     other, port = await open_router()
     silent = f"tcp/127.0.0.1:{free_port()}"
     reach = Reach(

@@ -54,7 +54,7 @@ async def test_samples_carry_cdr_and_a_growing_sequence(session: ZenohSession) -
     assert len({each.gid for each in attachments if each}) == 1
 
 
-async def test_a_publisher_without_a_token_is_heard(session: ZenohSession) -> None:
+async def test_messages_of_a_publisher_without_a_token_are_received(session: ZenohSession) -> None:
     node, typed, anything = await session.join("listener"), Inbox(), Inbox()
     await node.subscribe("/chat", STRING, typed.take, on_connection=typed.take_header)
     await node.subscribe("/chat", ANY_MESSAGE, anything.take, on_connection=anything.take_header)
@@ -95,7 +95,7 @@ async def test_payloads_that_do_not_fit_are_not_sent(
     assert caplog.text.count("cannot be converted for ROS 2:") == 1
 
 
-async def test_ends_of_different_types_are_told_of_each_other(
+async def test_endpoints_with_different_types_are_reported(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.WARNING)
@@ -125,7 +125,7 @@ async def test_another_definition_of_a_type_is_reported(
     declared.undeclare()
 
 
-async def test_a_type_nobody_knows_is_reported_once(
+async def test_an_unknown_type_is_reported_once(
     session: ZenohSession, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await session.join("listener"), Inbox()
@@ -172,7 +172,7 @@ async def test_a_header_loses_its_sequence_only(session: ZenohSession) -> None:
     assert inbox.payloads == [bytes(4) + payload[4:]]
 
 
-async def test_nobody_pauses_for_a_link_that_is_free(session: ZenohSession) -> None:
+async def test_a_free_link_pauses_no_sender(session: ZenohSession) -> None:
     node = await session.join("node")
     publisher = await node.advertise("/chat", STRING)
     assert publisher.publish_raw([string("nobody hears it")] * 10_000)

@@ -127,7 +127,7 @@ def test_invalid_requests_are_refused() -> None:
     assert [each for each, _, _ in controller.ask(BROADCAST_ID, Instruction.SYNC_READ, sync)] == [1]
 
 
-def test_the_watchdog_stops_a_servo_that_hears_nothing() -> None:
+def test_the_watchdog_stops_a_servo_without_commands() -> None:
     controller = Controller()
     controller.drive(100)
     assert controller.write(1, "bus_watchdog", 10) == 0

@@ -107,7 +107,7 @@ async def test_a_sketch_that_uses_strings_is_not_blamed(start: Start, tmp_path: 
     assert await board.free_stack_bytes() > 900
 
 
-async def test_guarded_memory_tells_who_writes(start: Start) -> None:
+async def test_guarded_memory_reports_writes(start: Start) -> None:
     board = await start(build("wrong"))
     fence = int((await board.ask("memory fence", "memory"))["address"])
     buffer = int((await board.ask("memory buffer", "memory"))["address"])

@@ -19,7 +19,7 @@ async def echoed(start: Start, *words: str) -> bytes:
     return bytes(board.serial)
 
 
-async def test_none_without_being_told(start: Start) -> None:
+async def test_none_by_default(start: Start) -> None:
     assert await echoed(start) == SENT
 
 
@@ -56,7 +56,7 @@ async def test_late_bytes_come_late_and_in_order(start: Start, direction: str) -
     assert early == (b"" if direction == "to" else b"abc")
 
 
-async def test_they_end_when_told(start: Start) -> None:
+async def test_they_end_on_request(start: Start) -> None:
     assert await echoed(start, "fault flip=1", "fault none") == SENT
 
 

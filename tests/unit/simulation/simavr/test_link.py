@@ -110,7 +110,7 @@ async def test_the_terminal_stays_raw_and_holds_nothing_old() -> None:
             await until_seen(board)
 
 
-async def test_a_host_that_does_not_read_loses_bytes_and_is_told() -> None:
+async def test_a_host_that_does_not_read_loses_bytes_with_a_report() -> None:
     async with await SimulatedBoard.start(build("check", "BAUD=2000000UL")) as board:
         terminal = open_terminal(board)
         lost = await board.wait_for("lost_serial")

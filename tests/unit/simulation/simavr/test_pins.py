@@ -82,7 +82,7 @@ async def test_a_reset_takes_outputs_back(start: Start, tmp_path: Path) -> None:
     assert [event["level"] for event in named(board, "pin")] == [0, 1, 0, 1]
 
 
-async def test_unwatched_pins_are_not_told(start: Start, tmp_path: Path) -> None:
+async def test_unwatched_pins_are_not_reported(start: Start, tmp_path: Path) -> None:
     board = await start(await build_text(tmp_path, EACH_PIN), "watch D3 D4", "unwatch D3")
     await board.run("20ms")
     assert {event["pin"] for event in named(board, "pin") if event["level"]} == {"D4"}

@@ -51,7 +51,7 @@ async def test_power_that_returns_brings_other_noise(start: Start) -> None:
     assert [event["cause"] for event in named(board, "reset")] == ["power", "power"]
 
 
-async def test_it_can_be_told_twice(start: Start) -> None:
+async def test_it_can_be_requested_twice(start: Start) -> None:
     board = await start(build("echo"))
     for on in (True, False, False, True, True):
         await board.power(on)

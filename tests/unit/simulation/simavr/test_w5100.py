@@ -94,7 +94,7 @@ async def asked(sock: socket.socket, data: bytes, to: tuple[str, int]) -> tuple[
                     return await loop.sock_recvfrom(sock, 2048)
 
 
-async def test_a_sketch_gets_an_address_hears_its_group_and_answers(tmp_path: Path) -> None:
+async def test_a_sketch_gets_an_address_receives_its_group_and_answers(tmp_path: Path) -> None:
     group = loopback_group()
     place = (group.group, group.port)
     with open_sender(group, "127.0.0.1") as sock:
