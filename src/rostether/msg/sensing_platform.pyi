@@ -3,7 +3,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from rostether import rostime
+from rostether.msg import sensor_msgs, std_msgs
 from rostether.serde.values import Message
+
+class Detections(Message):
+    header: std_msgs.Header
+    classifier: str
+    regions: list[sensor_msgs.RegionOfInterest]
+    def __init__(self, *, header: std_msgs.Header | Mapping[str, Any] = ..., classifier: str = ..., regions: Sequence[sensor_msgs.RegionOfInterest | Mapping[str, Any]] = ...) -> None: ...
 
 class Fleet(Message):
     robots: list[RobotState]

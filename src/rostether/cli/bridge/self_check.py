@@ -28,6 +28,10 @@ _EXTRAS = (
     ("recording", "lz4", "lz4", "compressed recordings"),
     ("parquet", "pyarrow", "pyarrow", "export to Parquet"),
     ("pictures", "resvg_py", "resvg-py", "pictures as PNG"),
+    ("camera", "PIL", "pillow", "cameras and test pictures"),
+    ("detection", "cv2", "opencv-python-headless", "objects in the pictures of cameras"),
+    ("gps", "pynmea2", "pynmea2", "GPS receivers"),
+    ("gpio", "gpiod", "gpiod", "GPIO lines as sensors"),
     ("robot", "xacro", "xacro", "xacro files"),
     ("uvloop", "uvloop", "uvloop", "a faster event loop"),
 )

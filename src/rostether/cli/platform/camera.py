@@ -27,6 +27,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
+    from rostether.platform.sensors.cascade import CascadeDetector
     from rostether.platform.sensors.picture_sources import PictureSource
 
 # Larger than the pictures of cameras that robots have.
@@ -41,6 +42,7 @@ _MAX_SIDE = 8192
     rostether role camera
     rostether role camera _source:=/dev/video2 _id:=front _vflip:=true _width:=640 _height:=480
     rostether role camera _source:=pictures _rate:=2
+    rostether role camera _classifier:=haarcascade_frontalface_default.xml
     rostether role camera _source:=test
     """,
 )
@@ -51,7 +53,8 @@ def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
 
     Parameters: ~source (/dev/video0, or picamera2 where it is installed; a folder of .jpg files; test),
     ~vflip, ~hflip, ~width, ~height, ~quality (1 to 95), ~rate (10), ~id (camera), ~name, ~platform_name,
-    ~frame_id.
+    ~frame_id, ~classifier (a cascade file of OpenCV: draws boxes around what it finds, and publishes them on
+    <topic>/detections).
     """
     run_sensor("camera", arguments, partial(_camera, ros2 is None), ros2)
 
@@ -63,7 +66,15 @@ async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     first = await _first_parameters(graph, parameters) if is_ros1 else {}
     source = await _source(parameters, bool(first.get("vflip")), bool(first.get("hflip")))
     description = await read_description(parameters, SensorKind("camera", "CAMERA", MESSAGE_TYPE, 10.0))
-    await publish_pictures(graph, description, source, reporter(graph))
+    file = await parameters.text(str(first.get("classifier") or ""), "classifier")
+    detector = await asyncio.to_thread(_detector, file) if file else None
+    await publish_pictures(graph, description, source, reporter(graph), detector)
+
+
+def _detector(file: str) -> CascadeDetector:
+    from rostether.platform.sensors.cascade import CascadeDetector
+
+    return CascadeDetector(Path(file).expanduser())
 
 
 async def _first_parameters(graph: TypedGraph, parameters: Parameters) -> Mapping[str, ParamValue]:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
+from dataclasses import asdict
 
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
+from rostether.graph.typed_handles import TypedPublisher
+from rostether.platform.sensors.cascade import CascadeDetector, Region
 from rostether.platform.sensors.picture_sources import PictureSource
 from rostether.platform.sensors.readings import publish_readings
 from rostether.platform.sensors.registered_sensor import (
@@ -17,6 +20,7 @@ from rostether.platform.sensors.registered_sensor import (
 )
 
 MESSAGE_TYPE = "sensor_msgs/CompressedImage"
+DETECTIONS_TYPE = "sensing_platform/Detections"
 
 _HINT = "plug the camera in, or choose another ~source, such as test"
 
@@ -31,39 +35,79 @@ async def publish_pictures(
     description: SensorDescription,
     source: PictureSource,
     report: Callable[[Level, str], None],
+    detector: CascadeDetector | None = None,
 ) -> None:
-    """Publish the pictures of a source as a sensor until cancelled. Raises GraphError."""
-    count = 0
+    """Publish the pictures of a source as a sensor until cancelled. Raises GraphError.
+
+    With a detector, the pictures have boxes around what it finds, and `<topic>/detections` has the boxes.
+    """
     async with registered_sensor(graph, description, report) as sensor:
-
-        def publish(picture: bytes | None) -> None:
-            nonlocal count
-            sensor.set_state("ready")
-            if picture is None:
-                return
-            header = {"seq": count, "stamp": graph.now(), "frame_id": description.frame_id}
-            sensor.publish(header=header, format="jpeg", data=picture)
-            count += 1
-
-        await publish_readings(sensor, lambda: _while_wanted(sensor, source), publish, report, hint=_HINT)
+        if detector is None:
+            await _Camera(graph, sensor, source, None, None).run(report)
+            return
+        detections = await graph.publisher(f"{description.topic}/detections", DETECTIONS_TYPE)
+        try:
+            await _Camera(graph, sensor, source, detector, detections).run(report)
+        finally:
+            await detections.close()
 
 
-async def _while_wanted(
-    sensor: RegisteredSensor, source: PictureSource
-) -> AsyncGenerator[bytes | None, None]:
-    """Yield pictures while a program receives them, and None every second while none does."""
-    loop = asyncio.get_running_loop()
-    while True:
-        looked_s = float("-inf")
-        while not sensor.is_wanted:
-            if loop.time() >= looked_s + 1.0:
-                looked_s = loop.time()
-                await asyncio.to_thread(source.check)
-                yield None
-            await asyncio.sleep(_POLL_S)
-        async with aclosing(source.pictures(sensor.description.rate_hz)) as pictures:
-            async for picture in pictures:
-                yield picture
-                await sensor.publisher.drained(_DRAIN_LIMIT_S)
-                if not sensor.is_wanted:
-                    break
+class _Camera:
+    """One run of the node."""
+
+    def __init__(
+        self,
+        graph: TypedGraph,
+        sensor: RegisteredSensor,
+        source: PictureSource,
+        detector: CascadeDetector | None,
+        detections: TypedPublisher[...] | None,
+    ) -> None:
+        self._graph = graph
+        self._sensor = sensor
+        self._source = source
+        self._detector = detector
+        self._detections = detections
+        self._count = 0
+
+    async def run(self, report: Callable[[Level, str], None]) -> None:
+        """Publish until cancelled."""
+        await publish_readings(self._sensor, self._while_wanted, self._publish, report, hint=_HINT)
+
+    def _publish(self, reading: tuple[list[Region], bytes] | None) -> None:
+        self._sensor.set_state("ready")
+        if reading is None:
+            return
+        regions, picture = reading
+        frame_id = self._sensor.description.frame_id
+        header = {"seq": self._count, "stamp": self._graph.now(), "frame_id": frame_id}
+        self._count += 1
+        self._sensor.publish(header=header, format="jpeg", data=picture)
+        if self._detections is not None and self._detector is not None:
+            boxes = [asdict(each) for each in regions]
+            self._detections.publish(header=header, classifier=self._detector.name, regions=boxes)
+
+    async def _while_wanted(self) -> AsyncGenerator[tuple[list[Region], bytes] | None, None]:
+        """Yield pictures while a program receives them, and None every second while none does."""
+        loop = asyncio.get_running_loop()
+        while True:
+            looked_s = float("-inf")
+            while not self._is_wanted():
+                if loop.time() >= looked_s + 1.0:
+                    looked_s = loop.time()
+                    await asyncio.to_thread(self._source.check)
+                    yield None
+                await asyncio.sleep(_POLL_S)
+            async with aclosing(self._source.pictures(self._sensor.description.rate_hz)) as pictures:
+                async for picture in pictures:
+                    if self._detector is None:
+                        yield [], picture
+                    else:
+                        yield await asyncio.to_thread(self._detector.detect, picture)
+                    await self._sensor.publisher.drained(_DRAIN_LIMIT_S)
+                    if not self._is_wanted():
+                        break
+
+    def _is_wanted(self) -> bool:
+        has_viewer = self._detections is not None and self._detections.subscriber_count > 0
+        return self._sensor.is_wanted or has_viewer

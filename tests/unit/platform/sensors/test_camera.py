@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFilter
 
 from rostether.errors import BoardError, ConfigError
 from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
+from rostether.platform.sensors.cascade import CascadeDetector
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, drawn_picture, jpeg_of_yuyv
 from rostether.platform.sensors.picture_sources import DrawnPictures, PictureFolder
 from rostether.platform.sensors.v4l2_camera import V4l2Camera
@@ -104,6 +105,61 @@ async def test_test_pictures_differ() -> None:
     assert first != second
     with Image.open(io.BytesIO(drawn_picture(1, small))) as image:
         assert image.size == (64, 48)
+
+
+def drawn_face() -> bytes:
+    """Return a JPEG of 320 x 240 pixels with a face around its center."""
+    image = Image.new("L", (320, 240), 200)
+    draw = ImageDraw.Draw(image)
+    draw.ellipse((100, 45, 220, 195), fill=170)
+    for eye in (134, 186):
+        draw.ellipse((eye - 16, 94, eye + 16, 118), fill=60)
+        draw.rectangle((eye - 18, 84, eye + 18, 91), fill=40)
+    draw.rectangle((153, 95, 167, 138), fill=215)
+    draw.ellipse((146, 130, 174, 144), fill=140)
+    draw.ellipse((134, 154, 186, 168), fill=80)
+    output = io.BytesIO()
+    image.filter(ImageFilter.GaussianBlur(4)).save(output, "JPEG")
+    return output.getvalue()
+
+
+async def test_faces_are_found_and_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("cv2")
+    (tmp_path / "1.jpg").write_bytes(drawn_face())
+    (tmp_path / "2.jpg").write_bytes(picture())
+    source = PictureFolder(tmp_path, PictureChange())
+    detector = CascadeDetector(Path("haarcascade_frontalface_default.xml"))
+    pictures: dict[int, Any] = {}
+    found: dict[int, Any] = {}
+
+    def show(message: Any) -> None:
+        pictures[message.header.seq] = bytes(message.data)
+
+    def count(message: Any) -> None:
+        found[message.header.seq] = message
+
+    async with (
+        shown_sensors() as shown,
+        running(publish_pictures(shown.robot, WHAT, source, shown.report, detector)),
+    ):
+        await shown.viewer.subscriber(f"{WHAT.topic}/detections", "sensing_platform/Detections", count)
+        await until(lambda: found)
+        await shown.viewer.subscriber(WHAT.topic, MESSAGE_TYPE, show)
+        await until(lambda: any(each in found and found[each].regions for each in pictures))
+        await until(lambda: any(each in found and not found[each].regions for each in pictures))
+    with_face = next(each for each in pictures if each in found and found[each].regions)
+    without = next(each for each in pictures if each in found and not found[each].regions)
+    (face,) = found[with_face].regions
+    assert found[with_face].classifier == "haarcascade_frontalface_default"
+    assert face.x_offset < 134 < 186 < face.x_offset + face.width
+    with Image.open(io.BytesIO(pictures[with_face])) as image:
+        red, green, blue = rgb(image, face.x_offset + face.width // 2, face.y_offset)
+    assert green > 150 > max(red, blue)
+    assert pictures[without] == picture()
+    with pytest.raises(BoardError, match="damaged"):
+        detector.detect(b"none")
+    with pytest.raises(ConfigError, match=r"nothing\.xml: is no cascade of OpenCV; it has some itself"):
+        CascadeDetector(tmp_path / "nothing.xml")
 
 
 async def test_what_is_no_camera(tmp_path: Path) -> None:

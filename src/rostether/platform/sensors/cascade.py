@@ -1,0 +1,86 @@
+"""Finds objects in pictures by a cascade of features (Viola and Jones), by OpenCV (extra `detection`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import BoardError, ConfigError
+from rostether.extras import install_command
+from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
+
+# A picture of noise must not fill a message.
+MAX_REGIONS = 100
+
+_GREEN_BGR = (0, 255, 0)
+_LINE_PIXELS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A rectangle of a picture, in pixels from its upper left corner: sensor_msgs/RegionOfInterest."""
+
+    x_offset: int
+    y_offset: int
+    width: int
+    height: int
+
+
+class CascadeDetector:
+    """One cascade file (XML of OpenCV). A name without a folder may be one that comes with OpenCV.
+
+    Raises ConfigError for a file that is no cascade, and if OpenCV is not installed.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._cv2 = _opencv()
+        bundled = Path(self._cv2.data.haarcascades, file)
+        path = bundled if not file.exists() and bundled.exists() else file
+        self.name = path.stem
+        self._classifier = self._cv2.CascadeClassifier()
+        try:
+            is_loaded = self._classifier.load(str(path))
+        except self._cv2.error:
+            is_loaded = False
+        if not is_loaded:
+            names = ", ".join(sorted(each.stem for each in bundled.parent.glob("haarcascade_front*.xml")))
+            raise ConfigError(f"{file}: is no cascade of OpenCV; it has some itself, such as {names} (.xml)")
+
+    def detect(self, picture: bytes) -> tuple[list[Region], bytes]:
+        """Return the regions in a JPEG picture, and the picture with a box around each.
+
+        Raises BoardError for data that is no picture.
+        """
+        import numpy as np
+
+        cv2 = self._cv2
+        try:
+            image = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR)
+            if image is None:
+                raise BoardError("a picture is damaged")
+            gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+            found = self._classifier.detectMultiScale(gray)[:MAX_REGIONS]
+            regions = [Region(*(int(each) for each in box)) for box in found]
+            if not regions:
+                return [], picture
+            for box in found:
+                cv2.rectangle(image, box, _GREEN_BGR, _LINE_PIXELS)
+            _, encoded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, DEFAULT_QUALITY])
+        except cv2.error as error:
+            raise BoardError(f"a picture is damaged: {error}") from None
+        return regions, encoded.tobytes()
+
+
+def _opencv() -> Any:
+    """Return the module `cv2`. Raises ConfigError if it is not installed, or has no cascades."""
+    try:
+        import cv2
+    except ImportError:
+        raise ConfigError(f"~classifier needs OpenCV; run: {install_command('detection')}") from None
+    # OpenCV 5 has moved them to its extra modules.
+    if not hasattr(cv2, "CascadeClassifier"):
+        raise ConfigError(
+            f"OpenCV {cv2.__version__} has no cascades; install version 4: {install_command('detection')}"
+        )
+    return cv2
