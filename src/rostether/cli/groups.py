@@ -169,9 +169,7 @@ def tf() -> None:
         "upload": VerbEntry(
             "rostether.cli.firmware.build:firmware_upload", "Build a sketch and flash a board."
         ),
-        "lib": VerbEntry(
-            "rostether.cli.firmware.lib:firmware_lib", "Generate the C++ client library, ros_lib."
-        ),
+        "lib": VerbEntry("rostether.cli.firmware.lib:firmware_lib", "Generate the client library, ros_lib."),
     },
     examples="""
     rostether firmware size blink.ino --board uno                will it fit?
@@ -180,7 +178,7 @@ def tf() -> None:
     """,
 )
 def firmware() -> None:
-    """Build sketches for boards, and generate the C++ client library that they use."""
+    """Build sketches for boards, and generate the client library that they use."""
 
 
 @click.group(

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rostether.codegen.library_folder import is_ros_library, write_library_folder
+from rostether.codegen.library_folder import check_parent, write_library_folder
 from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
 from rostether.codegen.message_headers import MessageHeaders, generate_headers
 from rostether.codegen.type_index import TypeIndex
@@ -64,10 +64,7 @@ def write_library(
     there or it cannot be written.
     """
     directory = directory.expanduser()
-    if directory.name == LIBRARY_NAME and is_ros_library(directory):
-        raise CodegenError(
-            f"{directory} is a library itself; give the folder that contains it: {directory.parent}"
-        )
+    check_parent(directory, LIBRARY_NAME)
     rendered = render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
     target = directory / LIBRARY_NAME
     if target.resolve() == client_library().resolve():

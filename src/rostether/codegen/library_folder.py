@@ -25,6 +25,14 @@ def is_ros_library(folder: Path) -> bool:
     )
 
 
+def check_parent(directory: Path, library_name: str) -> None:
+    """Raise CodegenError if a folder that is to contain a library is a library itself."""
+    if directory.name == library_name and is_ros_library(directory):
+        raise CodegenError(
+            f"{directory} is a library itself; give the folder that contains it: {directory.parent}"
+        )
+
+
 def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     """Make `target` hold exactly these files (paths with slashes); return whether a library was replaced.
 

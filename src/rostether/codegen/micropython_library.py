@@ -12,11 +12,11 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rostether.codegen.arduino_library import LIBRARY_NAME, RenderedLibrary, WrittenLibrary
-from rostether.codegen.library_folder import write_library_folder
+from rostether.codegen.library_folder import check_parent, write_library_folder
 from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_files
 from rostether.codegen.program_imports import types_of_program
 from rostether.codegen.python_message import message_module, service_module
-from rostether.codegen.python_names import package_name
+from rostether.codegen.python_names import MODULES, class_name, package_name
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
 from rostether.codegen.type_index import TypeIndex
 from rostether.codegen.wanted_types import WantedTypes, add_parts, all_types, types_of_packages
@@ -46,8 +46,10 @@ def write_micropython_library(
     Takes and raises what `render_micropython_library` does; raises CodegenError if something else is there or
     it cannot be written.
     """
+    directory = directory.expanduser()
+    check_parent(directory, LIBRARY_NAME)
     rendered = render_micropython_library(registry, for_program=for_program, packages=packages)
-    target = directory.expanduser() / LIBRARY_NAME
+    target = directory / LIBRARY_NAME
     return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
 
 
@@ -73,6 +75,9 @@ def render_micropython_library(
         except RostetherError as error:
             skipped.append(f"skipped {name}: {error}")
             continue
+        if texts.keys() & files.keys():
+            skipped.append(f"skipped {name}: another type has its name in Python; rename one")
+            continue
         types.append(name)
         for path, text in texts.items():
             files[path] = text.encode()
@@ -96,16 +101,17 @@ def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | 
 
 def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
     """Yield the modules of a name, which may be that of a message and of a service: paths and texts."""
-    if name.partition("/")[0] == LIBRARY_NAMESPACE:
-        raise CodegenError(f"the package {LIBRARY_NAMESPACE!r} has the name of a folder in the library")
     lookup = index.registry.message
 
     def path_of(message: str) -> str:
         return _path(index, index.header_of(message))
 
     for spec in index.specs(name):
-        # Also checks their number and depth.
-        dependencies(spec, lookup)
+        for part in (spec, *dependencies(spec, lookup)):
+            if part.package == LIBRARY_NAMESPACE or part.package in MODULES:
+                raise CodegenError(
+                    f"the package {part.package!r} has the name of a module on the board; rename it"
+                )
     if index.is_message(name):
         yield f"{_path(index, name)}.py", message_module(index.registry.message(name), lookup, path_of)
     if index.is_service(name):
@@ -116,4 +122,4 @@ def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
 def _path(index: TypeIndex, name: str, kind: str = "") -> str:
     package, _, short_name = name.partition("/")
     kind = kind or ("msg" if index.is_message(name) else "srv")
-    return f"{package_name(package)}/{kind}/_{short_name}"
+    return f"{package_name(package)}/{kind}/_{class_name(short_name)}"

@@ -11,8 +11,17 @@ from collections.abc import Iterable
 
 from rostether.msgdef.spec import MessageSpec
 
-# `self` is the first argument of a method; the others are methods of every message.
-_TAKEN = frozenset({"self", "serialize", "deserialize"})
+# `self` is the first argument of a method; the others are members of every message.
+_TAKEN = frozenset({"self", "serialize", "deserialize", "_type", "_md5sum"})
+# A package of the same name would hide one of these modules of MicroPython or CircuitPython.
+MODULES = frozenset(
+    """
+    array asyncio binascii bluetooth board builtins busio cmath collections cryptolib deflate
+    digitalio errno esp esp32 framebuf gc hashlib heapq io json machine math micropython network
+    neopixel os platform pwmio random re requests rp2 select socket socketpool ssl struct supervisor
+    sys time uasyncio uctypes usb_cdc vfs wifi
+    """.split()  # noqa: SIM905 - one word a line would be 50 lines
+)
 
 
 def class_name(short_name: str) -> str:

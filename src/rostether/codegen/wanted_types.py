@@ -35,12 +35,21 @@ def all_types(index: TypeIndex) -> WantedTypes:
 
 
 def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
-    """Add the types of packages and the types of their fields. Raises UnknownTypeError for an unknown one."""
+    """Add packages, or single types as `package/Name`, and the types of their fields.
+
+    Raises UnknownTypeError for an unknown one.
+    """
     wanted = WantedTypes()
-    for package in packages:
-        names = {*index.registry.messages(package), *index.registry.services(package)}
+    for each in packages:
+        package, slash, short_name = each.partition("/")
+        if slash:
+            names = {each} if index.is_message(each) or index.is_service(each) else set()
+            reason = explain_unknown(index.registry, Kind.MESSAGE, package, short_name)
+        else:
+            names = {*index.registry.messages(package), *index.registry.services(package)}
+            reason = _explain_package(index, package)
         if not names:
-            raise UnknownTypeError(_explain_package(index, package))
+            raise UnknownTypeError(reason)
         wanted.names |= names
     add_parts(index, wanted)
     return wanted

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import tty
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from pathlib import Path
 
 from programs import Peer
@@ -23,19 +23,28 @@ INTERPRETER = (sys.executable, "-m", "micropython_unix", "-X", "heapsize=384k")
 class UsbBoard:
     """A board whose program has the host's pseudo-terminal as standard input and output."""
 
-    def __init__(self, program: Path, library: Path, *arguments: str) -> None:
+    def __init__(
+        self, program: Path, library: Path, arguments: Sequence[str], folders: Sequence[Path]
+    ) -> None:
         self._command = (*INTERPRETER, str(program), *arguments)
-        self._environment = _environment(library)
+        self._environment = _environment(library, *folders)
         self._leader, self._follower = os.openpty()
         tty.setraw(self._follower)
         self._process: asyncio.subprocess.Process | None = None
+        self._reader: asyncio.Task[None] | None = None
+        self.lines: list[str] = []
         self.address = os.ttyname(self._follower)
 
     async def start(self) -> None:
         """Start the program."""
         self._process = await asyncio.create_subprocess_exec(
-            *self._command, stdin=self._leader, stdout=self._leader, env=self._environment
+            *self._command,
+            stdin=self._leader,
+            stdout=self._leader,
+            stderr=asyncio.subprocess.PIPE,
+            env=self._environment,
         )
+        self._reader = asyncio.create_task(self._read(self._process))
 
     async def stop(self) -> None:
         """Kill the program, as a board whose power is switched off; the host's port stays open."""
@@ -44,6 +53,13 @@ class UsbBoard:
                 self._process.kill()
             await self._process.wait()
             self._process = None
+        if self._reader is not None:
+            await self._reader
+
+    async def _read(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stderr is not None
+        async for line in process.stderr:
+            self.lines.append(line.decode().rstrip("\n"))
 
     async def reset(self) -> None:
         """Start the program again."""
@@ -57,9 +73,14 @@ class UsbBoard:
 
 
 @contextlib.asynccontextmanager
-async def usb_board(program: Path, library: Path, *arguments: str) -> AsyncIterator[UsbBoard]:
-    """Run a program on a board at a USB port."""
-    board = UsbBoard(program, library, *arguments)
+async def usb_board(
+    program: Path, library: Path, *arguments: str, folders: Sequence[Path] = ()
+) -> AsyncIterator[UsbBoard]:
+    """Run a program on a board at a USB port; its `lines` are those on standard error.
+
+    `folders` are further ones of modules.
+    """
+    board = UsbBoard(program, library, arguments, folders)
     try:
         await board.start()
         yield board
@@ -99,5 +120,5 @@ def run(program: Path, library: Path, text: str = "", heap: str = "384k") -> str
     return done.stdout
 
 
-def _environment(library: Path) -> dict[str, str]:
-    return {**os.environ, "MICROPYPATH": f"{library}:{PROGRAMS}:.frozen"}
+def _environment(*folders: Path) -> dict[str, str]:
+    return {**os.environ, "MICROPYPATH": ":".join([*map(str, folders), str(PROGRAMS), ".frozen"])}

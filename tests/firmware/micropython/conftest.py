@@ -15,7 +15,7 @@ FOLDER = Path(__file__).parent
 @pytest.fixture(scope="session")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The client library with the messages that the tests' programs use."""
-    packages = ["std_msgs", "std_srvs"]
+    packages = ["std_msgs", "std_srvs", "sensor_msgs"]
     return write_micropython_library(tmp_path_factory.mktemp("library"), Registry(), packages=packages).path
 
 

@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
 
 from firmware.micropython.boards import PROGRAMS, run
 from rostether.codegen.micropython_library import write_micropython_library
+from rostether.codegen.python_names import class_name, package_name
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct
+from unit.codegen.hostile import write_definitions
 
-STORE = TypeStore(Registry())
 MAX_ELEMENTS = 3
 
 
 def test_all_types_are_written_as_they_were_read(tmp_path: Path) -> None:
-    library = write_micropython_library(tmp_path, STORE.registry).path
-    numbers = Random(1)
-    cases = list(_cases(numbers))
+    registry = Registry([write_definitions(tmp_path / "definitions")])
+    written = write_micropython_library(tmp_path, registry)
+    cases = list(_cases(written.library.types, TypeStore(registry), Random(1)))
     assert len(cases) > 250
     text = "".join(f"{place} {payload.hex()}\n" for place, payload in cases)
-    lines = run(PROGRAMS / "again.py", library, text, heap="16m").splitlines()
+    lines = run(PROGRAMS / "again.py", written.path, text, heap="16m").splitlines()
     wrong = [
         (place, payload.hex(), line)
         for (place, payload), line in zip(cases, lines, strict=True)
@@ -35,7 +36,7 @@ def test_all_types_are_written_as_they_were_read(tmp_path: Path) -> None:
 
 
 def test_bytes_that_are_no_message_are_refused(library: Path) -> None:
-    text = STORE.codec("std_msgs/String").encode(STORE.codec("std_msgs/String").conform({"data": "text"}))
+    text = b"\x04\0\0\0text"
     array = "std_msgs msg Float64MultiArray  "
     cases = [
         f"std_msgs msg String  {text[:-1].hex()}",
@@ -50,15 +51,16 @@ def test_bytes_that_are_no_message_are_refused(library: Path) -> None:
     assert len(lines) == len(cases)
 
 
-def _cases(numbers: Random) -> Iterator[tuple[str, bytes]]:
-    registry = STORE.registry
-    for name in registry.messages():
-        package, _, short_name = name.partition("/")
-        yield f"{package} msg {short_name} ", _payload(STORE.codec(name), numbers)
-    for name in registry.services():
-        package, _, short_name = name.partition("/")
-        for half, codec in zip(("Request", "Response"), STORE.service_codecs(name), strict=True):
-            yield f"{package} srv {short_name} {half}", _payload(codec, numbers)
+def _cases(types: Sequence[str], store: TypeStore, numbers: Random) -> Iterator[tuple[str, bytes]]:
+    messages = set(store.registry.messages())
+    for full_name in types:
+        package, _, name = full_name.partition("/")
+        package, name = package_name(package), class_name(name)
+        if full_name in messages:
+            yield f"{package} msg {name} ", _payload(store.codec(full_name), numbers)
+            continue
+        for half, codec in zip(("Request", "Response"), store.service_codecs(full_name), strict=True):
+            yield f"{package} srv {name} {half}", _payload(codec, numbers)
 
 
 def _payload(codec: Codec, numbers: Random) -> bytes:

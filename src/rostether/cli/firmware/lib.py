@@ -1,4 +1,4 @@
-"""`rostether firmware lib`: the C++ client library with the messages that a sketch needs, or all."""
+"""`rostether firmware lib`: the client library with the messages that a sketch needs, or all."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     rostether firmware lib lib --for src/main.cpp                what a PlatformIO project needs
     rostether firmware lib . --package std_msgs --package tf     two packages, with the types of their fields
     rostether firmware lib ~/Arduino/libraries --msg-path ~/my_robot
+    rostether firmware lib . --micropython --for main.py         for a board with MicroPython
     """,
 )
 @click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
@@ -34,15 +35,21 @@ if TYPE_CHECKING:
     "sketch",
     metavar="SKETCH",
     type=click.Path(path_type=Path),
-    help="Only the messages that this .ino file, folder or C++ file includes, also through its own headers.",
+    help="Only the messages that this .ino, C++ or Python file, or folder, includes or imports.",
 )
 @click.option(
     "--package",
+    "--messages",
     "packages",
     metavar="P",
     multiple=True,
     shell_complete=complete_packages,
-    help="Only this package and the packages of its fields; may be repeated.",
+    help="Only this package or type, such as std_msgs or std_msgs/String, and its fields; may be repeated.",
+)
+@click.option(
+    "--micropython",
+    is_flag=True,
+    help="Write the library for MicroPython and CircuitPython, to be copied to the board's folder lib.",
 )
 @msg_path_option
 @json_option
@@ -50,25 +57,36 @@ def firmware_lib(
     directory: Path,
     sketch: Path | None,
     packages: tuple[str, ...],
+    micropython: bool,
     msg_paths: tuple[Path, ...],
     as_json: bool,
 ) -> None:
-    """Write the C++ client library with the headers of messages and services to DIR/ros_lib.
+    """Write the client library with messages and services to DIR/ros_lib.
 
-    An older generated library there is replaced; other folders are not changed. The library works with
+    An older generated library there is replaced; other folders are not changed. The C++ library works with
     Arduino and PlatformIO; other builds need only -I DIR/ros_lib/src. Invalid definitions are reported and
     skipped, and the exit code is then 1.
     """
-    from rostether.codegen.arduino_library import write_library
     from rostether.msgdef.registry import Registry
 
-    written = write_library(
-        directory,
-        Registry.from_environment(msg_paths),
-        for_sketch=sketch.expanduser() if sketch is not None else None,
-        packages=packages or None,
-        search=_other_libraries(directory) if sketch is not None else (),
-    )
+    registry = Registry.from_environment(msg_paths)
+    sketch = sketch.expanduser() if sketch is not None else None
+    if micropython:
+        from rostether.codegen.micropython_library import write_micropython_library
+
+        written = write_micropython_library(
+            directory, registry, for_program=sketch, packages=packages or None
+        )
+    else:
+        from rostether.codegen.arduino_library import write_library
+
+        written = write_library(
+            directory,
+            registry,
+            for_sketch=sketch,
+            packages=packages or None,
+            search=_other_libraries(directory) if sketch is not None else (),
+        )
     for line in (*written.library.skipped, *written.library.warnings):
         warn(line)
     if as_json:

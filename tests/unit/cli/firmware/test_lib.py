@@ -68,3 +68,37 @@ def test_failures(shell: Shell, tmp_path: Path) -> None:
     assert "no package 'std'" in shell.failure("firmware", "lib", str(tmp_path), "--package", "std")
     assert "no such folder" in shell.failure("firmware", "lib", str(tmp_path), "--msg-path", "/nowhere")
     assert "Missing argument" in shell.failure("firmware", "lib", code=2)
+
+
+def test_micropython_for_a_program(shell: Shell, tmp_path: Path) -> None:
+    program = tmp_path / "main.py"
+    program.write_text("import ros\nfrom sensor_msgs.msg import Range\nfrom std_srvs.srv import SetBool\n")
+    said = shell.output("firmware", "lib", str(tmp_path), "--micropython", "--for", str(program))
+    # A Range has a Header.
+    assert said == f"wrote {tmp_path}/ros_lib: 3 types of 3 packages\n"
+    written = {
+        str(each.relative_to(tmp_path / "ros_lib")) for each in (tmp_path / "ros_lib").rglob("_[A-Z]*.py")
+    }
+    assert written == {"sensor_msgs/msg/_Range.py", "std_msgs/msg/_Header.py", "std_srvs/srv/_SetBool.py"}
+    assert (tmp_path / "ros_lib/ros/node_handle.py").is_file()
+    said = shell.output("firmware", "lib", str(tmp_path), "--micropython", "--messages", "std_msgs/String")
+    assert said == f"replaced {tmp_path}/ros_lib: 1 type of 1 package\n"
+
+
+def test_micropython_for_programs_that_cannot_be_read(shell: Shell, tmp_path: Path) -> None:
+    program = tmp_path / "main.py"
+    command = ("firmware", "lib", str(tmp_path), "--micropython", "--for", str(program))
+    assert shell(*command).err == (
+        f"rostether: error: cannot read {program}: No such file or directory; name the program of the board\n"
+    )
+    program.write_text("from std_msgs.msg import (\n")
+    assert shell(*command).err.startswith(f"rostether: error: {program} is not a Python program: ")
+    program.write_text("from std_msgs.msg import Strin\n")
+    result = shell(*command)
+    assert result.code == 1
+    assert result.err.startswith(f"{program}:1: package 'std_msgs' has no message 'Strin'; did you mean")
+    folder = tmp_path / "ros_lib"
+    result = shell("firmware", "lib", str(folder), "--micropython")
+    assert result.err.startswith(
+        f"rostether: error: {folder} is a library itself; give the folder that contains it"
+    )
