@@ -22,6 +22,8 @@ _COMMON: dict[str, tuple[int, int | None]] = {
     "DH": (0, 0xFFFFFFFF),
     "GT": (0x3E8, 0xCE4),
     "HV": (0, None),
+    # The radio's name, a blank; programs that manage radios read it.
+    "NI": (0x20, None),
     "RO": (3, 0xFF),
     "SH": (0, None),
     "SL": (0, None),
@@ -50,7 +52,7 @@ class Model:
     is_mesh: bool = False
 
 
-SERIES_1 = Model("series1", 0x1742, 0x10EC, MappingProxyType({**_COMMON, **_SHORT_ADDRESSES}), 100)
+SERIES_1 = Model("series1", 0x1747, 0x10EC, MappingProxyType({**_COMMON, **_SHORT_ADDRESSES}), 100)
 SERIES_3 = Model(
     "series3",
     0x4102,

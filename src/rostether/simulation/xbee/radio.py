@@ -184,8 +184,11 @@ class SimulatedRadio:
     def _frame(self, frame: bytes) -> None:
         kind, frame_id = (frame[0], frame[1]) if len(frame) > 1 else (None, 0)
         match kind:
-            case 0x08 if len(frame) >= 4:
+            case 0x08 | 0x09 if len(frame) >= 4:
                 self._at(frame_id, frame[2:4].decode("latin-1"), frame[4:])
+                # A frame of kind 09 waits for ATAC or for a frame of kind 08.
+                if kind == 0x08:
+                    self.registers.apply()
             case 0x01 if len(frame) >= 5:
                 self._packet(frame_id, int.from_bytes(frame[2:4], "big"), frame[5:])
             case 0x00 if len(frame) >= 11:
@@ -222,8 +225,6 @@ class SimulatedRadio:
             status = bytes((_DELIVERED if is_ok else failed,))
             text = command.encode("latin-1")
             self._report(bytes((0x88, frame_id)) + text + status + self.registers.as_bytes(command, answer))
-        # A frame applies its value at once.
-        self.registers.apply()
 
     def _report(self, data: bytes) -> None:
         self._to_serial(encode_frame(data, escaped=self.registers["AP"] == 2))

@@ -94,6 +94,12 @@ def test_api_mode_answers_commands_and_reports_packets() -> None:
     assert bench.send(encode_frame(b"\x08\x01MY\x00\x07")) == encode_frame(b"\x88\x01MY\x00")
     assert bench.send(encode_frame(b"\x08\x02NH")) == encode_frame(b"\x88\x02NH\x02")
     assert bench.send(encode_frame(b"\x08\x02CH\x99")) == encode_frame(b"\x88\x02CH\x03")
+    # A queued value waits.
+    bench.send(encode_frame(b"\x09\x03ID\x12\x34"))
+    assert bench.radio.registers["ID"] == 0x3332
+    bench.send(encode_frame(b"\x08\x04AC"))
+    assert bench.radio.registers["ID"] == 0x1234
+    bench.radio.serial_to_send()
     assert bench.send(encode_frame(b"\x01\x05\x00\x09\x00hello")) == b""
     packet = bench.radio.outgoing.popleft()
     assert packet == Transmission(9, False, b"hello", 5)
