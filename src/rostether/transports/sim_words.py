@@ -13,6 +13,7 @@ SIM_WORDS = (
     "aref",
     "attitude",
     "autoreset",
+    "battery",
     "fault",
     "hcsr04",
     "network",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.board.opencr import OPENCR, run_opencr
 from rostether.cli.board.qemu import MACHINES, run_in_qemu
 from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.option_group import option_group
@@ -71,7 +72,7 @@ _board_options = option_group(
             "--board",
             default="uno",
             show_default=True,
-            help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu.",
+            help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu; opencr.",
         ),
         click.option(
             "--link",
@@ -186,6 +187,12 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
     if start.board in MACHINES:
         others = (start.words, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
         await run_in_qemu(program, start.board, start.link_path, has_words=any(others), as_json=as_json)
+        return
+    if start.board == OPENCR:
+        has_others = any((start.duration, start.uart, start.tcp_port, start.is_fast, start.seed))
+        await run_opencr(
+            program, start.words, start.link_path, msg_paths, has_other_options=has_others, as_json=as_json
+        )
         return
     kind_of(start.board)
     link: Literal["pty", "tcp"] = "pty" if start.tcp_port is None else "tcp"

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import MACHINES, start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
@@ -63,6 +64,8 @@ async def simulated(
             size: ProgramSize | None = None
             if link.board in MACHINES:
                 place, report = await _start_qemu(link, reporter, stack)
+            elif link.board == OPENCR:
+                place, report = await _start_opencr(link, reporter, stack, msg_paths)
             else:
                 board, size = await _start_avr(link, reporter, stack, msg_paths)
                 place, report = board.address, _report(board, str(link), reporter, _hidden(link))
@@ -127,6 +130,29 @@ async def _start_qemu(
         await start_in_qemu(Path(link.program), link.board, has_words=has_words)
     )
     reporter.line(Level.INFO, f"simulated {link.board} runs {link.program} at {board.address}")
+
+    async def report() -> None:
+        await board.wait_end()
+        reason = f": {board.last_words}" if board.last_words else ""
+        reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
+
+    return board.address, report()
+
+
+async def _start_opencr(
+    link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
+) -> tuple[str, Coroutine[None, None, None]]:
+    """Start an OpenCR that ends with the exit stack; return its serial port, and its reporter."""
+    from rostether.simulation.simavr.board_events import show_event
+
+    has_other_options = bool(link.uart is not None or link.seed)
+    board = await stack.enter_async_context(
+        await start_opencr(
+            Path(link.program), link.words, msg_paths=msg_paths, has_other_options=has_other_options
+        )
+    )
+    board.on_event = lambda event: reporter.line(Level.INFO, f"{link}: {show_event(event).strip()}")
+    reporter.line(Level.INFO, f"simulated {OPENCR} runs {link.program} at {board.address}")
 
     async def report() -> None:
         await board.wait_end()

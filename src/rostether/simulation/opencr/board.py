@@ -16,12 +16,13 @@ import tty
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
 from rostether.errors import BoardError, ConfigError
 from rostether.simulation.opencr.drive_base import DriveBase
-from rostether.simulation.opencr.pins import pin_number
+from rostether.simulation.opencr.pins import pin_name, pin_number
+from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.transports.pty_link import check_link, place_link, remove_link
 
 # Its last lines say why it ended.
@@ -50,7 +51,8 @@ class OpenCrBoard:
     """One board on a robot. It ends with `close`, and with this process.
 
     `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
-    `last_words`: what the program reported before it ended.
+    `watched`: the outputs whose changes `on_event` gets, beside the tones. `last_words`: what the program
+    reported before it ended.
     """
 
     def __init__(
@@ -64,6 +66,8 @@ class OpenCrBoard:
         self.base = base
         self.pins: dict[int, bool] = {}
         self.tones: deque[Tone] = deque(maxlen=_MAX_TONES)
+        self.watched: set[int] = set()
+        self.on_event: Callable[[BoardEvent], None] | None = None
         self.last_words = ""
         self._process = process
         self._lines = lines
@@ -72,6 +76,7 @@ class OpenCrBoard:
         self._unfinished = b""
         self._felt = ""
         self._loop = asyncio.get_running_loop()
+        self._started_s = self._loop.time()
         self._read_lines("OPENCR_DXL", self._ask_servos)
         self._read_lines("OPENCR_PINS", self._hear_pins)
         self._ending = self._loop.create_task(self._wait())
@@ -111,6 +116,8 @@ class OpenCrBoard:
                     stderr=asyncio.subprocess.PIPE,
                     pass_fds=tuple(descriptors.values()),
                     env={**os.environ, **{name: str(fd) for name, fd in descriptors.items()}},
+                    # Ctrl-C is for us; the program ends when its pins are closed.
+                    start_new_session=True,
                 )
             except OSError as error:
                 for line in ours.values():
@@ -130,6 +137,11 @@ class OpenCrBoard:
         """Whether the program has ended."""
         return self._ending.done()
 
+    @property
+    def time_s(self) -> float:
+        """Return for how long the program has been running, in seconds."""
+        return self._loop.time() - self._started_s
+
     def set_pin(self, name: str, *, high: bool) -> None:
         """Drive an input. Raises ConfigError for an unknown pin."""
         self._tell(f"pin {pin_number(name)} {int(high)}\n")
@@ -138,7 +150,7 @@ class OpenCrBoard:
         """Put 0 to 3.3 V at an analog input. Raises ConfigError for an unknown pin or another voltage."""
         if not 0 <= volts <= PIN_FULL_SCALE_V:
             raise ConfigError(
-                f"{volts:g} V are too much for {name}; its inputs accept 0 to {PIN_FULL_SCALE_V:g} V"
+                f"{volts:g} V is not possible at {name}; its inputs accept 0 to {PIN_FULL_SCALE_V:g} V"
             )
         self._tell(f"adc {pin_number(name)} {round(volts / PIN_FULL_SCALE_V * 1023)}\n")
 
@@ -222,9 +234,20 @@ class OpenCrBoard:
         for line in lines:
             match line.split():
                 case [b"pin", number, level]:
-                    self.pins[int(number)] = level != b"0"
+                    self._change_pin(int(number), is_high=level != b"0")
                 case [b"tone", hertz, length_ms]:
-                    self.tones.append(Tone(int(hertz), int(length_ms)))
+                    tone = Tone(int(hertz), int(length_ms))
+                    self.tones.append(tone)
+                    self._report("tone", hertz=tone.hertz, length_ms=tone.length_ms)
+
+    def _change_pin(self, number: int, *, is_high: bool) -> None:
+        self.pins[number] = is_high
+        if number in self.watched:
+            self._report("pin", pin=pin_name(number), level=int(is_high))
+
+    def _report(self, name: str, **values: object) -> None:
+        if self.on_event is not None:
+            self.on_event(BoardEvent(name, self.time_s, MappingProxyType(values)))
 
     def _tell(self, text: str) -> None:
         _send(self._lines["OPENCR_PINS"], text)

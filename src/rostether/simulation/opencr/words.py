@@ -1,0 +1,126 @@
+"""Words that control a simulated OpenCR and what surrounds it, as lines of text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import MappingProxyType
+
+from rostether.errors import ConfigError
+from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.drive_base import LEFT_ID, RIGHT_ID
+from rostether.simulation.opencr.pins import pin_name, pin_number
+from rostether.simulation.simavr.board_events import BoardEvent
+
+_BUTTONS = {"none": 0, "up": 1, "down": 2, "left": 4, "right": 8}
+_SERVOS = {"left": LEFT_ID, "right": RIGHT_ID}
+_MAX_RANGE_M = 4.0
+
+
+def obey(board: OpenCrBoard, line: str) -> BoardEvent | None:
+    """Do what a line asks; returns the answer if it has one. Raises ConfigError for an invalid line."""
+    word, _, rest = line.strip().partition(" ")
+    action = _ACTIONS.get(word)
+    if action is None:
+        known = " ".join(sorted(_ACTIONS))
+        raise ConfigError(f"{word}: the simulated OpenCR has no such word; its words are {known}")
+    return action(board, rest.split())
+
+
+def _pin(board: OpenCrBoard, arguments: list[str]) -> BoardEvent | None:
+    answer = None
+    for argument in _some(arguments, "pin BDPIN_PUSH_SW_1=1"):
+        name, separator, level = argument.partition("=")
+        number = pin_number(name)
+        if not separator:
+            level_now = int(board.pins.get(number, False))
+            answer = _event(board, "pin", pin=pin_name(number), level=level_now)
+        elif level in ("0", "1"):
+            board.set_pin(name, high=level == "1")
+        else:
+            raise ConfigError(f"{argument}: write 0 or 1 after the pin, such as pin {name}=1")
+    return answer
+
+
+def _adc(board: OpenCrBoard, arguments: list[str]) -> None:
+    for argument in _some(arguments, "adc A1=1.5"):
+        name, _, volts = argument.partition("=")
+        board.set_voltage(name, _number(volts, f"adc {name}=1.5"))
+
+
+def _battery(board: OpenCrBoard, arguments: list[str]) -> None:
+    (volts,) = _some(arguments, "battery 11.1", count=1)
+    board.set_battery(_number(volts, "battery 11.1"))
+
+
+def _range(board: OpenCrBoard, arguments: list[str]) -> None:
+    (metres,) = _some(arguments, "range 0.5", count=1)
+    value = None if metres == "none" else _number(metres, "range 0.5")
+    if value is not None and not 0.02 <= value <= _MAX_RANGE_M:
+        raise ConfigError(
+            f"range {metres}: the sonar measures 0.02 to {_MAX_RANGE_M:g} m; write range none for nothing"
+        )
+    board.set_range(value)
+
+
+def _remote(board: OpenCrBoard, arguments: list[str]) -> None:
+    buttons = 0
+    for name in _some(arguments, "remote up left"):
+        if name not in _BUTTONS:
+            raise ConfigError(f"remote {name}: the remote control has the buttons {', '.join(_BUTTONS)}")
+        buttons |= _BUTTONS[name]
+    board.hold_remote(buttons)
+
+
+def _fail(board: OpenCrBoard, arguments: list[str]) -> None:
+    """Overload a servo, so that it switches its torque off."""
+    (name,) = _some(arguments, "overload left", count=1)
+    if name not in _SERVOS:
+        raise ConfigError(f"overload {name}: the servos are left and right")
+    board.base.servos[_SERVOS[name]].fail(0x20)
+
+
+def _pose(board: OpenCrBoard, _arguments: list[str]) -> BoardEvent:
+    base = board.base
+    base.advance()
+    return _event(
+        board,
+        "pose",
+        x_m=round(base.x_m, 4),
+        y_m=round(base.y_m, 4),
+        heading_rad=round(base.heading_rad, 4),
+        speed_m_s=round(base.speed_m_s, 4),
+        turn_rad_s=round(base.turn_rate_rad_s, 4),
+    )
+
+
+def _watch(board: OpenCrBoard, arguments: list[str]) -> None:
+    board.watched |= {pin_number(name) for name in _some(arguments, "watch BDPIN_LED_USER_1")}
+
+
+_ACTIONS: dict[str, Callable[[OpenCrBoard, list[str]], BoardEvent | None]] = {
+    "adc": _adc,
+    "battery": _battery,
+    "overload": _fail,
+    "pin": _pin,
+    "pose": _pose,
+    "range": _range,
+    "remote": _remote,
+    "watch": _watch,
+}
+
+
+def _some(arguments: list[str], example: str, *, count: int | None = None) -> list[str]:
+    if not arguments or (count is not None and len(arguments) != count):
+        raise ConfigError(f"write {'one value' if count == 1 else 'values'}, such as {example}")
+    return arguments
+
+
+def _number(text: str, example: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ConfigError(f"{text!r} is not a number; write for example {example}") from None
+
+
+def _event(board: OpenCrBoard, name: str, **values: object) -> BoardEvent:
+    return BoardEvent(name, board.time_s, MappingProxyType(values))
