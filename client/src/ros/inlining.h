@@ -10,6 +10,8 @@
 #else
 #define ROS_APART __attribute__((noinline))
 #endif
+// Hides from the compiler where a pointer points to. Like ROS_APART, but also for functions that are inlined into others.
+#define ROS_CONCEAL(pointer) asm("" : "+r"(pointer))
 // Everything that the function calls, and is not ROS_NOINLINE, becomes part of it.
 #define ROS_FLATTEN __attribute__((flatten))
 

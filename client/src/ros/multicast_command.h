@@ -53,7 +53,7 @@ class MulticastCommand {
 
   // The key stays where it is, in program memory. Without one, a fleet's key is all zeros: tags show damage, but no forgery.
   MulticastCommand(Drive drive, Halt halt, const FleetKey& key = FleetKey::none())
-      : receiver_(key, KIND), drive_(drive), halt_(halt) {}
+      : drive_(drive), halt_(halt), receiver_(key, KIND) {}
 
   // Which commands are for this robot: those to its id, and those to groups in the mask. Robot 1 of group 0 by default.
   void setRobot(uint32_t id, uint32_t groups = 1) { receiver_.setRobot(id, groups); }
@@ -69,11 +69,9 @@ class MulticastCommand {
 
   // Call it in each loop.
   void spinOnce() {
-    for (uint8_t count = 0; count < MOST_DATAGRAMS && take(); ++count) {}
-    const uint32_t now_ms = millis();
-    const bool expired = receiver_.expired(static_cast<uint16_t>(now_ms));
-    if (expired) halt_();
-    socket_.watch(now_ms, expired);
+    MulticastCommand* self = this;
+    ROS_CONCEAL(self);
+    self->spin();
   }
 
   bool isMoving() const { return receiver_.isMoving(); }
@@ -83,40 +81,55 @@ class MulticastCommand {
   static const uint8_t MOST_DATAGRAMS = 8;
   static const size_t COMMAND_BYTES = CommandReceiver::FRAME_BYTES + PAYLOAD_BYTES;
   static const size_t STATUS_BYTES = CommandReceiver::STATUS_BYTES;
+  static const size_t BUFFER_BYTES = COMMAND_BYTES > STATUS_BYTES ? COMMAND_BYTES : STATUS_BYTES;
   static const uint32_t KIND = CommandKind(M::getMD5()).value;
 
-  bool take() {
+  void spin() {
+    uint8_t count = MOST_DATAGRAMS;
+    uint16_t now_ms;
+    do now_ms = static_cast<uint16_t>(millis());
+    while (take(now_ms) && --count);
+    const bool expired = receiver_.expired(now_ms);
+    if (expired) halt_();
+    socket_.watch(now_ms, expired);
+  }
+
+  ROS_APART bool take(uint16_t now_ms) {
     // Aligned for the messages that stay in it.
     union {
       uint32_t aligned;
-      uint8_t bytes[COMMAND_BYTES > STATUS_BYTES ? COMMAND_BYTES : STATUS_BYTES];
+      uint8_t bytes[BUFFER_BYTES];
     } buffer;
     uint8_t* const frame = buffer.bytes;
-    const int size = socket_.next();
+    const int size = socket_.next(now_ms);
     if (size <= 0) return false;
     if (static_cast<size_t>(size) > sizeof buffer) return true;
     socket_.udp().read(frame, static_cast<size_t>(size));
-    const CommandReceiver::Action action =
-        receiver_.receive(frame, static_cast<uint16_t>(size), static_cast<uint16_t>(millis()));
-    if (action != CommandReceiver::NOTHING)
+    const uint8_t demand = receiver_.receive(frame, static_cast<uint16_t>(size), now_ms);
+    if (demand & CommandReceiver::OBEY) {
       receiver_.setHolder(static_cast<uint32_t>(socket_.udp().remoteIP()), socket_.udp().remotePort());
-    if (action == CommandReceiver::DRIVE) {
-      M message;
-      const size_t length = static_cast<size_t>(size) - CommandReceiver::FRAME_BYTES;
-      uint8_t* payload = frame + CommandReceiver::HEADER_BYTES;
-      if (message.deserialize(payload, length, sizeof buffer - CommandReceiver::HEADER_BYTES) < 0) halt_();
-      else drive_(message);
-    } else if (action == CommandReceiver::STOP) {
-      halt_();
+      obey(frame, static_cast<uint16_t>(size - CommandReceiver::FRAME_BYTES));
     }
-    if (receiver_.answers()) socket_.answer(frame, receiver_.answer(frame));
+    if (demand & CommandReceiver::ANSWER) {
+      receiver_.answer(frame);
+      socket_.answer(frame, STATUS_BYTES);
+    }
     return true;
   }
 
+  ROS_APART void obey(uint8_t* frame, uint16_t length) {
+    if (isMoving()) {
+      M message;
+      uint8_t* const payload = frame + CommandReceiver::HEADER_BYTES;
+      if (message.deserialize(payload, length, BUFFER_BYTES - CommandReceiver::HEADER_BYTES) >= 0) return drive_(message);
+    }
+    halt_();
+  }
+
   MulticastSocket<NetworkUdp> socket_;
-  CommandReceiver receiver_;
   Drive drive_;
   Halt halt_;
+  CommandReceiver receiver_;
 };
 
 }  // namespace ros

@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ros/inlining.h"
+
 #if defined(ESP8266)
 #include <ESP8266WiFi.h>
 #endif
@@ -31,26 +33,28 @@ struct AnswersApartTag {};
 template <class NetworkUdp>
 class MulticastSocket {
  public:
-  MulticastSocket() : port_(0), opened_ms_(0), received_ms_(0) {}
-
   void begin(uint32_t group, uint16_t port) {
     group_ = group;
     port_ = port;
-    open();
+    watch(static_cast<uint16_t>(millis()), true);
   }
 
   // The size of the next datagram, which `udp` then reads; 0 or less if there is none.
-  int next() {
+  int next(uint16_t now_ms) {
     const int size = udp_.parsePacket();
-    if (size > 0) received_ms_ = millis();
+    if (size > 0) received_ = ticks(now_ms);
     return size;
   }
   NetworkUdp& udp() { return udp_; }
 
   // Opens the socket again if it is due, or if `expected` is: there should have been a datagram.
-  void watch(uint32_t now_ms, bool expected) {
-    const uint32_t open_ms = now_ms - opened_ms_;
-    if (expected || open_ms >= REJOIN_MS || (open_ms >= SILENCE_MS && now_ms - received_ms_ >= SILENCE_MS)) open();
+  ROS_APART void watch(uint16_t now_ms, bool expected) {
+    const uint8_t now = ticks(now_ms);
+    const uint8_t open = static_cast<uint8_t>(now - opened_);
+    if (!expected && open < REJOIN && (open < SILENCE || static_cast<uint8_t>(now - received_) < SILENCE)) return;
+    opened_ = now;
+    udp_.stop();
+    if (!join(udp_, 0)) udp_.begin(port_);
   }
 
   void answer(const uint8_t* bytes, size_t size) {
@@ -58,13 +62,9 @@ class MulticastSocket {
   }
 
  private:
-  static const uint16_t SILENCE_MS = 1000, REJOIN_MS = 60000;
-
-  void open() {
-    udp_.stop();
-    if (!join(udp_, 0)) udp_.begin(port_);
-    opened_ms_ = millis();
-  }
+  // A second and a minute, in ticks of 256 ms: a byte is enough.
+  static const uint8_t SILENCE = 4, REJOIN = 234;
+  static uint8_t ticks(uint16_t ms) { return static_cast<uint8_t>(ms >> 8); }
 
   template <class Udp>
   auto join(Udp& udp, int) -> decltype(udp.beginMulticast(IPAddress(uint32_t()), uint16_t())) {
@@ -87,7 +87,9 @@ class MulticastSocket {
     if (apart.begin(port_)) send(apart, bytes, size);
     apart.stop();
   }
-  void answerBy(AnswersApartTag<false>, const uint8_t* bytes, size_t size) { send(udp_, bytes, size); }
+  void answerBy(AnswersApartTag<false>, const uint8_t* bytes, size_t size) {
+    send(udp_, bytes, size);
+  }
   void send(NetworkUdp& by, const uint8_t* bytes, size_t size) {
     by.beginPacket(udp_.remoteIP(), udp_.remotePort());
     by.write(bytes, size);
@@ -98,8 +100,8 @@ class MulticastSocket {
   // The first octet is the lowest byte, as everywhere on Arduino.
   uint32_t group_;
   uint16_t port_;
-  uint32_t opened_ms_;
-  uint32_t received_ms_;
+  uint8_t opened_;
+  uint8_t received_;
 };
 
 }  // namespace ros

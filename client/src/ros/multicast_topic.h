@@ -38,9 +38,11 @@ class MulticastTopic {
 
   // Call it in each loop.
   void spinOnce() {
-    for (uint8_t count = 0; count < MOST_DATAGRAMS && take(); ++count) {}
-    const uint32_t now_ms = millis();
-    const bool expired = moving_ && now_ms - obeyed_ms_ >= timeout_ms_;
+    uint8_t count = MOST_DATAGRAMS;
+    uint16_t now_ms;
+    do now_ms = static_cast<uint16_t>(millis());
+    while (take(now_ms) && --count);
+    const bool expired = moving_ && static_cast<uint16_t>(now_ms - obeyed_ms_) >= timeout_ms_;
     if (expired) {
       moving_ = false;
       halt_();
@@ -54,20 +56,20 @@ class MulticastTopic {
   // More of them wait for the next loop.
   static const uint8_t MOST_DATAGRAMS = 8;
 
-  bool take() {
+  bool take(uint16_t now_ms) {
     // Aligned for the messages that stay in it.
     union {
       uint32_t aligned;
       uint8_t bytes[PAYLOAD_BYTES];
     } buffer;
-    const int size = socket_.next();
+    const int size = socket_.next(now_ms);
     if (size <= 0) return false;
     if (static_cast<size_t>(size) > sizeof buffer.bytes) return true;
     const size_t length = static_cast<size_t>(size);
     socket_.udp().read(buffer.bytes, length);
     M message;
     if (message.deserialize(buffer.bytes, length, sizeof buffer.bytes) < 0) return true;
-    obeyed_ms_ = millis();
+    obeyed_ms_ = now_ms;
     moving_ = true;
     drive_(message);
     return true;
@@ -77,7 +79,7 @@ class MulticastTopic {
   Drive drive_;
   Halt halt_;
   uint16_t timeout_ms_;
-  uint32_t obeyed_ms_;
+  uint16_t obeyed_ms_;
   bool moving_;
 };
 

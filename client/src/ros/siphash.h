@@ -1,6 +1,6 @@
 // SipHash-2-4 (Aumasson and Bernstein, 2012): a tag of 8 bytes that only holders of the key can make.
 //
-// Byte by byte: an 8-bit processor has no cheap way to add and turn words of 64 bits, and this is half as much code.
+// In assembly for AVRs, which have no cheap way to add and turn words of 64 bits: a compiler makes twice as much code.
 #ifndef ROS_SIPHASH_H_
 #define ROS_SIPHASH_H_
 
@@ -53,74 +53,200 @@ class SipHash {
  public:
   static const uint8_t TAG_BYTES = 8;
 
-  // Writes the tag of `length` bytes behind them.
-  ROS_APART static void append(const FleetKey* key, uint8_t* bytes, uint16_t length) {
-    uint8_t state[4 * WORD];
-    ROS_COPY_FLASH(state, key->start, sizeof state);
-    // The last word ends with the length, and takes the place of the tag.
-    uint8_t* const tag = bytes + length;
-    memset(tag, 0, TAG_BYTES);
-    uint8_t* const last = tag + (WORD - 1 - static_cast<uint8_t>(length) % WORD);
-    *last = static_cast<uint8_t>(length);
-    do {
-      combine(state + 3 * WORD, bytes);
-      rounds(state, 2);
-      combine(state, bytes);
-      bytes += WORD;
-    } while (bytes < last);
-    state[2 * WORD] ^= 0xff;
-    rounds(state, 4);
-    memset(tag, 0, TAG_BYTES);
-    for (uint8_t i = 0; i < sizeof state; i = static_cast<uint8_t>(i + WORD)) combine(tag, state + i);
+  // Combines the 8 bytes behind `length` bytes with the tag of these bytes (XOR): zeros become the tag, and the tag becomes
+  // zeros. Returns 0 if they are zeros now. Takes the same time for all bytes.
+#if defined(__AVR__)
+  ROS_APART static uint8_t combine(const FleetKey* key, uint8_t* bytes, uint16_t length) {
+    // v0 to v3, and what is behind the bytes, where the last word of the message is built. Static, as a frame takes code.
+    static uint8_t state[5 * 8];
+    uint8_t *x, *z, count, byte, over, factor = static_cast<uint8_t>(length);
+    const uint8_t* const tag = bytes + length;
+    asm volatile(
+        "ldi r26, lo8(%[state])\n\t"
+        "ldi r27, hi8(%[state])\n\t"
+        "ldi %[count], 32\n"
+        "1: lpm r0, Z+\n\t"
+        "st X+, r0\n\t"
+        "dec %[count]\n\t"
+        "brne 1b\n\t"
+        "movw r30, %[tag]\n\t"
+        "ldi %[count], 8\n"
+        "1: ld r0, Z\n\t"
+        "st X+, r0\n\t"
+        "st Z+, r1\n\t"
+        "dec %[count]\n\t"
+        "brne 1b\n\t"
+        // The last word ends with the length.
+        "mov %[byte], %[factor]\n\t"
+        "andi %[byte], 7\n\t"
+        "sub r30, %[byte]\n\t"
+        "sbc r31, r1\n\t"
+        "st -Z, %[factor]\n\t"
+        "movw r30, r26\n\t"
+        "sbiw r30, 40\n"
+        // Each word: v3 ^= word, two rounds, v0 ^= word. Z is v0 here.
+        "1: adiw r30, 24\n\t"
+        "movw r26, %[next]\n\t"
+        "rcall 8f\n\t"
+        "sbiw r30, 24\n\t"
+        "rcall 2f\n\t"
+        "movw r26, %[next]\n\t"
+        "rcall 8f\n\t"
+        "sbiw r30, 8\n\t"
+        "movw %[next], r26\n\t"
+        "cp %A[tag], %A[next]\n\t"
+        "cpc %B[tag], %B[next]\n\t"
+        "brsh 1b\n\t"
+        "ldd r0, Z+16\n\t"
+        "com r0\n\t"
+        "std Z+16, r0\n\t"
+        "adiw r30, 8\n\t"
+        "rcall 2f\n\t"
+        "adiw r30, 8\n\t"
+        "rcall 2f\n\t"
+        "movw r26, %[tag]\n\t"
+        "ldi %[count], 8\n\t"
+        "clr %[over]\n"
+        "1: ld r0, Z+\n\t"
+        "ldd %[byte], Z+7\n\t"
+        "eor r0, %[byte]\n\t"
+        "ldd %[byte], Z+15\n\t"
+        "eor r0, %[byte]\n\t"
+        "ldd %[byte], Z+23\n\t"
+        "eor r0, %[byte]\n\t"
+        "ldd %[byte], Z+31\n\t"
+        "eor r0, %[byte]\n\t"
+        "st X+, r0\n\t"
+        "or %[over], r0\n\t"
+        "dec %[count]\n\t"
+        "brne 1b\n\t"
+        "rjmp 9f\n"
+        // Two rounds. Z is v1 at first, and v0 at the end. In each step X is a, and Z is b.
+        "2: rcall 2f\n\t"
+        "adiw r30, 8\n"
+        "2: movw r26, r30\n\t"
+        "sbiw r26, 8\n\t"
+        "ldi %[factor], 64\n\t"
+        "rcall 3f\n\t"  // v0, v1: 13 bits
+        "adiw r26, 8\n\t"
+        "adiw r30, 8\n\t"
+        "ldi %[factor], 4\n\t"
+        "rcall 5f\n\t"  // v2, v3: 16 bits
+        "sbiw r26, 24\n\t"
+        "sbiw r30, 8\n\t"
+        "ldi %[factor], 128\n\t"
+        "rcall 5f\n\t"  // v0, v3: 21 bits
+        "adiw r26, 8\n\t"
+        "sbiw r30, 24\n\t"
+        "ldi %[factor], 8\n\t"
+        "rcall 3f\n\t"  // v2, v1: 17 bits
+        "sbiw r30, 16\n\t"
+        "ret\n"
+        // A step, after which the halves of a change places.
+        "3: rcall 5f\n\t"
+        "push r30\n\t"
+        "push r31\n\t"
+        "movw r30, r26\n\t"
+        "sbiw r30, 8\n\t"
+        "ldi %[count], 4\n"
+        "4: ld r0, Z\n\t"
+        "ldd %[byte], Z+4\n\t"
+        "std Z+4, r0\n\t"
+        "st Z+, %[byte]\n\t"
+        "dec %[count]\n\t"
+        "brne 4b\n\t"
+        "pop r31\n\t"
+        "pop r30\n\t"
+        "ret\n"
+        // A step: a += b
+        "5: ldi %[count], 8\n\t"
+        "clc\n"
+        "6: ld r0, X\n\t"
+        "ld %[byte], Z+\n\t"
+        "adc r0, %[byte]\n\t"
+        "st X+, r0\n\t"
+        "dec %[count]\n\t"
+        "brne 6b\n\t"
+        "sbiw r26, 8\n\t"
+        // b turned left: by `factor`, and then by 7 bits once or twice.
+        "bst %[factor], 6\n\t"
+        "rcall 6f\n\t"
+        "ldi %[factor], 128\n\t"
+        "brts 4f\n\t"
+        "rcall 6f\n"
+        "4: rcall 6f\n\t"
+        "sbiw r30, 8\n"
+        // b ^= a
+        "8: ldi %[count], 8\n"
+        "1: ld r0, X+\n\t"
+        "ld %[byte], Z\n\t"
+        "eor %[byte], r0\n\t"
+        "st Z+, %[byte]\n\t"
+        "dec %[count]\n\t"
+        "brne 1b\n\t"
+        "ret\n"
+        // A turn. Z is behind b.
+        "6: ld %[byte], -Z\n\t"
+        "sbiw r30, 7\n\t"
+        "mul %[byte], %[factor]\n\t"
+        "ldi %[count], 8\n"
+        "7: mov %[over], r1\n\t"
+        "ld %[byte], Z\n\t"
+        "mul %[byte], %[factor]\n\t"
+        "add r0, %[over]\n\t"
+        "st Z+, r0\n\t"
+        "dec %[count]\n\t"
+        "brne 7b\n\t"
+        "ret\n"
+        "9: clr r1"
+        : [x] "=&x"(x), [z] "=z"(z), [next] "+r"(bytes), [count] "=&d"(count), [byte] "=&d"(byte), [over] "=&r"(over),
+          [factor] "+d"(factor)
+        : "z"(key->start), [tag] "r"(tag), [state] "i"(state)
+        : "memory");
+    return over;
+  }
+#else
+  static uint8_t combine(const FleetKey* key, uint8_t* bytes, size_t length) {
+    uint64_t state[4], word;
+    memcpy(state, key->start, sizeof state);
+    size_t done = 0;
+    for (; length - done >= sizeof word; done += sizeof word) {
+      memcpy(&word, bytes + done, sizeof word);
+      takeIn(state, word);
+    }
+    // The last word ends with the length.
+    word = static_cast<uint64_t>(length) << 56;
+    memcpy(&word, bytes + done, length - done);
+    takeIn(state, word);
+    state[2] ^= 0xff;
+    for (int i = 0; i < 4; ++i) round(state);
+    memcpy(&word, bytes + length, sizeof word);
+    word ^= state[0] ^ state[1] ^ state[2] ^ state[3];
+    memcpy(bytes + length, &word, sizeof word);
+    return word != 0;
   }
 
  private:
-  static const uint8_t WORD = 8;
-
-  ROS_APART static void combine(uint8_t* word, const uint8_t* with) {
-    uint8_t count = WORD;
-    do *word++ ^= *with++;
-    while (--count);
+  static void takeIn(uint64_t* v, uint64_t word) {
+    v[3] ^= word;
+    round(v);
+    round(v);
+    v[0] ^= word;
   }
-
-  ROS_APART static void rounds(uint8_t* state, uint8_t count) {
-    do {
-      mix(state, WORD, 64, true);
-      mix(state + 2 * WORD, WORD, 4, false);
-      mix(state, 3 * WORD, 128, false);
-      mix(state + 2 * WORD, -WORD, 8, true);
-    } while (--count);
+  static void round(uint64_t* v) {
+    step(v[0], v[1], 13);
+    v[0] = left(v[0], 32);
+    step(v[2], v[3], 16);
+    step(v[0], v[3], 21);
+    step(v[2], v[1], 17);
+    v[2] = left(v[2], 32);
   }
-
-  // a += b, where b is `distance` bytes behind a; b = b turned left, xor a. Then the halves of a change places if `swaps`.
-  //
-  // A turn by seven bits at most is a multiplication; b is turned by `factor` (6, 2, 7 and 3 bits) and then by 7 once or
-  // twice, which makes 13, 16, 21 and 17.
-  ROS_APART static void mix(uint8_t* a, int8_t distance, uint8_t factor, bool swaps) {
-    uint8_t* const b = a + distance;
-    uint16_t sum = 0;
-    for (uint8_t i = 0; i < WORD; ++i) a[i] = static_cast<uint8_t>(sum = static_cast<uint16_t>((sum >> 8) + a[i] + b[i]));
-    uint8_t more = factor == 64 ? 1 : 2;
-    do {
-      uint8_t over = static_cast<uint8_t>(b[WORD - 1] * factor >> 8);
-      uint8_t* next = b;
-      for (uint8_t i = 0; i < WORD; ++i) {
-        const uint16_t product = static_cast<uint16_t>(*next * factor + over);
-        *next++ = static_cast<uint8_t>(product);
-        over = static_cast<uint8_t>(product >> 8);
-      }
-      factor = 128;
-    } while (more--);
-    for (uint8_t i = 0; i < WORD / 2; ++i) {
-      const uint8_t low = a[i], high = a[i + WORD / 2];
-      b[i] = static_cast<uint8_t>(b[i] ^ low);
-      b[i + WORD / 2] = static_cast<uint8_t>(b[i + WORD / 2] ^ high);
-      if (swaps) {
-        a[i] = high;
-        a[i + WORD / 2] = low;
-      }
-    }
+  static void step(uint64_t& a, uint64_t& b, int bits) {
+    a += b;
+    b = left(b, bits) ^ a;
   }
+  static uint64_t left(uint64_t word, int bits) { return word << bits | word >> (64 - bits); }
+#endif
 };
 
 }  // namespace ros

@@ -27,6 +27,8 @@ STOP_FRAMES = 10
 CHANGE_FRAMES = 3
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
+# Only a frame with the first of them alone moves a robot.
+_MOTION = Flags.ARMED | Flags.STOP | Flags.RELEASE
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +177,7 @@ class CommandReceiver:
     def receive(self, datagram: bytes, now_s: float) -> CommandFrame | None:
         """Return the frame to obey, None if it is for others or refused (`last_refusal` has the reason).
 
-        A frame with the flag STOP, or without ARMED, ends all motion.
+        A frame with the flag STOP or RELEASE, or without ARMED, ends all motion.
         """
         self.expired(now_s)
         self.last_frame, self.refusal = None, Refusal.NONE
@@ -196,7 +198,7 @@ class CommandReceiver:
             self.lost_count += frame.sequence - self._sequence - 1
         self._epoch_us, self._sequence = frame.epoch_us, frame.sequence
         self._deadline_s = None if Flags.RELEASE in frame.flags else now_s + frame.ttl_ms / 1000
-        self.is_moving = Flags.ARMED in frame.flags and Flags.STOP not in frame.flags
+        self.is_moving = frame.flags & _MOTION == Flags.ARMED
         self.accepted_count += 1
         return frame
 

@@ -5,7 +5,7 @@ Numbers are little-endian:
     bytes   field
     0-1     magic "rS"
     2       version, 1
-    3       state: 1 the robot moves
+    3       state: 1 the robot moves; from a board also 2: a sender commands it
     4-7     the robot's id
     8-15    epoch of the sender that this answers
     16-19   the last sequence received from that sender
@@ -14,7 +14,8 @@ Numbers are little-endian:
     28      refusal: 0 none, 1 another sender commands, 2 the sender is older, 3 another type
     29      signal strength in dBm, signed; 0 is unknown
     30-31   length of the holder's address in bytes
-    32-     address of the sender that commands the robot, as text; empty if there is none
+    32-     address of the sender that commands the robot, as text; empty if there is none.
+            From a board 6 bytes: IPv4 address and port
     next 8  the robot's clock, in microseconds since 1970 (not from boards)
     next 8  the free space of its disk in bytes (not from boards)
     last 8  SipHash-2-4 of all bytes before it, under the fleet's key
@@ -26,6 +27,7 @@ import hmac
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
+from ipaddress import IPv4Address
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import NO_KEY
@@ -40,6 +42,9 @@ MAGIC = b"rS"
 _LEAST_BYTES = _HEADER.size + TAG_BYTES
 _VERSION = 1
 _MOVES = 1
+_IS_HELD = 2
+# The address is in network order. Every address as text is longer.
+_BOARDS_HOLDER = struct.Struct("<4sH")
 _LAST_U32 = 0xFFFF_FFFF
 
 
@@ -129,6 +134,15 @@ def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
         bool(state & _MOVES),
         Refusal(refusal),
         signal or None,
-        holder.decode("ascii", "replace"),
+        _decode_holder(holder, state),
         HostState(*_HOST.unpack(rest)) if rest else None,
     )
+
+
+def _decode_holder(address: bytes, state: int) -> str:
+    if len(address) != _BOARDS_HOLDER.size:
+        return address.decode("ascii", "replace")
+    if not state & _IS_HELD:
+        return ""
+    ip, port = _BOARDS_HOLDER.unpack(address)
+    return f"{IPv4Address(ip)}:{port}"

@@ -16,6 +16,7 @@ from rostether.firmware.elf import ElfFile
 from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
 from rostether.platform.multicast_socket import GroupAddress
+from rostether.platform.siphash import siphash_2_4
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
 from unit.firmware.sketches import write_sketch
@@ -28,7 +29,7 @@ TTL_S = 0.3
 # What the robot takes for the frames that have arrived.
 GRACE_S = 0.1
 # What the library adds to a sketch that receives and decodes bare commands, on an Uno.
-MOST_FLASH, MOST_RAM = 2500, 120
+MOST_FLASH, MOST_RAM = 1500, 120
 BARE = """
 class BareCommands {
  public:
@@ -44,6 +45,26 @@ class BareCommands {
   }
   EthernetUDP udp;
 } commands;
+"""
+
+TAG_LENGTHS = 17
+# Makes each tag, and checks that its own bytes have it.
+TAGS = f"""
+#include <ros/siphash.h>
+const ros::FleetKey key ROS_FLASH("{KEY.hex()}");
+uint8_t bytes[{TAG_LENGTHS} + 8];
+__attribute__((used)) volatile uint8_t tags[8 * {TAG_LENGTHS}];
+__attribute__((used)) volatile uint8_t checked;
+void setup() {{
+  for (uint8_t length = 0; length < {TAG_LENGTHS}; ++length) {{
+    for (uint8_t i = 0; i < length; ++i) bytes[i] = i;
+    for (uint8_t i = length; i < length + 8; ++i) bytes[i] = 0;
+    ros::SipHash::combine(&key, bytes, length);
+    for (uint8_t i = 0; i < 8; ++i) tags[8 * length + i] = bytes[length + i];
+    if (ros::SipHash::combine(&key, bytes, length) == 0) ++checked;
+  }}
+}}
+void loop() {{}}
 """
 
 
@@ -159,3 +180,13 @@ async def test_the_library_is_small(tmp_path: Path) -> None:
     bare = ElfFile.read((await build_sketch(write_sketch(tmp_path, "Bare", text), find_board("uno"))).elf)
     assert framed.flash_bytes - bare.flash_bytes <= MOST_FLASH
     assert framed.ram_bytes - bare.ram_bytes <= MOST_RAM
+
+
+async def test_tags_of_every_length_on_a_board(tmp_path: Path) -> None:
+    built = await build_sketch(write_sketch(tmp_path, "Tags", TAGS), find_board("uno"))
+    data = bytes(range(TAG_LENGTHS))
+    wanted = b"".join(siphash_2_4(KEY, data[:length]) for length in range(TAG_LENGTHS))
+    async with await SimulatedBoard.start(built.elf, realtime=False) as board, asyncio.timeout(PATIENCE_S):
+        while await board.memory("checked", 1) != bytes([TAG_LENGTHS]):
+            await asyncio.sleep(0.01)
+        assert await board.memory("tags", len(wanted)) == wanted

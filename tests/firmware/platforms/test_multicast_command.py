@@ -24,7 +24,7 @@ from rostether.platform.command_link import (
     SenderSettings,
 )
 from rostether.platform.multicast_socket import open_sender
-from rostether.platform.status_frame import Refusal, decode_status
+from rostether.platform.status_frame import Refusal, RobotStatus, decode_status
 from rostether.platform.status_reporter import StatusReporter
 from unit.platform.datagrams import loopback_group
 
@@ -64,6 +64,10 @@ def actual(robot: Path, series: list[tuple[int, bytes]]) -> list[str]:
     text = "".join(f"{now_ms} {datagram.hex()}\n" for now_ms, datagram in series)
     done = subprocess.run([robot], input=text, capture_output=True, text=True, timeout=120, check=True)
     return done.stdout.splitlines()
+
+
+def status_of(line: str) -> RobotStatus:
+    return decode_status(bytes.fromhex(line[2:]), KEY)
 
 
 def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
@@ -108,7 +112,8 @@ def test_it_obeys_and_answers_as_our_receiver(robot: Path) -> None:
         pair for pair in zip(obeyed, answers, strict=True) if not any(each.endswith("-") for each in pair)
     ]
     assert len(both) > 50
-    assert [each for each, _ in both] == [each for _, each in both]
+    # The address of the sender is text there, and bytes here.
+    assert [status_of(each) for each, _ in both] == [status_of(each) for _, each in both]
 
 
 def test_tags_of_every_length(robot: Path) -> None:
@@ -137,19 +142,24 @@ def test_other_senders_are_refused_with_the_name_of_the_holder(robot: Path) -> N
         (13_200, other_type.command(b"x", 0.0)[0]),
         (14_500, other_type.stop(1.0)[0]),
         (15_900, untyped.release()),
+        # Who releases a robot cannot move it: nobody would stop it.
+        (17_000, CommandFrame(3, 5_000, 1, Flags.ARMED | Flags.RELEASE, kind=KIND).encode(KEY)),
     ]
     lines = actual(robot, series)
     assert [each[0] for each in lines] == [each[0] for each in expected(series)]
-    statuses = [decode_status(bytes.fromhex(each[2:]), KEY) for each in lines if each[2:] != "-"]
+    assert lines[-1][0] == "2"
+    statuses = [status_of(each) for each in lines if each[2:] != "-"]
     assert [(each.epoch_us, each.refusal, each.holder, each.is_moving) for each in statuses] == [
         (1_000, Refusal.NONE, ADDRESS, True),
         (2_000, Refusal.HELD, ADDRESS, True),
         (2_000, Refusal.NONE, ADDRESS, True),
+        (1_000, Refusal.OLDER, ADDRESS, True),
         (2_000, Refusal.NONE, "", False),
         (1_000, Refusal.NONE, "", False),
         (3_000, Refusal.OTHER_TYPE, "", False),
         (3_000, Refusal.NONE, ADDRESS, False),
         (4_000, Refusal.NONE, "", False),
+        (5_000, Refusal.NONE, "", False),
     ]
     assert all(each.signal_dbm == -61 and each.robot_id == 3 for each in statuses)
 

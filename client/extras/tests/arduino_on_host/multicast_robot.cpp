@@ -59,17 +59,18 @@ static void obeyLines() {
   unsigned now_ms;
   char hex[4096];
   while (scanf("%u %4095s", &now_ms, hex) == 2) {
-    alignas(4) uint8_t frame[2048];
+    alignas(8) uint8_t frame[2048];
     size_t size = 0;
     for (unsigned byte; sscanf(hex + 2 * size, "%2x", &byte) == 1; ++size) frame[size] = static_cast<uint8_t>(byte);
     if (robot.expired(static_cast<uint16_t>(now_ms))) printf("3 -\n");
-    const int action = robot.receive(frame, static_cast<uint16_t>(size), static_cast<uint16_t>(now_ms));
+    const int demand = robot.receive(frame, static_cast<uint16_t>(size), static_cast<uint16_t>(now_ms));
+    const bool obeys = demand & ros::CommandReceiver::OBEY;
     // 10.0.0.1:5000
-    if (action) robot.setHolder(0x0100000a, 5000);
-    printf("%d ", action);
-    if (robot.answers()) {
-      const size_t length = robot.answer(frame);
-      for (size_t i = 0; i < length; ++i) printf("%02x", frame[i]);
+    if (obeys) robot.setHolder(0x0100000a, 5000);
+    printf("%d ", obeys ? robot.isMoving() ? 1 : 2 : 0);
+    if (demand & ros::CommandReceiver::ANSWER) {
+      robot.answer(frame);
+      for (size_t i = 0; i < ros::CommandReceiver::STATUS_BYTES; ++i) printf("%02x", frame[i]);
     } else {
       putchar('-');
     }
