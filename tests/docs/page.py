@@ -1,11 +1,12 @@
 """A documentation page as its reader sees it: which commands it tells to type, and what they print.
 
 Fenced blocks count when their language is `sh` (commands, one a line, `\\` continues), followed or not by a
-`text` block: lines that the last command prints, in that order. Numbers and times may differ, and output that
-is too long may be left out. The attribute `test` of a block is for the tests, the build of the pages removes
-it: "leave running" means that the last command is left running, as the reader would leave it, "not run" marks
-commands that need a board, and "on NAME" those that need a machine of that name. Titles that are names of
-files mark what the reader is to save.
+`text` block: lines that the last command prints, in that order. Numbers and times may differ, and lines that
+not every run prints are not required. The attribute `test` of a block is for the tests, the build of the
+pages removes it. On commands, "leave running" means that the last one is left running, as the reader would
+leave it, "not run" marks those that need a board, and "on NAME" those that need a machine of that name. On
+output, "varies" means that each run prints other lines between the first and the last. Titles that are names
+of files mark what the reader is to save.
 """
 
 from __future__ import annotations
@@ -34,6 +35,10 @@ _PATTERNS = {
     "number": r"\s*[+-]?(?:\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?|inf|null)",
     "space": r"\s*",
 }
+# What is printed on the first run only, or by commands that wait for others.
+_NOT_IN_EVERY_RUN = re.compile(
+    r"preparing a simulated |Building the sketch for |waiting: |not registered as \S+ yet: "
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +69,13 @@ def steps(page: Path) -> list[Step]:
         expected: list[str] = []
         output = None
         if after is not None and after["language"] == "text":
-            expected = [line for line in after["body"].splitlines() if line.strip()]
+            expected = [
+                line
+                for line in after["body"].splitlines()
+                if line.strip() and not _NOT_IN_EVERY_RUN.search(line)
+            ]
+            if 'test="varies"' in after["info"]:
+                expected = [expected[0], expected[-1]]
             output = after.span("body")
         mark = _MARK.search(block["info"])
         is_left = mark is not None and mark[1] == "leave running"
@@ -114,7 +125,9 @@ def matching_lines(expected: tuple[str, ...], printed: str) -> list[str]:
         match = _line_pattern(line).search(printed, position)
         assert match is not None
         position = match.end()
-        whole = printed[printed.rfind("\n", 0, match.start()) + 1 :].partition("\n")[0].rstrip()
+        # A number matches with the space before it, which may be the end of the line above.
+        start = match.end() - len(match[0].lstrip())
+        whole = printed[printed.rfind("\n", 0, start) + 1 :].partition("\n")[0].rstrip()
         if found[-1:] != [whole]:
             found.append(whole)
     return found

@@ -86,6 +86,6 @@ async def test_a_sensor_that_is_denied_is_explained(robot: Robot, browser: Brows
     page = await browser.do("open", url=robot.url + "#/phone", permissions=[])
     for name in ("Position", "Motion", "Camera"):
         await browser.do("click", page=page, selector=switch(name))
-        await browser.wait_for(page, f"document.body.innerText.includes('does not allow it: {name}')")
+        await browser.wait_for(page, f"document.body.innerText.includes('{name} is blocked in this browser')")
     on = "document.querySelectorAll('.phone [aria-checked=true]').length"
     await browser.wait_for(page, f"{on} === 0")

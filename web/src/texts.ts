@@ -212,6 +212,7 @@ export const texts = {
   map: {
     fit: "Show all",
     follow: "Follow",
+    noTopic: "No node publishes sensor_msgs/NavSatFix.",
     noFix: (topics: string) => `No GPS fix: ${topics}`,
     noTiles: "No map tiles. Start the dashboard with --tiles FILE.mbtiles to see streets without internet.",
   },
@@ -387,13 +388,13 @@ export const texts = {
       "Browsers give sensors only to pages on https, or on localhost. Start the dashboard with --tls auto.",
     problems: {
       denied: (sensor: string) =>
-        `The browser does not allow it: ${sensor}. Allow it in the settings of this page, then switch it on again.`,
-      missing: (sensor: string) => `This device or browser does not have it: ${sensor}.`,
+        `${sensor} is blocked in this browser. Allow it in the settings of this page, then switch it on again.`,
+      missing: (sensor: string) => `${sensor} is not available on this device or in this browser.`,
       busy: (sensor: string) =>
-        `Another program uses it: ${sensor}. Close that program, then switch it on again.`,
+        `${sensor} is in use by another program. Close that program, then switch it on again.`,
       unavailable: (sensor: string) =>
-        `It is not known now: ${sensor}. Go outside or switch on location services.`,
-      insecure: (sensor: string) => `The page is not encrypted, so the browser does not offer it: ${sensor}.`,
+        `${sensor} is unknown at the moment. Go outside or switch on location services.`,
+      insecure: (sensor: string) => `${sensor} needs an encrypted page.`,
     },
   },
   sensors: {
@@ -428,7 +429,7 @@ export const texts = {
     lostFor: (age: string) => `Lost for ${age}`,
     address: "Address",
     commandedBy: "Commanded by",
-    nobodyCommands: "nobody",
+    nobodyCommands: "–",
     loss: "Lost commands",
     unicast: "(by unicast too)",
     signal: "Wi-Fi signal",

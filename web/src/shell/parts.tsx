@@ -14,7 +14,11 @@ export function EmptyState(props: { icon: IconName; title: string; text?: string
       {props.text && <p>{props.text}</p>}
       {props.command && (
         <div class="command">
-          <code>{props.command}</code>
+          <code>
+            {props.command.split(" ").map((word) => (
+              <span key={word}>{word} </span>
+            ))}
+          </code>
           <CopyButton text={props.command} />
         </div>
       )}

@@ -13,7 +13,19 @@ from rostether.errors import ConfigError
 
 # The panels of the page, as in its addresses.
 PANELS = (
-    *("boards", "controls", "drive", "plots", "images", "scene", "map", "graph", "topics"),
+    *(
+        "boards",
+        "fleet",
+        "sensors",
+        "controls",
+        "drive",
+        "plots",
+        "images",
+        "scene",
+        "map",
+        "graph",
+        "topics",
+    ),
     *("services", "parameters", "console", "diagnostics", "frames", "recording", "simulation"),
     *("connect", "phone"),
 )

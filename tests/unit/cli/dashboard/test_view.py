@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from pathlib import Path
 
 import pytest
 
-from rostether.cli.dashboard.view import View, read_view
+from rostether.cli.dashboard.view import PANELS, View, read_view
 from rostether.errors import ConfigError
 
 
@@ -38,3 +39,8 @@ def test_a_file_of_rviz_is_served_beside_the_page(tmp_path: Path) -> None:
     file.write_bytes(b" " * (1 << 21))
     with pytest.raises(ConfigError, match="larger than 1 MB"):
         read_view("scene", [str(file)])
+
+
+def test_each_panel_of_the_page_can_be_opened() -> None:
+    registry = Path(__file__).parents[4] / "web/src/panels/registry.ts"
+    assert re.findall(r'"\./(\w+)/', registry.read_text(encoding="utf-8")) == sorted(PANELS)

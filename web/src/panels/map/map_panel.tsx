@@ -61,6 +61,7 @@ function MapPanel({ context }: { context: PanelContext }) {
       made.dispose();
     };
   }, [pattern]);
+  const hasTopic = [...context.robot.topics.value.values()].some((each) => each.typeName === FIX_TYPE);
   return (
     <div class="map">
       <div class="map-picture" ref={host} />
@@ -80,8 +81,11 @@ function MapPanel({ context }: { context: PanelContext }) {
           {texts.map.follow}
         </button>
       </div>
-      {waiting.value.length > 0 && <p class="map-note">{texts.map.noFix(waiting.value.join(", "))}</p>}
-      {pattern === undefined && !context.isCard && <p class="map-hint">{texts.map.noTiles}</p>}
+      <div class="map-notes">
+        {!hasTopic && !context.isCard && <p class="warning">{texts.map.noTopic}</p>}
+        {waiting.value.length > 0 && <p class="warning">{texts.map.noFix(waiting.value.join(", "))}</p>}
+        {pattern === undefined && !context.isCard && <p>{texts.map.noTiles}</p>}
+      </div>
     </div>
   );
 }
