@@ -51,7 +51,7 @@ class Bench:
         self.port = free_port()
         self.master_uri = f"http://localhost:{self.port}"
         self._stack = ExitStack()
-        self._home = Path(tempfile.mkdtemp(prefix="rostether-bench-"))
+        self._home = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="rostether-bench-")))
 
     def __enter__(self) -> Bench:
         if self._roscore:
