@@ -1,1 +1,1 @@
-"""Checks an implementation of the device's side of rosserial against the wire protocol, case by case."""
+"""Checks a device implementation of rosserial against the wire protocol, case by case."""

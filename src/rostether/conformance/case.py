@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Check: TypeAlias = "Callable[[CheckedClient], Awaitable[None]]"
 
 
-class Deviation(Exception):  # noqa: N818 - a finding, not an error of the program
+class Deviation(Exception):  # noqa: N818 - a finding, not an error of this program
     """What the client did instead of what the case requires."""
 
 
@@ -49,7 +49,7 @@ class Outcome:
 
 
 class CaseList:
-    """Collects the cases of a module in the order in which they are written."""
+    """Collects the cases of a module in source order."""
 
     def __init__(self) -> None:
         self.cases: list[Case] = []

@@ -1,7 +1,7 @@
 """The host's side of a check: sends bytes to the client under test, and waits for what it must answer.
 
-It uses the frame and packet codecs, and none of the bridge's leniency: every byte that is sent is chosen by a
-case. Requests for the time are answered, unless a case holds the answers back.
+It uses the frame and packet codecs, but not the bridge's tolerance: the cases choose every byte. Requests for
+the time are answered, unless a case suppresses the answers.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rostether.rosserial.packets import (
 from rostether.rostime import Time
 from rostether.transports.transport import Transport
 
-# A client on a busy or slow machine has this long for each answer.
+# The time limit for each answer, enough for a busy or slow machine.
 ANSWER_S = 8.0
 # A board that the opened port resets spends up to 2 s in its bootloader; one on a network may connect late.
 FIRST_ANSWER_S = 15.0
@@ -39,7 +39,7 @@ TORN_AFTER_S = 5.0
 HOST_EPOCH = Time(1_700_000_000, 0)
 # More than a client sends in a run; the rest of a flood is ignored.
 MAX_KEPT_FRAMES = 100_000
-# What is kept of invalid bytes, for the report.
+# The number of invalid bytes kept for the report.
 MAX_KEPT_DAMAGE = 20
 
 Connect = Callable[[], Awaitable[Transport]]
@@ -96,9 +96,9 @@ class CheckedClient:
             await transport.wait_closed()
 
     async def prepare(self) -> None:
-        """Bring the client into the state in which each case begins: configured, with nothing to read.
+        """Bring the client into the initial state of a case: configured, with no unread data.
 
-        Raises Deviation if it does not answer, TransportError if the line ended and does not open again.
+        Raises Deviation if it does not answer, TransportError if the line is lost and cannot be reopened.
         """
         self.answers_time = True
         self._parameters.clear()
@@ -115,7 +115,7 @@ class CheckedClient:
         """
         known = len(self.announcements)
         self.skip()
-        # A client that waits for the rest of a damaged frame gives it up in this time.
+        # A client that waits for the rest of a damaged frame drops it within this time.
         for _ in range(3):
             self.send(ids.TOPIC_REQUEST)
             if await self.find(is_announcement, ANSWER_S / 2):
@@ -133,7 +133,7 @@ class CheckedClient:
         return found
 
     def unsettle(self) -> None:
-        """Have the next case begin with a request for the topics."""
+        """Make the next case start with a request for the topics."""
         self._is_configured = False
 
     def send(self, topic_id: int, payload: bytes = b"") -> None:
@@ -170,7 +170,7 @@ class CheckedClient:
         return self._frames[received:]
 
     async def find(self, is_wanted: Callable[[Frame], bool], within_s: float) -> Frame | None:
-        """Return the next frame that meets a condition and read on behind it; None if none comes in time."""
+        """Return the next frame that meets a condition, and continue after it; None if none comes in time."""
         deadline_s = self._loop.time() + within_s
         while True:
             while self._position < len(self._frames):
@@ -188,7 +188,7 @@ class CheckedClient:
     async def expect(
         self, is_wanted: Callable[[Frame], bool], what: str, within_s: float = ANSWER_S
     ) -> Frame:
-        """Return as `find`; raises Deviation if none comes."""
+        """Return the same as `find`; raises Deviation if no frame comes."""
         frame = await self.find(is_wanted, within_s)
         if frame is None:
             raise Deviation(f"{what} did not come within {within_s:g} s")
@@ -202,14 +202,14 @@ class CheckedClient:
         ).payload
 
     def id_of(self, name: str, kind: int | None = None) -> int:
-        """Return the topic id of an endpoint of the program; `kind` chooses one half of a service."""
+        """Return the topic id of an endpoint of the program; `kind` selects a request or response id."""
         for each in self.announcements:
             if each.info is not None and each.name == PREFIX + name and kind in (None, each.kind):
                 return each.info.topic_id
         raise Deviation(f"{PREFIX}{name} is not announced")
 
     def buffer_of(self, name: str) -> int:
-        """Return how long a message to a subscriber of the program may be, in bytes."""
+        """Return the maximum size in bytes of a message to a subscriber of the program."""
         (info,) = (each.info for each in self.announcements if each.info and each.name == PREFIX + name)
         return info.buffer_size
 
@@ -229,7 +229,7 @@ class CheckedClient:
         return HOST_EPOCH.secs + self._loop.time() - self._began_s
 
     def data_received(self, data: bytes) -> None:
-        """Read what the client sent, and answer its requests."""
+        """Read data from the client, and answer its requests."""
         now_s = self._loop.time()
         is_torn = self._decoder.pending_bytes > 0 and now_s - self._heard_s > TORN_AFTER_S
         torn = self._decoder.abandon(now_s) if is_torn else []
@@ -254,7 +254,7 @@ class CheckedClient:
         """Do nothing: a case sends little and waits for the answer."""
 
     def resume_writing(self) -> None:
-        """Do nothing, as `pause_writing`."""
+        """Do nothing, like `pause_writing`."""
 
     def _keep(self, frame: Frame) -> None:
         if len(self._frames) < MAX_KEPT_FRAMES:

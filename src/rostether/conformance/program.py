@@ -9,7 +9,7 @@
     SWITCH    service server switch (std_srvs/SetBool)        success = data, message "on" or "off"
     TRIGGER   service client trigger (std_srvs/Trigger)       called by Command.CALL
 
-All names begin with `conformance/`. A client without a part passes over the cases that need it.
+All names begin with `conformance/`. Cases that need a missing part are skipped.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ PREFIX = "conformance/"
 INT_PARAMETER = f"{PREFIX}ints"
 FLOAT_PARAMETER = f"{PREFIX}float"
 TEXT_PARAMETER = f"{PREFIX}text"
-# What the program sends on text_out if a parameter or a response did not come.
+# The program sends this on text_out if it gets no parameter or no response.
 NONE_TEXT = "none"
 
 
 class Command(IntEnum):
-    """What the program does for a number on `command`."""
+    """The actions for the numbers on `command`."""
 
     LOG = 1  # logs "debug", "info", "warn", "error" and "fatal", each at its level
     CALL = 2  # calls trigger, and sends the response's message on text_out

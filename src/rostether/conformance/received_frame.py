@@ -1,4 +1,4 @@
-"""What a client sends: frames, announcements and texts, as a check looks at them."""
+"""Data from a client: frames, announcements and strings."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def read_text(payload: bytes) -> str:
 
 
 def missing_from(wanted: Iterable[object], found: Iterable[object]) -> list[object]:
-    """Return the wanted items that were not found, in order."""
+    """Return the expected items that were not found, in order."""
     present = set(found)
     return [each for each in wanted if each not in present]
 

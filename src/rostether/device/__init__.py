@@ -1,4 +1,4 @@
-"""A Python program that is itself a rosserial device."""
+"""A rosserial device in Python."""
 
 from rostether.device.device import Device
 

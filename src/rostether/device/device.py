@@ -38,14 +38,14 @@ from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_
 from rostether.transports.opening import open_transport
 from rostether.transports.transport import Transport
 
-# A program has room where a microcontroller has none: for the largest message that a frame can carry.
+# Unlike a microcontroller, a program has memory for the largest message that fits a frame.
 PROGRAM_CONFIG = DeviceLinkConfig(
     max_subscribers=100,
     max_publishers=100,
     input_buffer_bytes=MAX_PAYLOAD_BYTES,
     output_buffer_bytes=MAX_PAYLOAD_BYTES + PUBLISHER_OVERHEAD_BYTES,
 )
-# Over UDP, a host learns of the device only from its first datagram; it may be lost, so it is repeated.
+# Over UDP, a host detects the device by its first datagram, which is repeated because it may be lost.
 _GREETING = encode_frame(TIME, encode_time(Time()))
 _GREETING_PERIOD_S = 1.0
 
@@ -55,8 +55,8 @@ _LOG = logging.getLogger(__name__)
 class Device(Endpoints):
     """A rosserial device in Python; `async with` opens its line and keeps it open.
 
-    `link` is an address as typed (tcp and udp are connected to), or an open transport, which is not opened
-    again when it ends. Endpoints may be declared before or after the line opens. Raises ConfigError.
+    `link` is a link address (tcp and udp connect to it), or an open transport, which is not reopened after it
+    ends. Endpoints may be declared before or after the line opens. Raises ConfigError.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Device(Endpoints):
             link = replace(link, connect=True)
         if isinstance(link, Address):
             if link.listens:
-                raise ConfigError(f"{link} accepts many devices; a device needs an address of one line")
+                raise ConfigError(f"{link} accepts many devices; use the address of a single line")
             self._address = link
         else:
             self._given = link
@@ -94,8 +94,8 @@ class Device(Endpoints):
         self._keeper: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Self:
-        """Open the line, or begin to try. Raises ConfigError."""
-        # From here on, topics of any type can be added without a search of folders.
+        """Open the line, or start to retry. Raises ConfigError."""
+        # After this, topics of any type can be added without a search of folders.
         await definitions_searched(self._store.registry)
         transport = await self._open()
         if transport is not None:
@@ -110,7 +110,7 @@ class Device(Endpoints):
         await self.close()
 
     async def close(self) -> None:
-        """Close the line, and fail what waits for the host. Idempotent."""
+        """Close the line, and fail all pending requests. Idempotent."""
         if self._keeper is not None:
             self._keeper.cancel()
             await asyncio.gather(self._keeper, return_exceptions=True)
@@ -124,11 +124,11 @@ class Device(Endpoints):
 
     @property
     def connected(self) -> bool:
-        """Whether a host has asked for our topics and still answers."""
+        """Whether a host has requested the topics and still answers."""
         return self._line.transport is not None and self._link.is_configured
 
     async def wait_connected(self, timeout_s: float | None = None) -> None:
-        """Wait until a host listens. Raises TransportTimeoutError."""
+        """Wait until a host is connected. Raises TransportTimeoutError."""
         try:
             async with asyncio.timeout(timeout_s):
                 while not self.connected:
@@ -142,10 +142,10 @@ class Device(Endpoints):
     async def get_param(
         self, name: str, default: DeviceParam | None = None, *, timeout_s: float = 2.0
     ) -> DeviceParam:
-        """Return a parameter's value from the host, or `default` where there is none and a default is given.
+        """Return a parameter's value from the host, or `default`, if given, for a missing one.
 
-        A value is a number, text, or a list of one kind. Raises UnknownNameError, and TransportTimeoutError
-        when no host answers.
+        A value is a number, a string, or a list of one of these types. Raises UnknownNameError, and
+        TransportTimeoutError if no host answers.
         """
         try:
             async with asyncio.timeout(timeout_s):
@@ -165,13 +165,13 @@ class Device(Endpoints):
             ) from None
 
     def log(self, level: Level, text: str) -> None:
-        """Log on the host, where it becomes a line of /rosout; lost while the line is down."""
+        """Log on the host, which publishes it on /rosout; lost while the line is down."""
         if self._line.transport is not None:
             self._link.log(LogLevel[level.name], text)
             self._line.flush_soon()
 
     def now(self) -> Time:
-        """Return the host's time as we know it; time since we opened the line before it answered."""
+        """Return the host's time; before the host has answered, the time since the line was opened."""
         return self._link.time(self._clock())
 
     async def _open(self) -> Transport | None:
@@ -221,7 +221,7 @@ class Device(Endpoints):
                 _LOG.info("the host closed the connection")
 
     def _handle_loss(self) -> None:
-        reason = "the line to the host was lost; opening it again"
+        reason = "the line to the host was lost; reopening it"
         self._parameters.fail_all(reason)
         for client in self._clients:
             client.fail(reason)

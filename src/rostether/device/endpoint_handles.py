@@ -25,7 +25,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Declared:
-    """A device's handle. It may be awaited, as a graph's must be, so that programs work with both."""
+    """A device's handle. It can be awaited like a graph's handle, so that programs work with both."""
 
     def __await__(self) -> Generator[None, None, Self]:
         """Return the handle at once."""
@@ -47,7 +47,7 @@ class Publisher(Declared, Generic[P]):
 
     @property
     def message_class(self) -> type[Message]:
-        """The class of the topic's messages; filling one and sending it again costs least."""
+        """The class of the topic's messages; reusing one message object is the cheapest way."""
         return self._codec.message_class
 
     @overload
@@ -56,19 +56,20 @@ class Publisher(Declared, Generic[P]):
     def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
     # `P.args` is empty: messages take their fields by name.
     def publish(self, message: object = None, /, **fields: Any) -> bool:  # type: ignore[misc]
-        """Send one message, given whole, by its fields, or as the value of its only field; False when no
-        host listens or the line is full. A time may be "now" or seconds.
+        """Send one message, given as a message, by its fields, or as the value of its only field.
 
-        Raises SerializationError naming a field that does not fit, LocalProtocolError beyond the buffer.
+        Returns False if no host is connected or the line is full. A time may be "now" or seconds. Raises
+        SerializationError with the name of a field that does not fit, LocalProtocolError if it exceeds the
+        buffer.
         """
         return self._line.publish(self._topic_id, [self._codec.encode_given(message, fields, now=self._now)])
 
     def publish_many(self, messages: Iterable[Fields]) -> bool:
-        """Send several messages, all or none; cheaper than one by one. Raises as `publish`."""
+        """Send several messages, all or none; faster than one by one. Raises the same errors as `publish`."""
         return self._line.publish(self._topic_id, [self._codec.encode(message) for message in messages])
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until the line takes more: what a program that publishes as fast as it can awaits."""
+        """Wait until the line accepts more data; for programs that publish as fast as possible."""
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout_s):
                 await self._line.wait_writable()
@@ -102,13 +103,13 @@ class Subscriber(Declared):
 class Messages(Generic[M]):
     """The messages of one topic, to loop over; made by `Device.messages`.
 
-    What waits is bounded, oldest dropped first.
+    The queue is bounded, and drops the oldest first.
     """
 
     def __init__(self, topic: str, queue_size: int) -> None:
         self.topic = topic
 
-        # Messages that came faster than the loop took them.
+        # The number of messages dropped because the loop was too slow.
         self.dropped_count = 0
         self._waiting: deque[Message] = deque(maxlen=max(queue_size, 1))
         self._news = asyncio.Event()

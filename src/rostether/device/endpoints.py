@@ -34,14 +34,14 @@ class Endpoints(LogMethods):
 
     @abstractmethod
     async def wait_connected(self, timeout_s: float | None = None) -> None:
-        """Wait until a host listens. Raises TransportTimeoutError."""
+        """Wait until a host is connected. Raises TransportTimeoutError."""
 
     @abstractmethod
     def now(self) -> Time:
         """Return the host's time."""
 
     def message(self, type_name: str, /, **fields: Any) -> Message:
-        """Make a message of any known type. Raises UnknownTypeError, SerializationError."""
+        """Create a message of any known type. Raises UnknownTypeError, SerializationError."""
         return self._store.codec(type_name).message_class(**fields)
 
     @overload
@@ -85,9 +85,9 @@ class Endpoints(LogMethods):
     def messages(
         self, topic: str, type_name: str | type[Message], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
     ) -> Messages[Any]:
-        """Declare a topic to receive, and return its messages to loop over; raises as `subscriber`.
+        """Declare a topic to receive, and return its messages; raises the same errors as `subscriber`.
 
-        `queue_size` bounds the waiting messages; beyond it the oldest are dropped and counted.
+        `queue_size` limits the waiting messages; above it, the oldest are dropped and counted.
         """
         messages = Messages[Any](topic, queue_size)
         self.subscriber(topic, name_of_type(type_name), messages.put)

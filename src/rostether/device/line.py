@@ -1,4 +1,4 @@
-"""Drives one DeviceLink over the transport of the moment: bytes, timers, and when to write."""
+"""Drives one DeviceLink over the current transport: bytes, timers and writes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from rostether.rosserial.device_link import DeviceLink
 from rostether.rosserial.events import DeviceEvent
 from rostether.transports.transport import Transport
 
-# On a slow line, a longer queue only delays every message: new ones are rejected instead. At 57600 baud it is
-# three seconds.
+# On a slow line, a longer queue would only delay every message, so new ones are rejected. At 57600 baud this
+# is three seconds.
 MAX_BACKLOG_BYTES = 16 * 1024
 
 
@@ -43,7 +43,7 @@ class DeviceLine:
         return self._transport
 
     def attach(self, transport: Transport) -> None:
-        """Boot on a new transport."""
+        """Start on a new transport."""
         self._transport = transport
         self._error = None
         self._lost.clear()
@@ -53,7 +53,7 @@ class DeviceLine:
         self.flush()
 
     def detach(self) -> None:
-        """Let go of the transport and close it."""
+        """Detach from the transport and close it."""
         transport, self._transport = self._transport, None
         if self._timer is not None:
             self._timer.cancel()
@@ -69,11 +69,11 @@ class DeviceLine:
         return self._error
 
     async def wait_writable(self) -> None:
-        """Wait until the transport takes more bytes."""
+        """Wait until the transport accepts more bytes."""
         await self._writable.wait()
 
     def publish(self, topic_id: int, payloads: Sequence[bytes]) -> bool:
-        """Send messages with the next flush; False when no host listens or the line is too far behind."""
+        """Send messages with the next flush; False if no host is connected or the line is full."""
         transport = self._transport
         if transport is None or transport.write_buffer_bytes > MAX_BACKLOG_BYTES:
             return False
@@ -82,7 +82,7 @@ class DeviceLine:
         return sent
 
     def flush_soon(self) -> None:
-        """Write once for all that is queued in this turn of the event loop."""
+        """Write all data that is queued in this iteration of the event loop with one call."""
         if not self._flush_scheduled:
             self._flush_scheduled = True
             self._loop.call_soon(self._flush_scheduled_bytes)
@@ -117,7 +117,7 @@ class DeviceLine:
         self._on_lost()
 
     def pause_writing(self) -> None:
-        """Keep what comes in the link, which refuses messages when it has too many."""
+        """Keep data in the link, which refuses messages if it has too many."""
         self._writable.clear()
 
     def resume_writing(self) -> None:

@@ -1,4 +1,4 @@
-"""Asking the host for parameters: requests that wait for their answers."""
+"""Requests parameters from the host."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DeviceParam: TypeAlias = int | float | str | list[int] | list[float] | list[str]
 
 
 class ParameterRequests:
-    """The requests under way, answered in the order they were made for each name."""
+    """The pending requests; requests for the same name are answered in order."""
 
     def __init__(self) -> None:
         self._waiting: defaultdict[str, deque[asyncio.Future[DeviceParam]]] = defaultdict(deque)
@@ -41,7 +41,7 @@ class ParameterRequests:
         """Report to the longest waiting request that no answer came."""
         self._finish(
             event.name,
-            TransportTimeoutError(f"the host did not answer for parameter {event.name}; ask again"),
+            TransportTimeoutError(f"the host did not answer for parameter {event.name}; try again"),
         )
 
     def fail_all(self, reason: str) -> None:

@@ -23,7 +23,7 @@ from rostether.serde.values import Message
 Answer: TypeAlias = Response | Mapping[str, Any] | None
 Handler: TypeAlias = Callable[[Request], Answer[Response] | Awaitable[Answer[Response]]]
 
-# A host waits for each answer before it calls again, so more than a few waiting requests are a fault.
+# A host waits for each response before it calls again, so more than a few pending requests are a fault.
 MAX_WAITING_REQUESTS = 16
 
 _LOG = logging.getLogger(__name__)
@@ -57,7 +57,7 @@ class ServiceServer(Declared):
             self._task = asyncio.get_running_loop().create_task(self._answer_all())
 
     def close(self) -> None:
-        """Give up requests that are being answered."""
+        """Cancel requests that are being handled."""
         self._waiting.clear()
         if self._task is not None:
             self._task.cancel()
@@ -79,7 +79,8 @@ class ServiceServer(Declared):
         except RostetherError as error:
             self._on_failure(f"service {self.service} failed: {error}")
         except Exception as error:  # noqa: BLE001 - the program's own code may raise anything
-            # The wire has no word for failure: the host learns of it from the log, who calls by time limit.
+            # The protocol cannot report a failure: the host gets it from the log, the caller by its time
+            # limit.
             _LOG.exception("the handler of service %s failed", self.service)
             self._on_failure(f"service {self.service} failed: {type(error).__name__}: {error}")
 
@@ -122,7 +123,7 @@ class ServiceClient(Declared, Generic[Response]):
         return cast("Response", self._response_codec.decode(response))
 
     def receive(self, payloads: Iterable[bytes]) -> None:
-        """Handle an answer; one that comes after its call was given up is dropped."""
+        """Handle a response; a response after the time limit is dropped."""
         for payload in payloads:
             if self._in_flight is not None and not self._in_flight.done():
                 self._in_flight.set_result(payload)

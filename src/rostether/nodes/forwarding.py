@@ -1,4 +1,4 @@
-"""topic_tools' relay and throttle: one topic published again under another name, whole or thinned out."""
+"""topic_tools' relay and throttle: publishes a topic under another name, at the full or a lower rate."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from rostether.graph.ports import Graph, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.nodes.output_topic import OutputTopic
 
-# How soon a lazy node notices a subscriber: the port does not report connections, and polling is cheap.
+# The polling interval for subscribers of a lazy node: the port does not report connections, and polling is
+# cheap.
 LAZY_POLL_S = 0.05
 
 Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
-# What a window of bytes remembers; empty messages cost none, and must not fill memory.
+# The limit of stored messages, because empty messages do not count in the byte limit.
 MAX_SENT_MESSAGES = 100_000
 
 
@@ -40,7 +41,7 @@ class MessageRate:
         self._last_s = 0.0
 
     def __call__(self, payloads: Sequence[bytes]) -> Sequence[bytes]:
-        """Return those of the messages, which came at once, that pass."""
+        """Return the selected messages of a batch."""
         now_s = self._now_s()
         self._last_s = min(self._last_s, now_s)
         if not payloads or now_s - self._last_s <= self._pause_s:
@@ -50,7 +51,7 @@ class MessageRate:
 
 
 class ByteRate:
-    """Selects messages while those of the last `window_s` seconds have fewer than `limit_bytes` in sum."""
+    """Selects messages while the total of the last `window_s` seconds is below `limit_bytes`."""
 
     def __init__(self, limit_bytes: int, window_s: float, now_s: Callable[[], float]) -> None:
         self._limit_bytes = limit_bytes
@@ -59,7 +60,7 @@ class ByteRate:
         self._sent: deque[tuple[float, int]] = deque(maxlen=MAX_SENT_MESSAGES)
 
     def __call__(self, payloads: Sequence[bytes]) -> Sequence[bytes]:
-        """Return those of the messages, which came at once, that pass."""
+        """Return the selected messages of a batch."""
         now_s = self._now_s()
         while self._sent and self._sent[0][0] < now_s - self._window_s:
             self._sent.popleft()
@@ -79,8 +80,8 @@ async def forward(
 ) -> None:
     """Publish a topic's messages under another name until cancelled.
 
-    `lazy` subscribes only while there is a subscriber, once the type is known. Raises ConfigError for a topic
-    that would feed itself, InvalidNameError, GraphError.
+    `lazy` subscribes only while there is a subscriber, once the type is known. Raises ConfigError if input
+    and output are the same topic, InvalidNameError, GraphError.
     """
     if graph.resolve(source) == graph.resolve(target):
         raise ConfigError(f"{graph.resolve(source)} would receive its own output; give the copy another name")

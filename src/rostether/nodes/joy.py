@@ -16,11 +16,11 @@ from rostether.nodes.joystick import EVENT, Joystick, When
 
 DEFAULT_DEVICE = "/dev/input/js0"
 
-# A joystick is plugged in by hand.
+# The interval between attempts; a joystick is plugged in by hand.
 _RETRY_S = 1.0
 _READ_BYTES = EVENT.size * 64
 
-# 10 kHz: more than any device sends.
+# 10 kHz is more than any device sends.
 _MIN_COALESCE_S = 1e-4
 
 
@@ -36,7 +36,10 @@ class JoySettings:
     default_trig_val: bool = False
 
     def checked(self) -> JoySettings:
-        """Return them within bounds. Raises ConfigError for a rate or an interval below 0."""
+        """Return the settings, limited to valid ranges.
+
+        Raises ConfigError for a rate or an interval below 0.
+        """
         if self.autorepeat_rate_hz < 0 or self.coalesce_interval_s < 0:
             raise ConfigError("autorepeat_rate and coalesce_interval must not be below 0")
         return replace(self, coalesce_interval_s=max(self.coalesce_interval_s, _MIN_COALESCE_S))
@@ -64,13 +67,13 @@ async def publish_joystick(
             await _Reading(graph, publisher, settings, descriptor).run()
         finally:
             os.close(descriptor)
-        report(Level.ERROR, f"the joystick at {settings.device} is gone; waiting for it")
+        report(Level.ERROR, f"the joystick at {settings.device} was disconnected; waiting for it")
         has_reported = True
         await asyncio.sleep(_RETRY_S)
 
 
 class _Reading:
-    """From opening the device to its end."""
+    """One opened device, from opening to disconnection."""
 
     def __init__(
         self, graph: TypedGraph, publisher: TypedPublisher[...], settings: JoySettings, descriptor: int

@@ -1,8 +1,8 @@
-"""A joystick's events, as Linux gives them at /dev/input/js*, and the axes and buttons that they make.
+"""Decodes a joystick's events from /dev/input/js* on Linux into axes and buttons.
 
     time_ms uint32 | value int16 | type uint8 (1 button, 2 axis, + 0x80 as it was at opening) | number uint8
 
-Source: linux/joystick.h; what a Joy message holds is as joy_node has it.
+Source: linux/joystick.h; the content of a Joy message is the same as from joy_node.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from enum import Enum
 EVENT = struct.Struct("<IhBB")
 _BUTTON, _AXIS, _INITIAL = 0x01, 0x02, 0x80
 _FULL = 32767.0
-# Above, hardly anything of an axis would be left.
+# A larger dead zone would leave almost nothing of an axis.
 MAX_DEADZONE = 0.9
 
 
 class When(Enum):
-    """When to publish after an event: not at all, after more have been gathered, at once."""
+    """When to publish after an event: never, after the coalesce interval, or at once."""
 
     NEVER = 0
     SOON = 1
@@ -28,10 +28,10 @@ class When(Enum):
 
 @dataclass(slots=True)
 class Joystick:
-    """The state that events add up to; `deadzone` is the part of an axis around its middle that counts as 0.
+    """The state after all events; `deadzone` is the fraction of an axis around its center that counts as 0.
 
-    With `sticky_buttons` a press turns a button on, and the next one off. With `default_trig_val` an axis has
-    the value it was opened with, else 0 until it moves.
+    With `sticky_buttons` a press turns a button on, and the next one off. With `default_trig_val`, an axis
+    has its value at opening, else 0 until it moves.
     """
 
     deadzone: float = 0.05
@@ -43,12 +43,12 @@ class Joystick:
     _rest: bytes = b""
 
     def __post_init__(self) -> None:
-        # Older launch files give it in the device's units.
+        # Older launch files use the device's units.
         deadzone = self.deadzone / _FULL if self.deadzone >= 1 else self.deadzone
         self.deadzone = min(max(deadzone, 0.0), MAX_DEADZONE)
 
     def feed(self, data: bytes) -> When:
-        """Handle bytes of the device, whole events or parts of them; returns when to publish."""
+        """Handle bytes of the device, which may contain partial events; returns when to publish."""
         data = self._rest + data
         end = len(data) - len(data) % EVENT.size
         self._rest = data[end:]
@@ -80,7 +80,7 @@ class Joystick:
         self._pressed[number] = is_pressed
 
     def _scaled(self, value: int) -> float:
-        # ROS counts left and forward as positive, the device right and backward.
+        # In ROS, left and forward are positive; in the device, right and backward.
         unused = _FULL * self.deadzone
         if abs(value) <= unused:
             return 0.0

@@ -1,4 +1,4 @@
-"""topic_tools' mux: one of several topics published under one name, chosen by a service.
+"""topic_tools' mux: publishes one of several topics under one name; a service selects the input.
 
 mux/select (topic_tools/MuxSelect)   mux/add   mux/delete   mux/list     and the older OUT_select
 mux/selected (std_msgs/String)       the chosen input, latched; `__none`: none
@@ -20,7 +20,7 @@ from rostether.nodes.output_topic import OutputTopic
 from rostether.serde.values import Message
 
 NO_INPUT = "__none"
-# Each costs a subscription, and a caller of `add` must not fill memory.
+# Each input needs a subscription, and a caller of `add` must not fill memory.
 MAX_INPUTS = 1_000
 
 
@@ -72,7 +72,7 @@ class Mux:
             await self._output.close()
 
     async def _follow(self) -> None:
-        """Hold the subscriptions that are wanted, and no others."""
+        """Keep exactly the needed subscriptions."""
         for topic, subscriber in list(self._inputs.items()):
             is_wanted = self._is_wanted(topic)
             if is_wanted and subscriber is None:
@@ -119,14 +119,14 @@ class Mux:
         if topic in self._inputs:
             raise ServiceCallError(f"{topic} is already an input")
         if len(self._inputs) >= MAX_INPUTS:
-            raise ServiceCallError(f"a mux has at most {MAX_INPUTS} inputs: delete one")
+            raise ServiceCallError(f"a mux has at most {MAX_INPUTS} inputs; delete one")
         self._inputs[topic] = None
         return {}
 
     async def _delete(self, request: Message) -> dict[str, str]:
         topic = self._known(request.topic)
         if topic == self._selected:
-            raise ServiceCallError(f"{topic} is selected: select another input before deleting it")
+            raise ServiceCallError(f"{topic} is selected; select another input before you delete it")
         subscriber = self._inputs.pop(topic)
         self._headers.pop(topic, None)
         if subscriber is not None:

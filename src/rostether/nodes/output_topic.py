@@ -1,4 +1,4 @@
-"""A topic that carries what other topics do: its type is learned from their publishers."""
+"""A topic that republishes other topics: it learns its type from their publishers."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from rostether.errors import RostetherError
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 
-# What waits for the advertisement, which takes milliseconds; topic_tools queues as many.
+# The number of messages that wait for the advertisement, which takes milliseconds; the same as in
+# topic_tools.
 MAX_WAITING_MESSAGES = 10
 
 _log = logging.getLogger("rostether.nodes")
 
 
 class OutputTopic:
-    """Publishes under one name with the type and the latching of the input it is fed from."""
+    """Publishes under one name with the type and latching of its input."""
 
     def __init__(self, graph: Graph, topic: str, *, latch: bool | None = None) -> None:
         self.topic = topic
@@ -53,7 +54,7 @@ class OutputTopic:
         self._opening = asyncio.ensure_future(self._open(wanted, latch, previous))
 
     def publish(self, payloads: Sequence[bytes]) -> None:
-        """Publish, or keep the newest until the topic is advertised."""
+        """Publish, or keep the newest messages until the topic is advertised."""
         if self._publisher is not None:
             self._publisher.publish_raw(payloads)
         else:
@@ -77,7 +78,7 @@ class OutputTopic:
                 self._publisher = None
             publisher = await self._graph.advertise(self.topic, wanted, latch=latch)
         except RostetherError as error:
-            # The next connection tries again.
+            # The next connection retries.
             self._type = None
             _log.warning("%s is not published: %s", self.topic, error)
             return

@@ -1,20 +1,20 @@
-"""Who is at the other end of a link, by what stays when the board comes back as another port."""
+"""Identifies the board at the other end of a link, even if it returns on another port."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Adapters are delivered with these: every CP2102 has 0001. Two such boards would take each other's names.
+# Default serial numbers of adapters: every CP2102 has 0001. Two such boards would be confused.
 _NO_SERIAL_NUMBERS = frozenset({"0001", "001", "1", "123456", "12345678", "123456789", "0123456789"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoardIdentity:
-    """A board's marks; those that its kind of link does not have are None.
+    """The identifying properties of a board; those that its kind of link does not have are None.
 
-    `port` is the serial port's path, `usb_location` the socket it is plugged into, `usb_interface` the number
-    of its interface where one device has several ports, `address` a network address without the port,
-    `psk` and `certificate` the files of the key and the certificate that it has proven to have.
+    `port` is the serial port's path, `usb_location` its USB socket, `usb_interface` the number of its
+    interface if one device has several ports, `address` a network address without the port, `psk` and
+    `certificate` the files of the key and the certificate that it has proven to have.
     """
 
     usb_id: str | None = None
@@ -34,12 +34,12 @@ class BoardIdentity:
 
     @property
     def key(self) -> str:
-        """What the board is remembered by: its serial number, else its socket, port or address."""
+        """The key for stored data about the board: its serial number, else its socket, port or address."""
         interface = f"/{self.usb_interface}" if self.usb_interface else ""
         if self.own_serial_number is not None:
             return f"usb {self.usb_id or ''} {self.own_serial_number}{interface}"
         if self.usb_location is not None:
-            # What else is plugged into the same socket is another board.
+            # Another kind of device in the same socket is another board.
             return f"socket {self.usb_location} {self.usb_id or ''}"
         if self.address is not None:
             return f"net {self.address}"

@@ -1,4 +1,4 @@
-"""The limits of a board that a user may set, for all by `--limit` or for one in devices.toml."""
+"""The limits of boards that a user may set, for all boards by `--limit` or for one board in devices.toml."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which settings are whose."""
+"""Finds the settings of a board."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rostether.transports.board_keys import NO_KEYS, BoardKeys, read_board_keys
 
 
 class DeviceBook:
-    """The boards that a user has named, and the settings of all others (`defaults`)."""
+    """The boards in devices.toml, and the settings of all others (`defaults`)."""
 
     def __init__(
         self,
@@ -34,19 +34,19 @@ class DeviceBook:
         return read_board_keys(keys, certificates)
 
     def settings_of(self, identity: BoardIdentity) -> DeviceSettings:
-        """Return the settings of the first device in the file that fits, else the defaults."""
+        """Return the settings of the first matching device in the file, else the defaults."""
         for device in self.devices:
             if device.match is not None and fits(device.match, identity):
                 return device
         return self.defaults
 
     def settings_for(self, node_name: str | None, identity: BoardIdentity) -> DeviceSettings:
-        """Return the settings of a board whose link may give it a name: that counts more than its marks."""
+        """Return the settings of a board; a name in its link has priority over its identity."""
         named = self.settings_named(node_name) if node_name is not None else None
         return named if named is not None else self.settings_of(identity)
 
     def unchosen(self, link_names: Collection[str | None]) -> list[str]:
-        """Return the devices that have no marks and that none of these links names."""
+        """Return the devices without match keys that none of the links names."""
         chosen = {name.strip("~/") for name in link_names if name is not None}
         return [
             device.name
@@ -64,7 +64,7 @@ class DeviceBook:
 
 
 def fits(match: DeviceMatch, identity: BoardIdentity) -> bool:
-    """Return whether a board has all the marks that are given."""
+    """Return whether a board matches all given keys."""
     pairs = (
         (match.serial_number, identity.serial_number),
         (match.usb_id, identity.usb_id),

@@ -1,4 +1,4 @@
-"""Reading devices.toml: every key is known or refused, in one line that names file and key."""
+"""Reads devices.toml; errors about unknown or invalid keys contain the file and the key."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from rostether.ports.settings import (
 from rostether.ports.toml_table import TomlTable
 from rostether.transports.address import MAX_BAUD
 
-# Settings of a thousand boards are some 200 KB; more is another file, given by mistake.
+# Settings of a thousand boards have about 200 KB; a larger file is a mistake.
 MAX_FILE_BYTES = 1024 * 1024
-# Messages in a queue are bounded by bytes too; this catches a slipped digit.
+# Queues are also bounded in bytes; this limit catches typing errors.
 MAX_QUEUE_DEPTH = 100_000
 MAX_GRACE_S = 86_400.0
 
@@ -47,7 +47,7 @@ ACCESS_KEYS = ("publish", "subscribe", "serve", "call", "parameters")
 
 
 def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
-    """Read a file; one that is not there is empty unless `is_required`. Raises ConfigError."""
+    """Read a file; a missing file counts as empty unless `is_required`. Raises ConfigError."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)
@@ -66,10 +66,10 @@ def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
 
 
 def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
-    """Read a text; errors name `file`. Raises ConfigError with file and key."""
+    """Parse a text; `file` is its name in errors. Raises ConfigError with file and key."""
     try:
         content = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # a number may have more digits than Python reads
+    except (ValueError, RecursionError) as error:  # a number may have more digits than Python supports
         raise ConfigError(f"{file}: not TOML: {error}") from None
     root = TomlTable(file, "", content, known=("discovery", "defaults", "devices"))
     discovery = _discovery(root.table("discovery", known=DISCOVERY_KEYS))
@@ -95,7 +95,7 @@ def _discovery(table: TomlTable) -> DiscoverySettings:
 
 
 def _match(table: TomlTable) -> DeviceMatch | None:
-    """Return a board's marks, None for a table that has none: only a link that names it can choose it."""
+    """Return the match keys of a table, None if it has none: then only a link with its name selects it."""
     match = DeviceMatch(
         serial_number=table.text("serial_number"),
         usb_id=_lower(table.text("usb_id", is_usb_id, 'four and four hex digits, such as "2341:0043"')),
@@ -109,7 +109,7 @@ def _match(table: TomlTable) -> DeviceMatch | None:
 
 
 def _settings(table: TomlTable, base: DeviceSettings) -> DeviceSettings:
-    """Return the settings of a table on top of others; names and numbers of both are kept."""
+    """Return the settings of a table merged into other settings."""
     return DeviceSettings(
         baud=_or(table.whole("baud", 1, MAX_BAUD), base.baud),
         reset=_or(table.flag("reset"), base.reset),
@@ -156,7 +156,7 @@ def _lower(text: str | None) -> str | None:
 
 
 def _is_address(text: str) -> bool:
-    from ipaddress import ip_address  # only who names a network board pays for the import
+    from ipaddress import ip_address  # imported only if a network board is configured
 
     try:
         ip_address(text)

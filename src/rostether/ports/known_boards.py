@@ -1,4 +1,4 @@
-"""At which speed each board answered last time, so that it need not be searched for again."""
+"""Stores the last baud rate of each board, so that it need not be detected again."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from pathlib import Path
 
 from rostether.transports.address import MAX_BAUD
 
-# A workshop's worth of boards; the longest unseen are forgotten, and searched for again when they come.
+# Enough for a workshop; the boards unseen for longest are removed, and detected again when they return.
 MAX_BOARDS = 500
 MAX_FILE_BYTES = 256 * 1024
 _FORMAT = 1
 
 
 class KnownBoards:
-    """Speeds by board, kept in a file (`path`; None: in memory only).
+    """Baud rates by board, stored in a file (`path`; None: in memory only).
 
-    A file that cannot be read is as none: what it holds can be found out again.
+    An unreadable file counts as empty, because the rates can be detected again.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -26,17 +26,17 @@ class KnownBoards:
         self._bauds = _read(path) if path is not None else {}
 
     def baud_of(self, key: str) -> int | None:
-        """Return the speed of a board, by its identity's key."""
+        """Return the baud rate of a board, by its identity's key."""
         return self._bauds.get(key)
 
     def remember(self, key: str, baud: int) -> None:
-        """Record a board's speed; the file is written only if it changed."""
+        """Store a board's baud rate; the file is written only if it has changed."""
         is_news = self._bauds.pop(key, None) != baud
         self._bauds[key] = baud
         while len(self._bauds) > MAX_BOARDS:
             self._bauds.pop(next(iter(self._bauds)))
         if is_news and self._path is not None:
-            # A folder that cannot be written costs a search next time, and nothing now.
+            # If the folder cannot be written, the rate is detected again next time.
             with contextlib.suppress(OSError):
                 _write(self._path, self._bauds)
 

@@ -1,4 +1,4 @@
-"""Where the board of one serial port is now: it may come back under another number."""
+"""Finds the current port of a board, which may return under another number."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.ports.port_watch import SETTLING_S, ListPorts, folder_mark
 
 
 class PortFinder:
-    """Finds the board that was last seen at `path`; before any was, whatever is at `path`."""
+    """Finds the board that was last seen at `path`; at first, any board at `path`."""
 
     def __init__(self, path: str, list_ports: ListPorts, clock: Callable[[], float]) -> None:
         self._path = path
@@ -25,7 +25,7 @@ class PortFinder:
         self._elsewhere: str | None = None
 
     def identify(self, path: str) -> BoardIdentity:
-        """Return who is behind a path now, and look for that board from now on."""
+        """Return the identity of the board at a path, and search for this board from now on."""
         real_path = os.path.realpath(path)
         for port in self._list_ports():
             if port.path == real_path:
@@ -36,13 +36,13 @@ class PortFinder:
         return BoardIdentity(port=path)
 
     def find(self) -> str | None:
-        """Return the path where the board is, None while it is away; a look costs some 10 us."""
+        """Return the board's current path, None while it is unplugged; a call takes about 10 µs."""
         if self._identity is not None and (path := self._find_elsewhere(self._identity)) is not None:
             return path
         return self._path if Path(self._path).exists() else None
 
     def _find_elsewhere(self, identity: BoardIdentity) -> str | None:
-        """Return where the known board is, if it is not at the path."""
+        """Return the path of the known board if it is not at the usual path."""
         now_s, mark = self._clock(), folder_mark(str(Path(identity.port or self._path).parent))
         if mark != self._mark:
             self._mark, self._lists_until_s = mark, now_s + SETTLING_S

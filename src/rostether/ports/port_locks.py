@@ -1,6 +1,6 @@
-"""Checks whether another program uses a serial port, before a port is opened unasked.
+"""Checks whether another program uses a serial port, before a port is opened automatically.
 
-Opening it is no check: many programs lock nothing, and an administrator's open succeeds in spite of a lock.
+Trying to open it is not enough: many programs set no lock, and root can open a port in spite of a lock.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from pathlib import Path
 
 from rostether.transports.port_holders import find_holders
 
-# Where minicom, gpsd, pppd and the like leave `LCK..ttyUSB0` with their process id.
+# The folder of lock files such as `LCK..ttyUSB0`, in which minicom, gpsd and pppd store their process id.
 LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
 _MAX_LOCK_BYTES = 64
 
 
 def find_user(path: str) -> str | None:
-    """Name the program that uses a port, None if none is known; looks through /proc, which takes a while."""
+    """Return the program that uses a port, None if unknown; searches /proc, which takes some time."""
     for holder in find_holders(path):
         return str(holder)
     for folder in LOCK_FOLDERS:
@@ -33,7 +33,7 @@ def _read_lock(path: Path) -> int | None:
             data = file.read(_MAX_LOCK_BYTES)
     except OSError:
         return None
-    # Text as the standard wants it, or four bytes as some old programs write.
+    # Text according to the standard, or four bytes from some old programs.
     text = data.strip(b" \t\r\n\0")
     if text[:10].split(b" ")[0].isdigit():
         return int(text[:10].split(b" ")[0])

@@ -1,4 +1,4 @@
-"""What a user writes for ports: a USB id, a path or link, a pattern, or `all`."""
+"""How users specify ports: a USB id, a path or link, a pattern, or `all`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WINDOWS_PORT = re.compile(r"COM[0-9*?]+", re.IGNORECASE)
 
 
 def is_usb_id(text: str) -> bool:
-    """Return whether a text is a vendor and product id as `rostether ports` shows it."""
+    """Return whether a text is a vendor and product id as in `rostether ports`."""
     return _USB_ID.fullmatch(text.lower()) is not None
 
 
@@ -27,12 +27,12 @@ def is_port_pattern(text: str) -> bool:
 
 
 def is_entry(text: str) -> bool:
-    """Return whether a text is one that `fits_entry` understands."""
+    """Return whether a text is a valid entry for `fits_entry`."""
     return text == ALL or is_usb_id(text) or is_port_pattern(text)
 
 
 def fits_port(port: str, pattern: str) -> bool:
-    """Return whether a port is the one that a path, a link to it, or a pattern of either means."""
+    """Return whether a port matches a path, a link to it, or a pattern of either."""
     if fnmatchcase(port, pattern):
         return True
     real_port = os.path.realpath(port)
@@ -40,7 +40,7 @@ def fits_port(port: str, pattern: str) -> bool:
 
 
 def fits_entry(identity: BoardIdentity, entry: str) -> bool:
-    """Return whether a port is meant by an entry: `all`, a USB id, a path or a pattern."""
+    """Return whether a port matches an entry: `all`, a USB id, a path or a pattern."""
     if entry == ALL:
         return True
     if is_usb_id(entry):
@@ -49,7 +49,7 @@ def fits_entry(identity: BoardIdentity, entry: str) -> bool:
 
 
 def named_ports(entries: Iterable[str]) -> list[str]:
-    """Return the paths that entries name and that exist: the system's own list does not have them all."""
+    """Return the existing paths that entries name, because the system's list of ports is incomplete."""
     found: list[str] = []
     for entry in entries:
         if is_port_pattern(entry) and "/" in entry:
@@ -58,5 +58,5 @@ def named_ports(entries: Iterable[str]) -> list[str]:
 
 
 def _expand(pattern: str) -> list[str]:
-    # Path.glob takes no absolute patterns.
+    # Path.glob does not accept absolute patterns.
     return glob(pattern) if has_magic(pattern) else [pattern]  # noqa: PTH207

@@ -1,4 +1,4 @@
-"""Which ports the search for boards may open: known boards, and what the user allows; nothing else."""
+"""Decides which ports discovery may open: known boards, and ports that the user allows."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rostether.transports.serial_port import SerialPort
 
 
 class PortUse(Enum):
-    """What may be done with a port."""
+    """How a port may be used."""
 
     # The user's file describes it: connect without detecting its speed.
     SERVE = auto()
-    # The user named it as a board: ask until it answers.
+    # The user named it as a board: probe until it answers.
     EXPECT = auto()
     # A board, which may run any sketch: probe for rosserial.
     ASK = auto()
@@ -43,7 +43,7 @@ def choose(port: SerialPort, settings: DeviceSettings, discovery: DiscoverySetti
     """Decide about a port; `settings` are those of its board."""
     identity = identify(port)
     if settings.match is not None:
-        # So that `ignore = ["all"]` leaves the boards that the file names.
+        # Checked first, so that `ignore = ["all"]` does not exclude boards in the file.
         return PortUse.SERVE if settings.baud is not None else PortUse.EXPECT
     if any(fits_entry(identity, entry) for entry in discovery.ignore):
         return PortUse.LEAVE

@@ -1,9 +1,9 @@
-"""Notices when serial ports come and go, without asking the system for its list all the time.
+"""Detects when serial ports appear and disappear, without querying the system's list all the time.
 
-On Linux a port is a file, and the kernel wakes us when one appears in a folder or goes. Where it cannot, a
-look at each folder four times a second costs one `stat`. The list itself is made when a folder changed, some
-times after that, since the system fills in a new port's serial number and permissions a moment later, and now
-and then anyway.
+On Linux a port is a file, and the kernel reports when one appears in a folder or disappears. On other
+systems, each folder is checked four times a second, which costs one `stat`. The list itself is queried after
+a folder has changed, several times, because the system sets a new port's serial number and permissions a
+moment later. It is also queried at a low rate without changes.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from rostether.transports.serial_port import SerialPort, find_usb_location
 # How soon a board is noticed on systems without notifications; one check takes about 0.2 ms.
 LOOK_PERIOD_S = 0.25
 
-# After a change, every look makes the list: udev needs up to a second on small computers.
+# After a change, every check queries the list: udev needs up to a second on small computers.
 SETTLING_S = 2.0
 
-# Nothing changed that we could see; a list takes 2 ms.
+# The interval without visible changes; querying the list takes 2 ms.
 LIST_PERIOD_S = 60.0
 
-# Where ports are no files (Windows), or their folder may not tell (macOS), only the list itself does.
+# The interval on systems where ports are not files (Windows), or where folders may not show changes (macOS).
 BLIND_LIST_PERIOD_S = 2.0
 
 DEVICE_FOLDER = "/dev"
@@ -38,7 +38,7 @@ ListPorts = Callable[[], Sequence[SerialPort]]
 
 
 class PortWatch:
-    """Watches the ports of this machine and those that `entries` name, wherever these are.
+    """Watches the ports of this machine and those that `entries` name.
 
     `list_ports` is the system's list, `folders` are where its ports appear.
     """
@@ -58,7 +58,7 @@ class PortWatch:
         self._period_s = period_s
 
     async def changes(self) -> AsyncIterator[list[SerialPort]]:
-        """Yield the ports that are there now, and again whenever something about them changed."""
+        """Yield the current ports, and again after each change."""
         known: list[SerialPort] | None = None
         with _Alarm(self._folders) as alarm:
             async for _ in self._reasons(alarm):
@@ -66,14 +66,14 @@ class PortWatch:
                 try:
                     ports = self.list()
                 except OSError:
-                    # A port went away while the system was describing it; the next list has the rest.
+                    # A port disappeared while the system was describing it; the next list has the others.
                     ports = known
                 if ports is not None and ports != known:
                     known = ports
                     yield ports
 
     async def _reasons(self, alarm: _Alarm) -> AsyncIterator[None]:
-        """Yield each time the list is to be made."""
+        """Yield each time the list must be queried."""
         clock = asyncio.get_running_loop().time
         marks: list[int] | None = None
         settled_s = listed_s = float("-inf")
@@ -91,11 +91,11 @@ class PortWatch:
             if is_armed and not is_settling:
                 await alarm.wait(list_period_s)
             else:
-                # However many files come, the list is made four times a second at most.
+                # The list is queried at most four times a second, regardless of the number of new files.
                 await asyncio.sleep(self._period_s)
 
     def list(self) -> list[SerialPort]:
-        """Return the ports that are there now."""
+        """Return the current ports."""
         ports = list(self._list_ports())
         real_paths = {os.path.realpath(port.path) for port in ports}
         for path in named_ports(self._entries):
@@ -108,7 +108,7 @@ class PortWatch:
 
 
 def folder_mark(folder: str) -> int:
-    """Return what changes when a file appears in a folder or goes; 0 for a folder that is not there."""
+    """Return a value that changes when a file appears in a folder or disappears; 0 for a missing folder."""
     try:
         return os.stat(folder).st_mtime_ns  # noqa: PTH116 - four times a second
     except OSError:
@@ -136,7 +136,7 @@ class _Alarm:
             self._events = FolderEvents(self._folders)
             asyncio.get_running_loop().add_reader(self._events.fileno(), self._ring)
         except (OSError, AttributeError, NotImplementedError):
-            # No inotify, or no more of it (its number is limited for each user).
+            # inotify is missing, or its limit per user is reached.
             self._stop()
         return self
 
@@ -146,7 +146,7 @@ class _Alarm:
         self._stop()
 
     def arm(self) -> bool:
-        """Start to watch; False if that is impossible now, so that the caller must poll."""
+        """Start to watch; False if that is not possible now, and the caller must poll."""
         return self._events is not None and self._events.watch()
 
     def read_and_clear(self) -> bool:

@@ -1,4 +1,4 @@
-"""What a user can set for one board, and for the search for boards; `devices_toml` reads it from a file."""
+"""The user's settings for a board and for discovery; `devices_toml` reads them from a file."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _NO_LIMITS: Mapping[str, float] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class NameRule:
-    """Which resolved names are permitted: those `allow` has (None: all) and `deny` has not.
+    """Which resolved names are permitted: those in `allow` (None: all) that are not in `deny`.
 
-    Entries are global names in which `*` stands for any characters, slashes too.
+    Entries are global names in which `*` matches any characters, including slashes.
     """
 
     allow: tuple[str, ...] | None = None
     deny: tuple[str, ...] = ()
 
     def refusal(self, name: str) -> str | None:
-        """Return which entry forbids a resolved name, None if it is permitted."""
+        """Return the reason why a resolved name is refused, None if it is permitted."""
         for pattern in self.deny:
             if fnmatchcase(name, pattern):
                 return f'deny has "{pattern}"'
@@ -38,10 +38,10 @@ ANY_NAME = NameRule()
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """What a board may do in the graph; directions are the board's.
+    """The access rights of a board on the graph; directions are the board's.
 
     `publish`, `subscribe`: topics. `serve`: services it offers. `call`: services it calls. `parameters`:
-    those it may ask for.
+    parameters it may request.
     """
 
     publish: NameRule = ANY_NAME
@@ -56,11 +56,11 @@ ANY_ACCESS = Access()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceMatch:
-    """How a board is recognised: all that is given must fit.
+    """How a board is recognized: all given keys must match.
 
-    `serial_number` and `usb_id` (`2341:0043`) are the USB device's, `usb_location` is the socket it is
-    plugged into (`1-1.2:1.0`), `port` a port's path, link or pattern (`/dev/ttyUSB*`), `address` a network
-    address, `psk` and `certificate` the files of its own key and certificate.
+    `serial_number` and `usb_id` (`2341:0043`) are the USB device's, `usb_location` is its USB socket
+    (`1-1.2:1.0`), `port` a port's path, link or pattern (`/dev/ttyUSB*`), `address` a network
+    address, `psk` and `certificate` the files of its key and certificate.
     """
 
     serial_number: str | None = None
@@ -74,13 +74,13 @@ class DeviceMatch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceSettings:
-    """One board's settings; what is None or empty is as without them.
+    """One board's settings; None or empty means the default.
 
-    `name` is its node name, `namespace` where its relative names resolve. `baud` saves looking for the speed.
-    `reset=False` leaves DTR alone. `remap` maps its names to others, as `a:=b` does. `required_topics` are
-    reported while it does not announce them. `queue_depths`: how many messages of a topic wait for the board
-    at most. `grace_s`: how long its node stays in the graph after it is lost. `limits`: settings of the
-    bridge that are others for this board, see `board_limits`.
+    `name` is its node name, `namespace` the namespace of its relative names. `baud` skips the detection of
+    the baud rate. `reset=False` does not change DTR. `remap` maps its names to others, like `a:=b`.
+    `required_topics` are reported if it does not announce them. `queue_depths` limits the waiting messages of
+    a topic. `grace_s` is the time that its node stays in the graph after it is lost. `limits` overrides
+    limits of the bridge for this board, see `board_limits`.
     """
 
     name: str | None = None
@@ -101,7 +101,7 @@ NO_SETTINGS = DeviceSettings()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiscoverySettings:
-    """Which ports are looked at unasked: `probe` besides those known as boards, `ignore` not.
+    """The ports for automatic discovery: known boards and `probe`, but not `ignore`.
 
     Entries are USB ids (`1a86:7523`), paths or patterns (`/dev/ttyUSB*`), or `all`.
     """

@@ -1,4 +1,4 @@
-"""One table of a TOML file, read key by key; whatever does not fit is one line that names file and key."""
+"""Reads one table of a TOML file key by key; errors are one line with file and key."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from rostether.errors import ConfigError, InvalidNameError
 from rostether.names.graph_name import validate_name
 
-# Boards, topics, patterns: a thousand is more than a person types; it bounds each search.
+# The limit of boards, topics or patterns: more than a user types; it bounds each search.
 MAX_ENTRIES = 1000
 
 
 class TomlTable:
-    """A table and its place in the file; every getter returns None or nothing for a key that is not there.
+    """A table and its path in the file; getters return None or empty values for missing keys.
 
-    All getters, and the constructor for keys that are not among `known`, raise ConfigError.
+    All getters raise ConfigError; so does the constructor for keys that are not in `known`.
     """
 
     def __init__(self, file: str, place: str, content: object, *, known: Sequence[str] | None) -> None:
@@ -31,7 +31,7 @@ class TomlTable:
 
     @property
     def is_given(self) -> bool:
-        """Whether the table has anything in it."""
+        """Whether the table is not empty."""
         return bool(self._content)
 
     def error(self, text: str, key: str | None = None) -> ConfigError:
@@ -39,11 +39,11 @@ class TomlTable:
         return ConfigError(f"{self._file}:{self._at(key) if key is not None else self._place}: {text}")
 
     def table(self, key: str, *, known: Sequence[str]) -> TomlTable:
-        """Return a table inside, empty if it is not there."""
+        """Return a nested table, empty if it is missing."""
         return TomlTable(self._file, self._at(key), self._content.get(key, {}), known=known)
 
     def tables(self, key: str, *, known: Sequence[str]) -> Iterator[tuple[str, TomlTable]]:
-        """Yield the tables inside a table, with their keys."""
+        """Yield the nested tables of a table, with their keys."""
         outer = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
         for name, content in outer._content.items():
             yield name, TomlTable(self._file, outer._at(name), content, known=known)
@@ -53,14 +53,14 @@ class TomlTable:
         self._check_graph_name(name, self._place)
 
     def text(self, key: str, fits: Callable[[str], bool] = bool, hint: str = "a text") -> str | None:
-        """Return a text that `fits`."""
+        """Return a string that `fits`."""
         value = self._content.get(key)
         if value is None or (isinstance(value, str) and fits(value)):
             return value
         raise self.error(f"write {hint}, not {_show(value)}", key)
 
     def texts(self, key: str, fits: Callable[[str], bool], hint: str) -> list[str]:
-        """Return a list of texts that all fit."""
+        """Return a list of strings that all fit."""
         for value in self._list(key):
             if not (isinstance(value, str) and fits(value)):
                 raise self.error(f"write {hint}, not {_show(value)}", key)
@@ -81,7 +81,7 @@ class TomlTable:
         return float(value)
 
     def flag(self, key: str) -> bool | None:
-        """Return true or false."""
+        """Return a boolean."""
         value = self._content.get(key)
         if value is None or isinstance(value, bool):
             return value
@@ -122,7 +122,7 @@ class TomlTable:
         }
 
     def table_of_any(self, key: str) -> Iterator[tuple[str, object, str]]:
-        """Yield keys, values and places of a table inside."""
+        """Yield keys, values and paths of a nested table."""
         inner = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
         for name, value in inner._content.items():
             yield name, value, inner._at(name)

@@ -1,7 +1,7 @@
-"""The boards and adapters behind USB ids: many describe themselves only as `USB Serial`.
+"""The boards and adapters with known USB ids; many describe themselves only as `USB Serial`.
 
-A board's own id leaves no doubt. Some ids are mostly those of boards, so what is behind them is listened to
-before it is asked. Others sit in cables to anything: those are left alone unless the user asks.
+Some ids belong only to boards. Some belong mostly to boards, so discovery listens before it probes. Others
+are in general adapters, which are opened only if the user allows it.
 
 Source: the USB ids that vendors publish in their boards.txt, drivers and udev rules.
 """
@@ -60,8 +60,8 @@ _OTHERS = {
 }
 
 
-# FTDI, Silicon Labs and WCH chips that Nanos, RedBoards and ESP boards carry, but GPS mice and lidars too;
-# the id of ST's own example, which flight controllers and printers keep; a Python prompt.
+# FTDI, Silicon Labs and WCH chips on Nanos, RedBoards and ESP boards, but also in GPS receivers and lidars;
+# the id of ST's example, which flight controllers and printers also use; a Python prompt.
 _LIKELY_BOARDS = frozenset(
     {
         (0x0403, 0x6001),
@@ -75,7 +75,8 @@ _LIKELY_BOARDS = frozenset(
     }
 )
 
-# In debug probes, servo buses (where a stray byte may move something) and GPS mice more than on boards.
+# More common in debug probes, servo buses (where a stray byte may cause motion) and GPS receivers than on
+# boards.
 _CABLE_ADAPTERS = frozenset({(0x0403, 0x6010), (0x0403, 0x6014), (0x067B, 0x2303)})
 
 
@@ -88,10 +89,10 @@ class Kind(Enum):
 
 
 def kind_of(vendor_id: int | None, product_id: int | None) -> Kind:
-    """Return what may be expected behind a USB id."""
+    """Return the kind of device for a USB id."""
     board = board_of(vendor_id, product_id)
     usb_id = (vendor_id, product_id)
-    # In its bootloader a board waits for a sketch, and takes anything else for one.
+    # In its bootloader, a board interprets all data as an upload.
     if not board or usb_id in _CABLE_ADAPTERS or board.endswith("in its bootloader"):
         return Kind.UNKNOWN
     return Kind.LIKELY_BOARD if usb_id in _LIKELY_BOARDS else Kind.BOARD

@@ -1,6 +1,6 @@
-"""How the virtual robot moves: a circle on the floor, with a sway, and what its sensors feel of it.
+"""The motion of the virtual robot: a circle on the floor, with a sway, and its sensor values.
 
-Everything is a function of time alone, so that pose, turn rate and acceleration agree with each other.
+Everything is a function of time only, so that pose, turn rate and acceleration are consistent.
 Axes as in REP 103: x forward, y left, z up; metres, radians, seconds.
 """
 
@@ -32,7 +32,7 @@ class Quaternion(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the robot is and how it is turned, in the frame it started from."""
+    """Position and orientation of the robot in the frame of its start."""
 
     position: Vector
     orientation: Quaternion
@@ -40,7 +40,7 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class Feeling:
-    """What an ideal inertial sensor on the robot measures, in the robot's own axes."""
+    """The values of an ideal inertial sensor, in the robot's axes."""
 
     turn_rate: Vector
     acceleration: Vector
@@ -48,7 +48,7 @@ class Feeling:
 
 @dataclass(frozen=True, slots=True)
 class CircleDrive:
-    """Drives a circle once each `lap_s` and rolls and pitches by `sway` radians meanwhile."""
+    """Drives one circle per `lap_s`, and rolls and pitches by up to `sway` radians."""
 
     radius: float = 1.0
     lap_s: float = 20.0
@@ -63,7 +63,7 @@ class CircleDrive:
         return Pose(position, _quaternion(roll, pitch, yaw))
 
     def feeling(self, time_s: float) -> Feeling:
-        """Return turn rate and acceleration at a time; gravity is felt as an acceleration upward."""
+        """Return turn rate and acceleration at a time; gravity appears as an upward acceleration."""
         roll, pitch, roll_rate, pitch_rate = self._sway_at(time_s)
         yaw_rate = self._yaw_rate
         turn_rate = Vector(

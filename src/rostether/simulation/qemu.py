@@ -21,19 +21,20 @@ from rostether.transports.pty_link import check_link, place_link, remove_link
 PROGRAM = "qemu-system-arm"
 # A TI Stellaris, the forerunner of the Tiva C with the same UART.
 DEFAULT_MACHINE = "lm3s6965evb"
-# It answers within a quarter of a second on an idle machine.
+# qemu answers within 0.25 s on an idle machine.
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
-# Its last lines say why it ended.
+# The last lines of output contain the reason for its end.
 MAX_SAID_BYTES = 4096
 
 _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 
 
 class QemuBoard:
-    """One board. It ends with `close`, and with this process.
+    """One board.
 
-    `last_words`: what qemu found wrong, once it has ended by itself.
+    It ends with `close`, and with this process. `last_words` is qemu's error message after it has ended by
+    itself.
     """
 
     def __init__(
@@ -43,23 +44,23 @@ class QemuBoard:
         self._terminal = terminal
         self._link_path = link_path
         self.last_words = ""
-        # What qemu says must be read, or it stops when the pipe is full.
+        # The output must be read, because qemu blocks if the pipe is full.
         self._reading = asyncio.get_running_loop().create_task(self._read(output))
 
     @classmethod
     async def start(
         cls, program: Path, *, machine: str = DEFAULT_MACHINE, link_path: Path | None = None
     ) -> Self:
-        """Start an ELF file on a machine that qemu knows, its terminal linked at `link_path`.
+        """Start an ELF file on a machine of qemu; `link_path` becomes a link to its terminal.
 
-        Raises BoardError when qemu does not run it, TransportOpenError for a `link_path` in use.
+        Raises BoardError if qemu does not run it, TransportOpenError if `link_path` is in use.
         """
         if link_path is not None:
             check_link(link_path)
         qemu = shutil.which(PROGRAM)
         if qemu is None:
             raise BoardError(f"{PROGRAM} is not installed: apt install qemu-system-arm")
-        # The kernel ends it when we are killed; without setpriv only `close` does.
+        # The kernel ends qemu if this process is killed; without setpriv only `close` ends it.
         setpriv = shutil.which("setpriv")
         guard = [setpriv, "--pdeathsig", "KILL"] if setpriv else []
         options = ["-machine", machine, "-display", "none", "-serial", "pty", "-monitor", "stdio"]
@@ -89,16 +90,16 @@ class QemuBoard:
 
     @property
     def address(self) -> str:
-        """Return the link address of the board's UART, as `serve` takes it."""
+        """Return the link address of the board's UART for `serve`."""
         return self._terminal
 
     @property
     def has_ended(self) -> bool:
-        """Whether qemu is gone."""
+        """Whether qemu has ended."""
         return self._reading.done()
 
     async def reset(self) -> None:
-        """Press the reset button. Raises BoardError when the board has ended."""
+        """Press the reset button. Raises BoardError if the board has ended."""
         stdin = self._process.stdin
         assert stdin is not None
         if self.has_ended:
@@ -113,7 +114,7 @@ class QemuBoard:
         await self._process.wait()
 
     async def close(self) -> None:
-        """End it and wait for that. Idempotent."""
+        """End it, and wait for the end. Idempotent."""
         if self._link_path is not None:
             remove_link(self._link_path, self._terminal)
             self._link_path = None
@@ -137,7 +138,7 @@ class QemuBoard:
 
 
 async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, bytes]:
-    """Return the terminal that qemu made, and all it has said until then: why it ends may be among it."""
+    """Return the terminal of qemu, and its output so far, which may contain an error message."""
     stdout = process.stdout
     assert stdout is not None
     output = b""
@@ -150,7 +151,7 @@ async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, byte
 
 
 def _complaint(output: bytes) -> str:
-    """Return what qemu found wrong, of all that it and its monitor said."""
+    """Return the error message in the output of qemu and its monitor."""
     lines = (line.strip() for line in output.decode(errors="replace").splitlines())
     wrong = [line.removeprefix(f"{PROGRAM}: ") for line in lines if line.startswith(PROGRAM)]
     return wrong[-1] if wrong else ""

@@ -1,4 +1,4 @@
-"""An HC-SR04 and the obstacle that moves before it."""
+"""An HC-SR04 and an obstacle that moves in front of it."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ MIN_RANGE = 0.02
 MAX_RANGE = 4.0
 FIELD_OF_VIEW = 0.26
 _SCATTER = 0.003
-# Sound at 20 degrees Celsius; sketches count whole microseconds of its way there and back.
+# The speed of sound at 20 °C; sketches measure the round trip in whole microseconds.
 _SOUND_SPEED = 343.0
 _TICK_S = 1e-6
-# A soft or slanted thing swallows the echo now and then; the sketch then times out and reports the maximum.
+# Soft or slanted objects sometimes absorb the echo; the sketch then times out and reports the maximum.
 _LOST_ECHO_PROBABILITY = 0.01
 
 
 class Obstacle:
-    """Simulates a person who walks to and fro in front of the sensor, until someone moves them."""
+    """Simulates a person who walks back and forth in front of the sensor, until `move` is called."""
 
     def __init__(self) -> None:
         self._moved_to: float | None = None
@@ -30,7 +30,7 @@ class Obstacle:
         return 1.5 + 0.9 * sin(2 * pi * time_s / 11.0) + 0.35 * sin(2 * pi * time_s / 4.7)
 
     def move(self, by_m: float, time_s: float) -> None:
-        """Move it from where it is at `time_s`; it stays there, within the sensor's range."""
+        """Move it from its position at `time_s`; it stays there, within the sensor's range."""
         self._moved_to = min(max(self.distance(time_s) + by_m, MIN_RANGE), MAX_RANGE)
 
 

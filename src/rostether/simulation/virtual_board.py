@@ -1,15 +1,15 @@
-"""The demo board: what a small robot's sketch would do, in Python, without hardware or toolchain.
+"""The demo board: a small robot's sketch in Python, without hardware or toolchain.
 
     topic         type               rate    what
     toggle_led    std_msgs/Empty     in      turns the LED on or off
     led           std_msgs/Bool      1 Hz    the LED, and at once when it changes
-    ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 before which somebody walks
+    ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 with a person walking in front
     imu_data      sensor_msgs/Imu    40 Hz   the robot's turn rate, acceleration and orientation
     /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor; base_link -> ultrasound
     count         std_msgs/UInt32    1 Hz    one more each time
 
 Services `set_led` (std_srvs/SetBool) and `test_srv` (rosserial_arduino/Test); parameters `~blink_hz`, how
-often the LED blinks by itself (0: not), and `~frame_id`, the robot's frame (base_link); logs.
+often the LED blinks by itself (0: never), and `~frame_id`, the robot's frame (base_link); logs.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rostether.serde.values import Message
 from rostether.simulation.motion import CircleDrive, Quaternion, Vector
 from rostether.simulation.ultrasound import FIELD_OF_VIEW, MAX_RANGE, MIN_RANGE, Obstacle, Ultrasound
 
-# Multiples of each other, so that one wake-up serves several.
+# The periods are multiples of each other, so that one wake-up serves several tasks.
 RANGE_HZ = 20.0
 IMU_HZ = 40.0
 TF_HZ = 20.0
@@ -56,7 +56,7 @@ class _Periodic:
 
 
 class VirtualBoard:
-    """Declares the demo's endpoints on a device and plays the sketch; the same `seed`, the same noise."""
+    """Declares the demo's endpoints on a device and runs the sketch; the same `seed` gives the same noise."""
 
     def __init__(
         self,
@@ -71,7 +71,7 @@ class VirtualBoard:
         self._device = device
         self._clock = clock if clock is not None else asyncio.get_running_loop().time
         self._booted_s = self._clock()
-        self._rng = Random(seed)  # noqa: S311 - noise, no secret
+        self._rng = Random(seed)  # noqa: S311 - noise, not a secret
         self._drive = CircleDrive()
         self._ultrasound = Ultrasound(self._rng, obstacle or Obstacle())
         self._frame_id = ROBOT_FRAME
@@ -121,7 +121,7 @@ class VirtualBoard:
         return min(task.due_s for task in self._tasks)
 
     async def run(self) -> None:
-        """Play until cancelled, while a host listens; after each new connection greet and read parameters."""
+        """Run until cancelled, while a host is connected; each new connection gets a greeting."""
         while True:
             await self._device.wait_connected()
             greeting = asyncio.get_running_loop().create_task(self._greet())

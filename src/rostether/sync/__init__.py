@@ -1,4 +1,4 @@
-"""The Python API without asyncio: the same names, and calls that wait where the others are awaited.
+"""The Python API without asyncio: the same names, with blocking calls instead of awaitable ones.
 
 with rostether.sync.join("nearest") as graph:
     for message in graph.messages("/ultrasound"):

@@ -33,10 +33,10 @@ class Publisher(Waiting[DevicePublisher[...]], Generic[P]):
     @overload
     def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
     def publish(self, *args: Any, **fields: Any) -> bool:
-        """Send one message, given whole, by its fields, or as the value of its only field.
+        """Send one message, given as a message, by its fields, or as the value of its only field.
 
-        False when no host listens or the line is full. Raises SerializationError naming a field that does
-        not fit, LocalProtocolError beyond the buffer.
+        Returns False if no host is connected or the line is full. Raises SerializationError with the name of
+        a field that does not fit, LocalProtocolError if it exceeds the buffer.
         """
         return self._publish(*args, **fields)
 
@@ -55,7 +55,7 @@ class Messages(Waiting[DeviceMessages[M]]):
 
     @property
     def dropped_count(self) -> int:
-        """How many messages came faster than the loop took them."""
+        """How many messages were dropped because the loop was too slow."""
         return self.wrapped.dropped_count
 
     def __iter__(self) -> Iterator[M]:
@@ -67,7 +67,7 @@ class Messages(Waiting[DeviceMessages[M]]):
 
 
 class Device(Member[device.Device], LogMethods):
-    """A rosserial device in Python; its line opens at once, and again whenever it is lost.
+    """A rosserial device in Python; its line opens at once, and reopens after a loss.
 
     The arguments and methods are those of `rostether.Device`. Callbacks and handlers run in threads.
     """
@@ -88,7 +88,7 @@ class Device(Member[device.Device], LogMethods):
 
     @property
     def connected(self) -> bool:
-        """Whether a host has asked for the topics and still answers."""
+        """Whether a host has requested the topics and still answers."""
         return self.wrapped.connected
 
     @overload
@@ -106,7 +106,7 @@ class Device(Member[device.Device], LogMethods):
     def subscriber(
         self, topic: str, type_name: str | type[Message], callback: Callable[[Any], object]
     ) -> None:
-        """Declare a topic to receive; the callback runs in a thread of its own.
+        """Declare a topic to receive; the callback runs in its own thread.
 
         Raises UnknownTypeError, LocalProtocolError.
         """
@@ -124,7 +124,7 @@ class Device(Member[device.Device], LogMethods):
     def messages(
         self, topic: str, type_name: str | type[Message], *, queue_size: int = DEFAULT_QUEUE_MESSAGES
     ) -> Messages[Any]:
-        """Declare a topic to receive, and return its messages to loop over; raises as `subscriber`."""
+        """Declare a topic to receive, and return its messages; raises the same errors as `subscriber`."""
         return Messages(self._messages(topic, name_of_type(type_name), queue_size=queue_size))
 
     @overload

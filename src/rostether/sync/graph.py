@@ -32,7 +32,7 @@ M = TypeVar("M", bound=Message)
 
 
 class Graph(Member[TypedGraph], LogMethods):
-    """One node's membership of a graph; made by `join`. Its methods are those of `rostether.join`'s graph."""
+    """One node on a graph; made by `join`. Its methods are those of `rostether.join`'s graph."""
 
     _call = waiting(TypedGraph.call)
     _wait_for_message = waiting(TypedGraph.wait_for_message)
@@ -83,7 +83,7 @@ class Graph(Member[TypedGraph], LogMethods):
         *,
         queue_size: int = DEFAULT_QUEUE_MESSAGES,
     ) -> Messages[Any]:
-        """Return a topic's messages to loop over; without `type_name`, of the type that its publisher has."""
+        """Return a topic's messages to loop over; without `type_name`, the type of its publisher is used."""
         name = None if type_name is None else name_of_type(type_name)
         return Messages(lambda: self.is_closed, self.wrapped.messages(topic, name, queue_size=queue_size))
 
@@ -109,7 +109,7 @@ class Graph(Member[TypedGraph], LogMethods):
     def subscriber(
         self, topic: str, type_name: str | type[Message] | None, callback: Callable[[Any], object]
     ) -> Subscriber:
-        """Call back with each message of a topic, in a thread of its own; waiting messages are bounded.
+        """Call back with each message of a topic, in its own thread; the queue is bounded.
 
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
@@ -157,7 +157,7 @@ class Graph(Member[TypedGraph], LogMethods):
         self, service: str, type_name: type[Service[Request, Response]]
     ) -> ServiceClient[Response]: ...
     def service_client(self, service: str, type_name: str | type[Service[Any, Any]]) -> ServiceClient[Any]:
-        """Return a client for many calls of a service, which need not run yet. Raises UnknownTypeError."""
+        """Return a client for many calls of a service, which need not exist yet. Raises UnknownTypeError."""
         return ServiceClient(LOOP.call(self.wrapped.service_client(service, name_of_type(type_name))))
 
     @overload
@@ -174,9 +174,10 @@ class Graph(Member[TypedGraph], LogMethods):
     def service_server(
         self, service: str, type_name: str | type[Service[Any, Any]], handler: Callable[[Any], MessageLike]
     ) -> ServiceServer:
-        """Offer a service; `handler` takes the request and returns the response, in a thread of its own.
+        """Offer a service; `handler` takes the request and returns the response, in its own thread.
 
-        If it raises, the call fails and the caller receives the error. Raises UnknownTypeError, GraphError.
+        If it raises an exception, the call fails and the caller receives the error. Raises UnknownTypeError,
+        GraphError.
         """
 
         async def handle(request: Message) -> MessageLike:

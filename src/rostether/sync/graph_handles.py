@@ -29,9 +29,9 @@ class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
     @overload
     def publish(self, *args: P.args, **fields: P.kwargs) -> bool: ...
     def publish(self, *args: Any, **fields: Any) -> bool:
-        """Publish one message, given whole, by its fields, or as the value of its only field.
+        """Publish one message, given as a message, by its fields, or as the value of its only field.
 
-        Raises SerializationError naming the field that does not fit.
+        Raises SerializationError with the name of a field that does not fit.
         """
         return self._publish(*args, **fields)
 
@@ -51,7 +51,7 @@ class Publisher(Waiting[TypedPublisher[...]], Generic[P]):
 
 
 class Subscriber(Waiting[CallbackSubscriber]):
-    """Calls back in a thread of its own until it is closed; made by `Graph.subscriber`."""
+    """Calls back in its own thread until it is closed; made by `Graph.subscriber`."""
 
     def __init__(self, wrapped: CallbackSubscriber, thread: CallbackThread[Message]) -> None:
         super().__init__(wrapped)
@@ -81,7 +81,7 @@ class ServiceClient(Waiting[TypedServiceClient[Response]]):
 
 
 class ParamWatch(Waiting[ports.Watch]):
-    """Calls back in a thread of its own until it is closed; made by `Graph.watch_param`."""
+    """Calls back in its own thread until it is closed; made by `Graph.watch_param`."""
 
     close = waiting(ports.Watch.close)
 
@@ -99,7 +99,7 @@ class Messages(Generic[M]):
 
     @property
     def dropped_count(self) -> int:
-        """How many messages came faster than the loop took them."""
+        """How many messages were dropped because the loop was too slow."""
         return self._stream.dropped_count
 
     def __iter__(self) -> Iterator[M]:
@@ -127,7 +127,7 @@ class Messages(Generic[M]):
         return await self._waiting
 
     async def _end(self) -> None:
-        # A generator cannot be closed while it runs, as after Ctrl-C.
+        # A generator cannot be closed while it runs, for instance after Ctrl-C.
         if self._waiting is not None:
             self._waiting.cancel()
             await asyncio.wait([self._waiting])

@@ -1,4 +1,4 @@
-"""Objects of the event loop, used from the program's own threads."""
+"""Uses objects of the event loop from the program's threads."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ Wrapped = TypeVar("Wrapped", covariant=True)
 
 _LOG = logging.getLogger(__name__)
 
-# One loop for the whole program: nodes and devices wait in it most of the time.
+# One event loop serves all nodes and devices of the program.
 LOOP = LoopThread()
 
-# What leaving a graph may take when its master or its peers do not answer.
+# The time limit for leaving a graph if the master or peers do not answer.
 CLOSE_TIMEOUT_S = 10.0
 
 
 class Waiting(Generic[Wrapped]):
-    """Has the methods of `wrapped`, an object of the loop, as methods that wait."""
+    """Provides the methods of `wrapped`, an object of the event loop, as blocking methods."""
 
     def __init__(self, wrapped: Wrapped) -> None:
         self.wrapped = wrapped
@@ -40,7 +40,7 @@ def waiting(
 
     @wraps(method)
     def call(self: Waiting[Wrapped], /, *args: P.args, **kwargs: P.kwargs) -> T:
-        # By name: `method` may be a protocol's.
+        # By name, because `method` may belong to a protocol.
         found: Callable[P, Coroutine[Any, Any, T]] = getattr(self.wrapped, method.__name__)
         return LOOP.call(found(*args, **kwargs))
 
@@ -48,7 +48,7 @@ def waiting(
 
 
 def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
-    """Return a callback that logs what the program's own one raises."""
+    """Return a callback that logs the exceptions of the program's callback."""
 
     def call(item: T) -> None:
         try:
@@ -73,7 +73,7 @@ def in_loop(method: Callable[Concatenate[Wrapped, P], T]) -> Callable[Concatenat
 
 
 class Member(Waiting[Wrapped]):
-    """Something that an asynchronous context holds open until `close`, or the end of the program."""
+    """An object that an asynchronous context keeps open until `close`, or the end of the program."""
 
     def __init__(self, make_context: Callable[[], AbstractAsyncContextManager[Wrapped]]) -> None:
         super().__init__(LOOP.call(self._open(make_context)))
@@ -83,7 +83,7 @@ class Member(Waiting[Wrapped]):
     async def _open(self, make_context: Callable[[], AbstractAsyncContextManager[Wrapped]]) -> Wrapped:
         opened: asyncio.Future[Wrapped] = asyncio.get_running_loop().create_future()
         self._leave = asyncio.Event()
-        # One task opens and closes: contexts may not change their task.
+        # One task opens and closes: a context must stay in its task.
         self._task = asyncio.create_task(self._hold(make_context, opened))
         try:
             return await asyncio.shield(opened)
@@ -110,7 +110,7 @@ class Member(Waiting[Wrapped]):
         await self._task
 
     def close(self) -> None:
-        """Leave. Idempotent. Raises TimeoutError when peers keep it for 10 s."""
+        """Leave. Idempotent. Raises TimeoutError if it takes more than 10 s."""
         if not self.is_closed:
             self.is_closed = True
             atexit.unregister(self.close)

@@ -112,7 +112,7 @@ async def test_a_joystick_may_come_later_and_go(stage: Stage, monkeypatch: pytes
         stage.device.unlink()
         os.close(stage.writer)
         await until(lambda: len(stage.lines) == 3)
-    assert stage.lines[2].endswith("is gone; waiting for it")
+    assert stage.lines[2].endswith("was disconnected; waiting for it")
 
 
 async def test_settings_that_make_no_sense(stage: Stage) -> None:

@@ -45,7 +45,7 @@ def either_way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) 
     if request.param == "by looking":
         monkeypatch.setattr(port_watch, "FolderEvents", no_events)
     elif sys.platform != "linux":
-        pytest.skip("inotify is Linux's")
+        pytest.skip("inotify exists only on Linux")
 
 
 @pytest.mark.usefixtures("either_way")
@@ -103,7 +103,7 @@ async def test_nothing_is_listed_while_nothing_changes(
     following.cancel()
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="inotify is Linux's")
+@pytest.mark.skipif(sys.platform != "linux", reason="inotify exists only on Linux")
 async def test_no_polling_with_kernel_notifications(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.02)
     looks = 0

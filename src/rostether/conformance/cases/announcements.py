@@ -66,7 +66,7 @@ async def check_buffers(client: CheckedClient) -> None:
 
 @case("announce-services")
 async def check_services(client: CheckedClient) -> None:
-    """Each service is announced in two halves of one type: on 2 and 3, or on 4 and 5."""
+    """Each service is announced twice with the same type: on 2 and 3, or on 4 and 5."""
     halves = {(each.kind, each.name, each.info.message_type) for each in client.announcements if each.info}
     for kind, name, service_type in halves:
         if kind >= ids.SERVICE_SERVER_RESPONSE and (kind ^ 1, name, service_type) not in halves:

@@ -19,7 +19,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.packets import Log, LogLevel, ParameterResponse
 
 _DOUBLE = struct.Struct("<d")
-# Exact as a float too: on some processors a double has 4 bytes.
+# These values are also exact as floats, because a double has 4 bytes on some processors.
 REALS = (0.0, -1.5, 2.0**100, 1.0 / 1024)
 
 case = CaseList()
@@ -38,20 +38,20 @@ async def check_reals(client: CheckedClient) -> None:
 
 @case("service-answer", Part.SWITCH)
 async def check_answer(client: CheckedClient) -> None:
-    """A request is answered on the service's id for responses."""
+    """A request is answered on the response id of the service."""
     await _expect_switched(client, is_on=True)
 
 
 @case("service-order", Part.SWITCH)
 async def check_order(client: CheckedClient) -> None:
-    """Two requests, one after the other, are answered each with its own response."""
+    """Two consecutive requests are each answered with their own response."""
     await _expect_switched(client, is_on=True)
     await _expect_switched(client, is_on=False)
 
 
 @case("service-call", Part.TRIGGER, Part.COMMAND, Part.TEXT)
 async def check_call(client: CheckedClient) -> None:
-    """A call is sent on the service's id for requests, and ends with its response."""
+    """A call is sent on the request id of the service, and ends with its response."""
     await _begin_call(client)
     _respond(client, "done")
     await _expect_text(client, "done")
@@ -59,7 +59,7 @@ async def check_call(client: CheckedClient) -> None:
 
 @case("service-call-time", Part.TRIGGER, Part.COMMAND, Part.TEXT)
 async def check_call_time(client: CheckedClient) -> None:
-    """An answer for the time during a call does not end the call."""
+    """A time answer during a call does not end the call."""
     await _begin_call(client)
     client.send_bytes(client.time_answer())
     _respond(client, "after the time")
@@ -101,7 +101,7 @@ async def check_text(client: CheckedClient) -> None:
 
 @case("parameter-missing", Part.COMMAND, Part.TEXT)
 async def check_missing(client: CheckedClient) -> None:
-    """An answer with three empty lists means that there is no such parameter."""
+    """An answer with three empty lists means that the parameter does not exist."""
     client.set_parameter(TEXT_PARAMETER, ParameterResponse())
     _command(client, Command.GET_TEXT)
     await _expect_text(client, NONE_TEXT)

@@ -1,7 +1,7 @@
-"""How a client finds frames in what it receives, and what it drops.
+"""How a client finds frames in the received bytes, and what it drops.
 
-A case that expects nothing sends a valid message behind the invalid bytes: only that one may come back. It
-needs no waiting, so a slow machine cannot change its verdict.
+A case that expects no answer sends a valid message after the invalid bytes: only this message may come back.
+So no time limit is needed, and a slow machine cannot change the verdict.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 
 # Ids that the protocol does not use.
 UNUSED_IDS = (8, 9, 12, 50, 99)
-# Few enough bytes for the 64 that a board's serial port keeps while its program works.
+# Fits in the 64 bytes that a board's serial port buffers while its program is busy.
 JOINED = 5
-# Longer than a network's pauses, and than the time after which a client must give up a torn frame.
+# Longer than pauses of a network, and than the time after which a client must drop an incomplete frame.
 TORN_S = 1.2
 
 case = CaseList()
@@ -86,7 +86,7 @@ async def check_checksum(client: CheckedClient) -> None:
 @case("frame-false-header", Part.TEXT)
 async def check_false_header(client: CheckedClient) -> None:
     """A frame inside the length that a false header claims is received."""
-    # The header is valid, and claims the beginning of the next frame as its payload.
+    # The header is valid, and its length includes the start of the next frame.
     await _expect_after(client, b"\xff\xfe\x03\x00\xfc")
 
 
@@ -100,8 +100,8 @@ async def check_torn(client: CheckedClient) -> None:
 
 @case("frame-longest", Part.TEXT)
 async def check_longest(client: CheckedClient) -> None:
-    """A message of as many bytes as the announced buffer size is received."""
-    # The answer must fit the client's own output buffer, and a slow line.
+    """A message with the announced buffer size is received."""
+    # The answer must fit in the client's output buffer, and suit a slow line.
     size = min(client.buffer_of("text_in"), 1024) - 4
     text = "".join(chr(ord("a") + index % 26) for index in range(size))
     client.send_bytes(_frame(client, text))
@@ -139,14 +139,14 @@ async def check_publisher_id(client: CheckedClient) -> None:
 
 @case("message-short", Part.TEXT)
 async def check_short_message(client: CheckedClient) -> None:
-    """A message that ends before its type's layout does is dropped."""
+    """A message that is shorter than its type's layout is dropped."""
     payload = text_payload("wrong")[:-2]
     await _expect_after(client, encode_frame(client.id_of("text_in"), payload))
 
 
 @case("message-count", Part.TEXT)
 async def check_false_count(client: CheckedClient) -> None:
-    """A message whose text or array claims more than the payload holds is dropped."""
+    """A message with a string or array length beyond the payload is dropped."""
     payload = b"\xf0\xff\xff\xff" + b"wrong"
     await _expect_after(client, encode_frame(client.id_of("text_in"), payload))
 
@@ -167,7 +167,7 @@ def _frame(client: CheckedClient, text: str) -> bytes:
 
 
 async def _expect_after(client: CheckedClient, data: bytes) -> None:
-    """Send bytes and a valid message in one piece: nothing but that message may come back."""
+    """Send bytes and a valid message together: only this message may come back."""
     client.send_bytes(data + _frame(client, "valid"))
     await _expect_texts(client, "valid")
 

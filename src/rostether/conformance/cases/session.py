@@ -1,4 +1,4 @@
-"""The life of a session: time, silence, stop, probes, and another line."""
+"""The life cycle of a session: time, silence, stop, probes, and reconnection."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import decode_time
 
-# A client asks every 2.2 to 2.5 s; a host takes it for gone after 5 s.
+# A client requests the time every 2.2 to 2.5 s; after 5 s, a host regards it as disconnected.
 LONGEST_PERIOD_S = 5.0
-# The client's clock may be late by the round trip, on a slow line and a busy machine.
+# The client's clock may be late by the round trip time of a slow line and a busy machine.
 CLOCK_TOLERANCE_S = 1.0
-# Less than the shortest period of time requests: two answers in a row within it are not by chance.
+# Shorter than the period of time requests, so two answers within this time are not a coincidence.
 PROBE_ANSWER_S = 1.5
 PROBE = b"\xff\x00"
 PROBE_PAUSE_S = 0.1
-# After 11 s without an answer the host is gone; the client's clock may be off, and its program slow.
+# After 11 s without an answer, the host counts as disconnected; this adds a margin for clock errors and slow
+# programs.
 LOST_S = 14.0
 
 case = CaseList()
@@ -40,14 +41,14 @@ async def check_clock(client: CheckedClient) -> None:
 
 @case("time-layout", Part.PING)
 async def check_time_layout(client: CheckedClient) -> None:
-    """An answer for the time that is not 8 bytes long is ignored."""
+    """A time answer that is not 8 bytes long is ignored."""
     client.send(ids.TIME, b"\x01\x02\x03\x04\x05\x06\x07")
     await _expect_clock(client, client.host_time_s())
 
 
 @case("time-lost", Part.TEXT, wait_s=LOST_S)
 async def check_lost(client: CheckedClient) -> None:
-    """Without answers for the time for 11 s, the client sends no messages."""
+    """After 11 s without time answers, the client sends no messages."""
     client.unsettle()
     client.answers_time = False
     await asyncio.sleep(LOST_S)
@@ -63,7 +64,7 @@ async def check_stop(client: CheckedClient) -> None:
 
 @case("stop-resume", Part.TEXT)
 async def check_resume(client: CheckedClient) -> None:
-    """After a stop, a request for the topics has the client send messages again."""
+    """After a stop and a new request for the topics, the client sends messages again."""
     _stop(client)
     await client.configure()
     client.send(client.id_of("text_in"), text_payload("again"))
@@ -72,7 +73,7 @@ async def check_resume(client: CheckedClient) -> None:
 
 @case("probe-waiting")
 async def check_probe(client: CheckedClient) -> None:
-    """A client that waits to be asked answers a wrong version byte with a request for the time."""
+    """A client that waits for a request answers a wrong version byte with a request for the time."""
     _stop(client)
     for _ in range(2):
         # One answer is enough for a burst of probes.
@@ -99,14 +100,14 @@ async def check_line_again(client: CheckedClient) -> None:
 
 
 def _stop(client: CheckedClient) -> None:
-    # A host that has gone answers nothing.
+    # A disconnected host does not answer.
     client.answers_time = False
     client.unsettle()
     client.send(ids.TX_STOP)
 
 
 async def _expect_dropped(client: CheckedClient) -> None:
-    """Send a text to a client that must not answer: only what is sent after a new request comes back."""
+    """Send a string to a client that must not answer: only one sent after a new request may come back."""
     since = client.received
     client.send(client.id_of("text_in"), text_payload("unwanted"))
     await client.configure()

@@ -1,4 +1,4 @@
-"""What a simulated board reports."""
+"""The events of a simulated board."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.errors import BoardError
 
 @dataclass(frozen=True, slots=True)
 class BoardEvent:
-    """One event: `name` as in the reference of words and events, `time_s` the board's own time."""
+    """One event: `name` as in the reference of commands and events, `time_s` in the board's time."""
 
     name: str
     time_s: float
@@ -35,7 +35,7 @@ def parse_event(line: bytes) -> BoardEvent:
 
 
 def show_event(event: BoardEvent) -> str:
-    """Write an event for people, in one line: the board's time in seconds, the event, its values."""
+    """Format an event in one line: the board's time in seconds, the event, its values."""
     values = dict(event.values)
     text = values.pop("text", "")
     pin = values.pop("pin", None)

@@ -1,4 +1,4 @@
-"""The runner's program, compiled on first use: it links libsimavr (GPL-3), so it is a program of its own."""
+"""The runner, compiled on first use: it links libsimavr (GPL-3), so it is a separate program."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _NAME = "rostether-simavr"
 
 
 async def build_runner() -> Path:
-    """Return the runner's program, compiled now if it has not been.
+    """Return the path of the runner; compile it if needed.
 
-    Several processes may do so at once. Raises BoardError that names the packages to install.
+    Several processes may do so at once. Raises BoardError with the packages to install.
     """
     compiler = _find_compiler()
     sources = sorted(SOURCES.glob("*.c"))
@@ -61,7 +61,7 @@ async def build_runner() -> Path:
 
 
 def missing_parts() -> str:
-    """Return what keeps the runner from being compiled here, empty if nothing does."""
+    """Return why the runner cannot be compiled on this machine, empty if it can."""
     try:
         _find_compiler()
     except BoardError as error:
@@ -86,7 +86,7 @@ def _advice(reason: str) -> str:
 
 
 def _key(compiler: str) -> str:
-    """Name a build by all it is made of: sources, flags, compiler and the simulator's headers."""
+    """Return the key of a build: a hash of sources, flags, compiler and the simulator's headers."""
     content = hashlib.sha256()
     for path in sorted(SOURCES.glob("*.[ch]")):
         content.update(path.name.encode() + b"\0" + path.read_bytes())

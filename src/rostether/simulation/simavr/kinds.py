@@ -1,4 +1,4 @@
-"""The boards that can be simulated, and the name the runner has for each: one for those of the same kind."""
+"""The boards that can be simulated, and their names in the runner; boards of the same kind share a name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KINDS = {
 
 
 def kind_of(board: str) -> str:
-    """Return the runner's name for a board. Raises ConfigError naming the boards that there are."""
+    """Return the runner's name for a board. Raises ConfigError with the known boards."""
     try:
         return KINDS[board]
     except KeyError:

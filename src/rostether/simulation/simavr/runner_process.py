@@ -1,4 +1,4 @@
-"""The runner's process: lines in, events out, and its end."""
+"""The process of the runner: commands in, events out."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from rostether.simulation.simavr.board_events import BoardEvent, parse_event
 
 T = TypeVar("T")
 
-# The longest event (4096 bytes of memory in hexadecimal) is far below.
+# Much longer than the longest event (4096 bytes of memory in hexadecimal).
 MAX_LINE_BYTES = 1 << 18
 START_LIMIT_S = 20.0
 ANSWER_LIMIT_S = 20.0
-# It leaves its loop within a slice of a millisecond; what does not is killed.
+# The runner leaves its loop within a millisecond; after this time, it is killed.
 END_LIMIT_S = 2.0
 
 
 class RunnerProcess:
-    """One running runner. `on_event` is called with each event but the answers to `report`."""
+    """One running runner. `on_event` is called with each event except the answers to `report`."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self.on_event: Callable[[BoardEvent], None] = lambda _event: None
@@ -35,7 +35,10 @@ class RunnerProcess:
 
     @classmethod
     async def start(cls, program: Path, arguments: Sequence[str]) -> tuple[Self, list[BoardEvent]]:
-        """Start it; return it with its first events: "ready" and what its words gave. Raises BoardError."""
+        """Start it; return it with its first events: "ready" and the results of its first commands.
+
+        Raises BoardError.
+        """
         process = await asyncio.create_subprocess_exec(
             str(program),
             *arguments,
@@ -61,16 +64,16 @@ class RunnerProcess:
 
     @property
     def has_ended(self) -> bool:
-        """Whether it is gone."""
+        """Whether it has ended."""
         return self._reading is None or self._reading.done()
 
     @property
     def exit_code(self) -> int | None:
-        """Return how it ended; None while it runs, negative by a signal."""
+        """Return the exit code; None while it runs, negative for a signal."""
         return self._process.returncode
 
     async def send_command(self, line: str) -> None:
-        """Say a line and wait until it is done. Raises BoardError with what was wrong with it."""
+        """Send a command, and wait until it is done. Raises BoardError with its error."""
         if "\n" in line:
             raise BoardError("a command for a simulated board must be one line")
         number = next(self._numbers)
@@ -107,7 +110,7 @@ class RunnerProcess:
         await self._process.wait()
 
     async def close(self) -> None:
-        """End it and wait for that."""
+        """End it, and wait for the end."""
         process = self._process
         assert process.stdin is not None
         process.stdin.close()

@@ -1,4 +1,4 @@
-"""A simulated AVR board that runs real firmware in its own process: start it, command it, read its events.
+"""A simulated AVR board that runs real firmware in a separate process.
 
 async with await SimulatedBoard.start(elf, board="uno", words=["adc A0=2.5"]) as board:
     ...                                   # `board.address` is what `serve` opens
@@ -26,9 +26,9 @@ from rostether.simulation.simavr.runner_process import RunnerProcess
 from rostether.transports.pty_link import check_link, place_link, remove_link
 
 DEFAULT_TIMEOUT_S = 10.0
-# A watched pin that toggles at 1 kHz, for ten seconds; older events are of the past.
+# Enough for ten seconds of a watched pin that toggles at 1 kHz; older events are dropped.
 MAX_RECENT_EVENTS = 20_000
-# A minute of a 115200 baud line.
+# Enough for a minute at 115200 baud.
 MAX_SERIAL_BYTES = 1 << 20
 
 LinkKind = Literal["pty", "tcp", "none"]
@@ -36,9 +36,9 @@ Settled = Callable[[BoardEvent], bool]
 
 
 class SimulatedBoard:
-    """One board. Its methods raise BoardError when a word makes no sense to the board, or when it has ended.
+    """One board. Its methods raise BoardError for an invalid command, or if the board has ended.
 
-    `recent` holds its last events, `serial` what it sent while "serial" was watched.
+    `recent` has its last events, `serial` the bytes that it sent while "serial" was watched.
     """
 
     def __init__(self, process: RunnerProcess, ready: BoardEvent, link_path: Path | None) -> None:
@@ -71,9 +71,9 @@ class SimulatedBoard:
     ) -> Self:
         """Start an ELF or HEX file on a board.
 
-        `words` are commands that apply before its first instruction. With `realtime=False` it runs as fast as
-        possible, with `paused` only during a `run` command: then every run is the same. `seed` sets the noise
-        in RAM.
+        `words` are commands to execute before its first instruction. With `realtime=False` it runs as
+        fast as possible, with `paused` only during a `run` command, which makes runs reproducible. `seed`
+        sets the noise in RAM.
         Raises BoardError, ConfigError for an unknown board, TransportOpenError for a `link_path` in use.
         """
         kind = kind_of(board)
@@ -108,12 +108,12 @@ class SimulatedBoard:
 
     @property
     def address(self) -> str:
-        """Return the link address of the board's serial line, as `serve` takes it; empty without a link."""
+        """Return the link address of the board's serial line for `serve`; empty without a link."""
         return self._terminal
 
     @property
     def has_ended(self) -> bool:
-        """Whether its process is gone."""
+        """Whether its process has ended."""
         return self._process.has_ended
 
     @property
@@ -122,11 +122,11 @@ class SimulatedBoard:
         return self._process.exit_code == 0
 
     async def send_command(self, line: str) -> None:
-        """Say a line of words, and wait until the board has done it."""
+        """Send a command, and wait until the board has executed it."""
         await self._process.send_command(line)
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
-        """Say a line of words that is answered with an event."""
+        """Send a command that is answered with an event."""
         answers: list[BoardEvent] = []
         with self._listening(lambda event: answers.append(event) if event.name == answer else None):
             await self.send_command(line)
@@ -137,7 +137,7 @@ class SimulatedBoard:
     async def wait_for(
         self, name: str, settled: Settled = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
     ) -> BoardEvent:
-        """Wait for an event that is still to come. Raises BoardError when it does not, within that time."""
+        """Wait for the next event with a name. Raises BoardError if it does not come in time."""
         found: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
 
         def look(event: BoardEvent) -> None:
@@ -148,7 +148,7 @@ class SimulatedBoard:
             return await self._process.before_end(found, f"event {name!r}", timeout_s)
 
     async def events(self) -> AsyncIterator[BoardEvent]:
-        """Yield the events from now on until the board ends; a reader who is slow misses the oldest."""
+        """Yield the events from now on until the board ends; a slow reader misses the oldest."""
         waiting: deque[BoardEvent] = deque(maxlen=MAX_RECENT_EVENTS)
         came = asyncio.Event()
 
@@ -171,20 +171,20 @@ class SimulatedBoard:
             ended.cancel()
 
     async def set_adc(self, pin: str, volts: float) -> None:
-        """Put a voltage on an analog input, 0 to 5.5 V."""
+        """Set the voltage of an analog input, 0 to 5.5 V."""
         await self.send_command(f"adc {pin}={volts:.6f}")
 
     async def set_range(self, metres: float | None) -> None:
-        """Set the distance before the HC-SR04; None: nothing in sight."""
+        """Set the distance in front of the HC-SR04; None means no obstacle."""
         await self.send_command("range none" if metres is None else f"range {metres:.6f}")
 
     async def set_attitude(self, roll: float, pitch: float, yaw: float, *, over_s: float = 0.0) -> None:
-        """Turn the board, angles in radians, at once or in `over_s` of its time."""
+        """Turn the board to angles in radians, at once or within `over_s` of its time."""
         degrees = " ".join(f"{math.degrees(angle):.6f}" for angle in (roll, pitch, yaw))
         await self.send_command(f"attitude {degrees} in {over_s:.6f}")
 
     async def drive_pin(self, pin: str, level: bool | None) -> None:
-        """Drive a pin from outside; None lets it go."""
+        """Drive a pin from outside; None releases it."""
         await self.send_command(f"pin {pin}={'z' if level is None else int(level)}")
 
     async def pin_level(self, pin: str) -> bool:
@@ -192,7 +192,7 @@ class SimulatedBoard:
         return bool((await self.ask(f"pin {pin}", "pin"))["level"])
 
     async def pins(self) -> dict[str, str]:
-        """Return all digital pins: "in1", "out0", or "pwm0.503" with the part of the time that it is high."""
+        """Return all digital pins: "in1", "out0", or "pwm0.503" with its duty cycle."""
         return dict((await self.ask("pins", "pins")).values)
 
     async def wait_for_pin(self, pin: str, level: bool, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
@@ -217,7 +217,7 @@ class SimulatedBoard:
         return (await self.servo_pulse_us(pin, timeout_s=timeout_s) - 544.0) * 180.0 / (2400.0 - 544.0)
 
     async def set_faults(self, faults: str) -> None:
-        """Make the line bad: `flip=0.01,to:drop=0.001,seed=3`, or `none`."""
+        """Add faults to the line: `flip=0.01,to:drop=0.001,seed=3`, or `none`."""
         await self.send_command(f"fault {faults}")
 
     async def reset(self) -> None:
@@ -229,7 +229,7 @@ class SimulatedBoard:
         await self.send_command(f"power {'on' if on else 'off'}")
 
     async def send(self, data: bytes) -> None:
-        """Send bytes to the board's UART at line speed, besides what comes through the link."""
+        """Send bytes to the board's UART at line speed, in addition to the link's data."""
         await self.send_command(f"send {data.hex()}")
 
     async def run(self, duration: str | int, *, timeout_s: float = 60.0) -> None:
@@ -253,7 +253,7 @@ class SimulatedBoard:
         return bytes.fromhex(answer["data"])
 
     async def free_stack_bytes(self) -> int:
-        """Return how many bytes between heap and stack were never used since power-up."""
+        """Return the number of bytes between heap and stack that were never used since power-up."""
         return int((await self.ask("stack", "stack"))["free_bytes"])
 
     async def guard(self, place: str) -> None:
@@ -261,7 +261,7 @@ class SimulatedBoard:
         await self.send_command(f"guard {place}")
 
     async def close(self) -> None:
-        """End the board. Nothing of it stays behind."""
+        """End the board, and remove its files."""
         await self._process.close()
         if self._link_path is not None:
             remove_link(self._link_path, self._terminal)
@@ -286,7 +286,7 @@ class SimulatedBoard:
             self._listeners.remove(listener)
 
     def _take(self, event: BoardEvent) -> None:
-        # A look at all pins is large, and comes many times a second.
+        # The list of all pins is large, and is requested many times a second.
         if event.name != "pins":
             self.recent.append(event)
         if event.name == "pin":

@@ -1,6 +1,6 @@
-"""A simulated board on the graph: its pins as a topic, and words that change its surroundings.
+"""A simulated board on the graph: its pins as a topic, and commands that change its surroundings.
 
-`~state` is JSON for people's pages, `~command` takes the words of docs/reference/simulated-boards.md.
+`~state` is JSON for web pages, `~command` accepts the commands of docs/reference/simulated-boards.md.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from rostether.simulation.simavr.simulated_board import SimulatedBoard
 STRING = "std_msgs/String"
 ODOMETRY = "nav_msgs/Odometry"
 
-# Every node of the graph may use these; others read memory, connect elsewhere or end the board.
+# Every node may use these commands; others read memory, open connections or end the board.
 WORDS = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
-# These have a value for each pin.
+# These commands have a value for each pin.
 _BY_PIN = ("adc", "pin")
 
 MAX_COMMAND_CHARS = 200
-# What a person sees as live; without a subscriber the board is not asked.
+# Fast enough to look live; without a subscriber, the board is not queried.
 PERIOD_S = 0.1
 
 
 class SimulationNode:
-    """The node of one board; `words` are those that it was started with."""
+    """The node of one board; `words` are the commands that it was started with."""
 
     def __init__(self, board: SimulatedBoard, graph: TypedGraph, words: Iterable[str] = ()) -> None:
         self._board = board
@@ -46,7 +46,10 @@ class SimulationNode:
             self._note(line)
 
     async def run(self) -> None:
-        """Publish and obey until the board has ended or the task is cancelled. Raises GraphError."""
+        """Publish the state and execute commands until the board ends or the task is cancelled.
+
+        Raises GraphError.
+        """
         works = (self._publish(), self._publish_odometry(), self._obey(), self._follow_servos())
         parts = [asyncio.create_task(each) for each in works]
         try:
@@ -54,7 +57,7 @@ class SimulationNode:
             for part in done:
                 part.result()
         except BoardError:
-            # It has ended; the command that started it says so.
+            # The board has ended; the command that started it reports this.
             return
         finally:
             for part in parts:
@@ -87,7 +90,7 @@ class SimulationNode:
         )
 
     async def _publish_odometry(self) -> None:
-        """Publish where the wheels take the robot, once they have pins."""
+        """Publish the robot's odometry once the wheels have pins."""
         await self._has_wheels.wait()
         publisher = await self._graph.publisher("~odom", ODOMETRY)
         while not self._board.has_ended:
@@ -113,7 +116,7 @@ class SimulationNode:
             await asyncio.sleep(PERIOD_S)
 
     async def _watch_servos(self, pins: dict[str, str]) -> None:
-        """Have servo pulses reported on each pin that is an output; others cannot have a servo."""
+        """Watch the servo pulses of each output pin; other pins cannot have a servo."""
         for pin, state in pins.items():
             if state.startswith("in") or pin in self._watched:
                 continue
