@@ -52,7 +52,7 @@ def _place_options(function: _F) -> _F:
     examples="""
     rostether install                                        asks what this machine is
     rostether install --machine both --name robot1           a robot with its own core
-    rostether install --machine robot --name robot1 --core 192.168.1.10
+    rostether install --machine robot --name robot1 --core 192.168.1.10 --interface wlan0
     rostether install --from robot.toml --dry-run            show what would be written
     """,
 )
@@ -60,6 +60,9 @@ def _place_options(function: _F) -> _F:
 @click.option("--name", help="Name of this machine: PLATFORM_NAME.")
 @click.option("--core", metavar="HOST", help="The base station, for a robot.")
 @click.option("--address", help="This machine's own address: ROS_IP.")
+@click.option(
+    "--interface", metavar="NAME", help="Network interface of the fleet; gives the address at boot."
+)
 @click.option("--board", "boards", multiple=True, metavar="LINK", help="A board's link; may be repeated.")
 @click.option("--part", "parts", multiple=True, metavar="NAME=COMMAND", help="Another part; may be repeated.")
 @click.option(
@@ -179,16 +182,27 @@ def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> st
         return kept.read_text(encoding="utf-8")
     kind = Kind(answers["machine"] or _ask("What is this machine", "both", _KINDS))
     name = answers["name"] or _ask("Name of this machine", os.uname().nodename)
-    core = answers["core"] or ""
+    core, interface = answers["core"] or "", answers["interface"] or ""
     if kind is Kind.ROBOT and not core:
         core = _ask("Address of the base station")
+    if not answers["machine"] and not answers["address"] and not interface:
+        interface = _ask_interface()
     parts = {}
     for each in answers["parts"]:
         key, separator, words = each.partition("=")
         if not separator or not key:
             raise ConfigError(f"--part {each!r} must be NAME=COMMAND, such as joystick='role joy-node'")
         parts[key] = words
-    return Machine(kind, name, core, answers["address"] or "", answers["boards"], parts).text
+    return Machine(kind, name, core, answers["address"] or "", interface, answers["boards"], parts).text
+
+
+def _ask_interface() -> str:
+    from rostether.platform.boot.interface import interface_addresses
+
+    found = interface_addresses()
+    listed = ", ".join(f"{name} ({address})" for name, address in found.items()) or "none has an address now"
+    answer = _ask(f"Network interface of the fleet: {listed}; any for none in particular", "any")
+    return "" if answer == "any" else answer
 
 
 def _check(file: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import click
@@ -158,12 +159,13 @@ async def _monitor(graph: TypedGraph, _: Arguments) -> None:
 
 
 async def _address(parameters: Parameters, default: GroupAddress, *port_names: str) -> GroupAddress:
+    from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
     from rostether.platform.multicast_socket import GroupAddress
 
     return GroupAddress(
         await parameters.text(default.group, *_ADDRESS_NAMES),
         await parameters.whole(default.port, 1, 65535, *port_names),
-        await parameters.words("interface"),
+        await parameters.words("interface") or tuple(os.environ.get(INTERFACE_VARIABLE, "").split()),
         await parameters.whole(1, 0, 255, "ttl"),
     )
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 # If the part `core` does not answer for so long, the other parts start without it.
 MASTER_LIMIT_S = 30.0
+ADDRESS_PERIOD_S = 0.5
 # Commands that would start this one again, or change what starts at boot.
 NOT_PARTS = ("up", "install", "uninstall")
 
@@ -44,7 +45,7 @@ def up(file: Path, check: bool) -> None:
     """
     from rostether.cli.verb_table import VERBS
     from rostether.platform.boot.part_process import PartProcess
-    from rostether.platform.boot.robot_file import read_robot_file
+    from rostether.platform.boot.robot_file import INTERFACE_VARIABLE, read_robot_file
 
     robot = read_robot_file(file, VERBS.keys() - set(NOT_PARTS))
     if check:
@@ -54,12 +55,15 @@ def up(file: Path, check: bool) -> None:
         raise ConfigError("rostether up needs Linux or macOS; start each part in a terminal of its own")
     width = max(len(part.name) for part in robot.parts)
     environ = {**os.environ, **robot.environment}
+    interface = environ.get(INTERFACE_VARIABLE, "")
     command = [sys.executable, "-m", "rostether"]
 
     def report(name: str, line: str) -> None:
         write_line(f"{name.ljust(width)} | {line}")
 
     async def main() -> None:
+        if interface and not environ.get("ROS_IP"):
+            environ["ROS_IP"] = await _wait_for_address(interface)
         try:
             async with asyncio.TaskGroup() as group:
                 for part in sorted(robot.parts, key=_is_no_core):
@@ -70,6 +74,19 @@ def up(file: Path, check: bool) -> None:
             raise failures.exceptions[0] from None
 
     run(main(), is_service=True)
+
+
+async def _wait_for_address(interface: str) -> str:
+    """Return the address of an interface when it has one: at boot, Wi-Fi connects later."""
+    from rostether.platform.boot.interface import interface_address
+
+    reported = False
+    while (address := interface_address(interface)) is None:
+        if not reported:
+            reported = True
+            write_line(f"waiting until the network interface {interface} has an address")
+        await asyncio.sleep(ADDRESS_PERIOD_S)
+    return address
 
 
 def _is_no_core(part: Part) -> bool:

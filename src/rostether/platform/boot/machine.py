@@ -19,12 +19,16 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """What a robot.toml is made from; `core` is the address of the base station's master."""
+    """What a robot.toml is made from; `core` is the address of the base station's master.
+
+    `address` or the network interface `interface` choose by which address others reach this machine.
+    """
 
     kind: Kind
     name: str
     core: str = ""
     address: str = ""
+    interface: str = ""
     boards: Sequence[str] = ()
     parts: Mapping[str, str] = field(default_factory=dict)
 
@@ -39,6 +43,8 @@ class Machine:
             lines.append(f"master = {_quoted(_uri(self.core))}")
         if self.address:
             lines.append(f"address = {_quoted(self.address)}")
+        if self.interface:
+            lines.append(f"interface = {_quoted(self.interface)}")
         lines += ["", "[parts]"]
         lines += [f"{_key(name)} = {_quoted(words)}" for name, words in self._all_parts().items()]
         return "\n".join(lines) + "\n"

@@ -13,7 +13,15 @@ from rostether.errors import ConfigError
 
 # More programs than a robot's computer runs; each is a process.
 MAX_PARTS = 64
-_TOP = {"name", "master", "address", "environment", "parts"}
+_TOP = {"name", "master", "address", "interface", "environment", "parts"}
+# The network interface of a robot, for its parts that send to groups.
+INTERFACE_VARIABLE = "ROSTETHER_INTERFACE"
+_VARIABLES = {
+    "PLATFORM_NAME": "name",
+    "ROS_MASTER_URI": "master",
+    "ROS_IP": "address",
+    INTERFACE_VARIABLE: "interface",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +64,7 @@ def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
         for name, value in _table("environment", content.get("environment", {})).items()
     }
     name = _text("name", content.get("name", ""))
-    for variable, key in (("PLATFORM_NAME", "name"), ("ROS_MASTER_URI", "master"), ("ROS_IP", "address")):
+    for variable, key in _VARIABLES.items():
         if key in content:
             environment[variable] = _text(key, content[key])
     parts = tuple(

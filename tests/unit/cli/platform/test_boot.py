@@ -51,10 +51,12 @@ def test_install_again_and_uninstall(scope: str, root: Path, shell: Shell) -> No
 
 def test_a_dry_run_writes_nothing(root: Path, shell: Shell) -> None:
     words = ["install", "--machine", "robot", "--name", "r 2", "--core", "base.local", "--root", str(root)]
+    words += ["--interface", "wlan0"]
     shown = shell.output(*words, "--system", "--board", "/dev/ttyACM0", "--part", "eye=role x", "--dry-run")
     assert 'master = "http://base.local:11311"' in shown
     assert 'boards = "serve /dev/ttyACM0"' in shown
     assert 'eye = "role x"' in shown
+    assert 'interface = "wlan0"' in shown
     assert not root.exists()
 
 
@@ -72,6 +74,29 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     nested.write_text("[parts]\na = 'up robot.toml'\n")
     assert "parts.a must be a rostether command" in shell.failure("up", str(nested))
     assert not root.exists()
+
+
+async def test_the_address_is_that_of_the_interface(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    port = free_port()
+    parts = f'[parts]\ncore = "core --port {port}"\n'
+    robot.write_text(f'interface = "lo"\nmaster = "http://127.0.0.1:{port}"\n{parts}')
+    async with started("up", str(robot)) as up:
+        await up.wait_for("Press Ctrl-C to stop")
+        (core,) = _children(up.process.pid, "rostether core")
+        environ = Path(f"/proc/{core}/environ").read_text().split("\0")
+        assert {"ROS_IP=127.0.0.1", "ROSTETHER_INTERFACE=lo"} <= set(environ)
+    robot.write_text(f'interface = "away0"\n{parts}')
+    async with started("up", str(robot)) as up:
+        await up.wait_for("waiting until the network interface away0 has an address")
+
+
+def _children(parent: int, command: str) -> list[int]:
+    """Return the processes that a process has started, by a part of their command line."""
+    found = subprocess.run(
+        ["pgrep", "-P", str(parent), "-f", command], capture_output=True, text=True, check=True
+    )
+    return [int(each) for each in found.stdout.split()]
 
 
 async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp_path: Path) -> None:
@@ -95,12 +120,6 @@ async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp
         # The other parts join the master of `core`.
         assert "boards | [INFO]" in up.text
         assert not [line for line in up.lines if line.startswith("boards") and "Started a ROS master" in line]
-        children = subprocess.run(
-            ["pgrep", "-P", str(up.process.pid), "-f", "rostether core"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.split()
-        (core,) = children
-        os.kill(int(core), signal.SIGKILL)
+        (core,) = _children(up.process.pid, "rostether core")
+        os.kill(core, signal.SIGKILL)
         await up.wait_for("core   | ended (signal SIGKILL); restarts in 1 s")

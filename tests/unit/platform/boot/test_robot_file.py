@@ -68,11 +68,14 @@ def test_a_missing_file() -> None:
 
 @pytest.mark.parametrize("kind", Kind)
 def test_the_file_of_a_machine_can_be_read(kind: Kind, tmp_path: Path) -> None:
-    machine = Machine(kind, 'my "robot"', "base", "10.0.0.2", ["/dev/ttyACM0"], {"two words": "role x"})
+    machine = Machine(
+        kind, 'my "robot"', "base", "10.0.0.2", "wlan0", ["/dev/ttyACM0"], {"two words": "role x"}
+    )
     file = tmp_path / "robot.toml"
     file.write_text(machine.text)
     robot = read_robot_file(file, COMMANDS)
     assert robot.name == 'my "robot"'
+    assert robot.environment["ROSTETHER_INTERFACE"] == "wlan0"
     names = [part.name for part in robot.parts]
     assert ("core" in names) == (kind is not Kind.ROBOT)
     assert ("boards" in names) == (kind is not Kind.BASE)
