@@ -189,6 +189,8 @@ def _needs(page: Path) -> list[pytest.MarkDecorator]:
     """Return the peers that a page's commands need besides our own."""
     typed = _typed(page)
     marks = [pytest.mark.simavr] if any(sign in typed for sign in SIMULATING) else []
+    if "micropython hello.py" in typed:
+        marks.append(pytest.mark.micropython)
     if "ip netns" in typed:
         marks.append(pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces()))
     return marks

@@ -48,11 +48,12 @@ class NodeHandle:
     A hardware has `read(view, at)`, which reads what is there into a memoryview from `at` on, without
     waiting, and returns the number of bytes; and `write(view)`, which returns how many bytes were accepted.
     One that connects again by itself has `relinked()`: whether the link was lost or made since the last call.
+    One with `interrupt()` is told of a Ctrl-C between two frames.
     """
 
     def __init__(self, hardware=None, input_size=512, output_size=512):
         self._hardware = hardware
-        self._relinked = None
+        self._relinked = self._interrupt = None
         # A time must fit.
         self._window = ReceiveWindow(max(input_size, 16))
         self._writer = Writer(output_size + OVERHEAD_BYTES)
@@ -76,6 +77,7 @@ class NodeHandle:
 
             self._hardware = usb_hardware()
         self._relinked = getattr(self._hardware, "relinked", None)
+        self._interrupt = getattr(self._hardware, "interrupt", None)
         self._window.forget()
         self._contact_again()
 
@@ -195,6 +197,9 @@ class NodeHandle:
         elif not window.empty() and ticks_diff(now_ms, self._received_ms) >= _GAP_MS:
             # The rest of the frame does not come.
             window.drop()
+        if self._interrupt and window.interrupted:
+            window.interrupted = False
+            self._interrupt()
         return self._keep_in_touch(now_ms)
 
     def spin_while(self, condition, timeout_ms):

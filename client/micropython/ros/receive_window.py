@@ -7,6 +7,7 @@ _VERSION = 0xFE
 # sync, version, length (2), its checksum, topic id (2), and after the payload its checksum.
 _HEADER_BYTES = 7
 OVERHEAD_BYTES = 8
+_CTRL_C = 3
 
 
 class ReceiveWindow:
@@ -25,6 +26,9 @@ class ReceiveWindow:
         self.reader = Reader(self._bytes)
         # Beginnings of frames that did not become a message.
         self.dropped = 0
+        # Whether a Ctrl-C came between two frames. Behind a damaged frame, that byte can be one of the frame.
+        self.interrupted = False
+        self._in_step = True
 
     def empty(self):
         """Return whether all bytes are handled."""
@@ -55,21 +59,30 @@ class ReceiveWindow:
                     return -1
                 if data[at + 1] != _VERSION:
                     self._foreign = True
-                elif have < OVERHEAD_BYTES:
-                    return -1
-                elif (data[at + 2] + data[at + 3] + data[at + 4]) & 255 == 255:
-                    length = data[at + 2] | data[at + 3] << 8
-                    if length <= self.largest_payload:
-                        end = at + length + OVERHEAD_BYTES
-                        if end - at > have:
-                            return -1
-                        if sum(self._view[at + 5 : end]) & 255 == 255:
-                            self._begin = end
-                            self.reader.at = at + _HEADER_BYTES
-                            self.reader.end = end - 1
-                            return data[at + 5] | data[at + 6] << 8
+                else:
+                    if have < OVERHEAD_BYTES:
+                        return -1
+                    end = self._frame_end(at)
+                    if end > self._end:
+                        return -1
+                    self._in_step = end > 0 and sum(self._view[at + 5 : end]) & 255 == 255
+                    if self._in_step:
+                        self._begin = end
+                        self.reader.at = at + _HEADER_BYTES
+                        self.reader.end = end - 1
+                        return data[at + 5] | data[at + 6] << 8
+            elif data[at] == _CTRL_C and self._in_step:
+                self.interrupted = True
             self.drop()
         return -1
+
+    def _frame_end(self, at):
+        """Return the end of a frame by its header; 0 for a damaged header, or a frame that is too long."""
+        data = self._bytes
+        length = data[at + 2] | data[at + 3] << 8
+        if (data[at + 2] + data[at + 3] + data[at + 4]) & 255 != 255 or length > self.largest_payload:
+            return 0
+        return at + length + OVERHEAD_BYTES
 
     def drop(self):
         """Drop the first byte."""

@@ -1,5 +1,7 @@
 """The board's USB port."""
 
+_CTRL_C = 3
+
 
 def usb_hardware():
     """Return the hardware for USB: on CircuitPython its second port, usb_cdc.data, if boot.py enables it."""
@@ -13,15 +15,16 @@ def usb_hardware():
 
 
 class UsbSerial:
-    """MicroPython's standard input and output, without its meaning of Ctrl-C, a byte that messages have."""
+    """MicroPython's standard input and output. Only a Ctrl-C between frames stops the program."""
 
     def __init__(self):
         import select
         import sys
 
-        import micropython
+        from micropython import kbd_intr
 
-        micropython.kbd_intr(-1)
+        self._set_interrupt = kbd_intr
+        self._set_interrupt(-1)
         self._input = sys.stdin.buffer
         self._output = sys.stdout.buffer
         self._poll = select.poll()
@@ -44,6 +47,11 @@ class UsbSerial:
             view[at] = byte[0]
             at += 1
         return at - begin
+
+    def interrupt(self):
+        """Stop the program, so that a new one can be copied to the board. Raises KeyboardInterrupt."""
+        self._set_interrupt(_CTRL_C)
+        raise KeyboardInterrupt
 
     def write(self, view):
         """Return how many bytes were accepted."""

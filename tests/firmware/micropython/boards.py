@@ -61,6 +61,11 @@ class UsbBoard:
         async for line in process.stderr:
             self.lines.append(line.decode().rstrip("\n"))
 
+    @property
+    def has_ended(self) -> bool:
+        """Return whether the program has ended by itself."""
+        return self._process is not None and self._process.returncode is not None
+
     async def reset(self) -> None:
         """Start the program again."""
         await self.stop()

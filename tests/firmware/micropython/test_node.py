@@ -48,6 +48,25 @@ async def test_converses_over_tcp_and_comes_back_to_another_bridge(library: Path
             assert await met.ask("hello again") == "hello again"
 
 
+async def test_ctrl_c_stops_the_program_and_as_a_byte_of_a_message_does_not(library: Path) -> None:
+    async with usb_board(NODE, library, "usb") as board:
+        async with meeting() as met, met.bridge(board.address):
+            assert await met.ask("\x03\r\x03") == "\x03\r\x03"
+        # As mpremote does.
+        Path(board.address).write_bytes(b"\r\x03")
+        await until(lambda: board.has_ended, "the end of the program")
+
+
+async def test_calls_a_service_from_a_task(library: Path) -> None:
+    async with (
+        usb_board(PROGRAMS / "tasks.py", library) as board,
+        meeting() as met,
+        met.bridge(board.address),
+    ):
+        await until(lambda: len(met.answers) >= 3, "responses")
+        assert set(met.answers) == {"pulled"}
+
+
 async def test_a_board_that_is_reset_is_back(library: Path) -> None:
     async with (
         usb_board(NODE, library, "usb") as board,
