@@ -21,6 +21,12 @@ from rostether.transports.pty_link import check_link, place_link, remove_link
 PROGRAM = "qemu-system-arm"
 # A TI Stellaris, the forerunner of the Tiva C with the same UART.
 DEFAULT_MACHINE = "lm3s6965evb"
+# The core of each machine, and the options that connect its UART.
+MACHINES = {
+    DEFAULT_MACHINE: ("Cortex-M3", ("-serial", "pty")),
+    # An STM32F405. The library and ST's Nucleo boards use USART2, which is the second one.
+    "netduinoplus2": ("Cortex-M4", ("-serial", "null", "-serial", "pty")),
+}
 # qemu answers within 0.25 s on an idle machine.
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
@@ -51,7 +57,7 @@ class QemuBoard:
     async def start(
         cls, program: Path, *, machine: str = DEFAULT_MACHINE, link_path: Path | None = None
     ) -> Self:
-        """Start an ELF file on a machine of qemu; `link_path` becomes a link to its terminal.
+        """Start an ELF file on one of the MACHINES; `link_path` becomes a link to its terminal.
 
         Raises BoardError if qemu does not run it, TransportOpenError if `link_path` is in use.
         """
@@ -63,7 +69,8 @@ class QemuBoard:
         # The kernel ends qemu if this process is killed; without setpriv only `close` ends it.
         setpriv = shutil.which("setpriv")
         guard = [setpriv, "--pdeathsig", "KILL"] if setpriv else []
-        options = ["-machine", machine, "-display", "none", "-serial", "pty", "-monitor", "stdio"]
+        _, serial = MACHINES[machine]
+        options = ["-machine", machine, "-display", "none", *serial, "-monitor", "stdio"]
         process = await asyncio.create_subprocess_exec(
             *guard,
             qemu,

@@ -36,15 +36,27 @@ def compile_program(
 
 def compile_for_cortex_m(source: Path, library: Path, output: Path, *flags: str) -> Path:
     """Compile a program for qemu's Stellaris, with the platform header of the Tiva C."""
-    command = [
-        *("arm-none-eabi-g++", "-mcpu=cortex-m3", "-mthumb", "-Os", "-ffunction-sections", "-fdata-sections"),
-        *("-fno-exceptions", "-fno-rtti", "-nostartfiles", "-Wl,--gc-sections"),
-        *("-T", str(CORTEX_M / "lm3s6965.ld"), "-DPART_TM4C123GH6PM"),
-        *(f"-I{STUBS}/tivaware", f"-I{CORTEX_M}", *flags),
-    ]
-    return compile_program(
-        command, [source, CORTEX_M / "startup.cpp", CORTEX_M / "driverlib.cpp"], library, output
+    kit = ("-DPART_TM4C123GH6PM", f"-I{STUBS}/tivaware")
+    return _compile_for_core(
+        "cortex-m3", "lm3s6965.ld", "driverlib.cpp", source, library, output, *kit, *flags
     )
+
+
+def compile_for_stm32(source: Path, library: Path, output: Path) -> Path:
+    """Compile a program for qemu's STM32F405, with the platform header of ST's HAL."""
+    kit = ("-DUSE_HAL_DRIVER", f"-I{STUBS}/stm32")
+    return _compile_for_core("cortex-m4", "stm32f405.ld", "stm32_hal.cpp", source, library, output, *kit)
+
+
+def _compile_for_core(
+    core: str, memory: str, kit: str, source: Path, library: Path, output: Path, *flags: str
+) -> Path:
+    command = [
+        *("arm-none-eabi-g++", f"-mcpu={core}", "-mthumb", "-Os", "-ffunction-sections", "-fdata-sections"),
+        *("-fno-exceptions", "-fno-rtti", "-nostartfiles", "-Wl,--gc-sections"),
+        *("-L", str(CORTEX_M), "-T", str(CORTEX_M / memory), f"-I{CORTEX_M}", *flags),
+    ]
+    return compile_program(command, [source, CORTEX_M / "startup.cpp", CORTEX_M / kit], library, output)
 
 
 @contextlib.asynccontextmanager

@@ -1,4 +1,4 @@
-"""The node on a Cortex-M in qemu, with the platform header of the Tiva C, through the real bridge."""
+"""The node on a Cortex-M in qemu, with the headers of the Tiva C and of ST's HAL, through the real bridge."""
 
 from __future__ import annotations
 
@@ -23,6 +23,20 @@ async def test_converses_over_its_uart(cortex_m_program: Path) -> None:
         met.bridge(board.address),
     ):
         await met.converse()
+
+
+async def test_an_stm32_converses_over_usart2_and_comes_back_after_a_reset(stm32_program: Path) -> None:
+    async with (
+        meeting() as met,
+        await QemuBoard.start(stm32_program, machine="netduinoplus2") as board,
+        met.bridge(board.address),
+    ):
+        await met.converse()
+        await met.counting(20)
+        before, seen = met.counts[-1], len(met.counts)
+        await board.reset()
+        while not any(count < before for count in met.counts[seen:]):
+            await met.counting(1)
 
 
 async def test_is_served_by_its_link_address(cortex_m_program: Path) -> None:

@@ -1,4 +1,4 @@
-// Vectors and start of a program on an LM3S6965, a Stellaris (Cortex-M3), the Tiva C's forerunner with the same UART.
+// Vectors and start of a program on a Cortex-M: an LM3S6965, the Tiva C's forerunner with the same UART, or an STM32.
 #include <stdint.h>
 #include <string.h>
 
@@ -41,9 +41,10 @@ void startProgram() {
 }
 
 typedef void (*Vector)();
+// A UART is the only device with an interrupt, so it has the positions of all.
+#define EIGHT onUart, onUart, onUart, onUart, onUart, onUart, onUart, onUart
 __attribute__((section(".vectors"), used)) static const Vector vectors[] = {
     reinterpret_cast<Vector>(stack_top), startProgram, stop, stop, stop, stop, stop,
     nullptr, nullptr, nullptr, nullptr, stop, stop, nullptr, stop, onTick,
-    // Interrupts: ports A to E, then UART0.
-    stop, stop, stop, stop, stop, onUart,
+    EIGHT, EIGHT, EIGHT, EIGHT, EIGHT,
 };

@@ -1,4 +1,4 @@
-"""`rostether board run --board lm3s6965evb`: a program for a Cortex-M on a board that qemu simulates."""
+"""`rostether board run --board netduinoplus2`: a program for a Cortex-M on a board that qemu simulates."""
 
 from __future__ import annotations
 
@@ -12,14 +12,11 @@ from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
 from rostether.mechanisms.own_loop import in_own_loop
+from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import ProgramSize
 
 if TYPE_CHECKING:
     from rostether.simulation.qemu import QemuBoard
-
-# Boards with a Cortex-M, which qemu simulates.
-MACHINES = ("lm3s6965evb",)
-
 
 _PROGRAM_SUFFIXES = (".elf", ".hex")
 
@@ -52,7 +49,8 @@ async def run_in_qemu(
             write_json({"event": "ready", "board": machine, "link": board.address})
         else:
             linked = f", linked at {link_path}" if link_path else ""
-            write_line(f"{machine} (Cortex-M3) runs {program}; serial port {board.address}{linked}")
+            core, _ = MACHINES[machine]
+            write_line(f"{machine} ({core}) runs {program}; serial port {board.address}{linked}")
         listening = asyncio.get_running_loop().create_task(_listen(board))
         try:
             await board.wait_end()

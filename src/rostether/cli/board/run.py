@@ -12,13 +12,14 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.board.opencr import OPENCR, run_opencr
-from rostether.cli.board.qemu import MACHINES, run_in_qemu
+from rostether.cli.board.qemu import run_in_qemu
 from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import BoardError
+from rostether.simulation.qemu import MACHINES
 
 if TYPE_CHECKING:
     from rostether.simulation.simavr.board_events import BoardEvent
@@ -72,7 +73,7 @@ _board_options = option_group(
             "--board",
             default="uno",
             show_default=True,
-            help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb in qemu; opencr.",
+            help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb, netduinoplus2 in qemu; opencr.",
         ),
         click.option(
             "--link",

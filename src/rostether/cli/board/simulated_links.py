@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.board.opencr import OPENCR, start_opencr
-from rostether.cli.board.qemu import MACHINES, start_in_qemu
+from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
+from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress
 
 if TYPE_CHECKING:
