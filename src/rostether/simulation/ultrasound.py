@@ -14,7 +14,7 @@ _SCATTER = 0.003
 _SOUND_SPEED = 343.0
 _TICK_S = 1e-6
 # Soft or slanted objects sometimes absorb the echo; the sketch then times out and reports the maximum.
-_LOST_ECHO_PROBABILITY = 0.01
+_LOST_ECHO_PROBABILITY = 0.002
 
 
 class Obstacle:
