@@ -91,7 +91,7 @@ def argv(command: str) -> list[str]:
 def programs(page: Path) -> dict[str, str]:
     """Return the programs, sketches and settings to save, by file name."""
     titled = (
-        (re.search(r'title="([\w.]+\.(?:py|toml|ino|urdf|launch|yaml|json5|sh))"', match["info"]), match)
+        (re.search(r'title="([\w.]+\.(?:py|toml|ino|cpp|urdf|launch|yaml|json5|sh))"', match["info"]), match)
         for match in _FENCE.finditer(page.read_text())
     )
     return {title[1]: match["body"] for title, match in titled if title is not None}
