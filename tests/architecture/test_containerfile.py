@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import tomllib
-import zipfile
 from pathlib import Path
 
-from architecture.test_distributions import REPOSITORY, build
-
+REPOSITORY = Path(__file__).parents[2]
+PYPROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())
 FILE = (REPOSITORY / "Containerfile").read_text()
 ARGUMENTS = {"FROM", "WORKDIR", "COPY", "RUN", "USER", "ENV", "ENTRYPOINT", "CMD"}
 
@@ -28,26 +26,22 @@ def instructions() -> list[tuple[str, str]]:
 def test_instructions_name_what_the_package_has() -> None:
     found = instructions()
     assert {name for name, _ in found} == ARGUMENTS
-    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    project = PYPROJECT["project"]
     (extras,) = re.findall(r"\.whl\)\[([\w,]+)\]", FILE)
     assert set(extras.split(",")) <= project["optional-dependencies"].keys()
     (entry,) = [json.loads(words) for name, words in found if name == "ENTRYPOINT"]
     assert entry[0] in project["scripts"]
 
 
-def test_the_copied_files_build_the_package(tmp_path: Path) -> None:
-    source = tmp_path / "source"
-    source.mkdir()
+def test_the_copied_files_are_those_that_the_package_is_built_from() -> None:
+    copied: set[str] = set()
     for name, words in instructions():
         if name == "COPY" and not words.startswith("--from"):
-            *paths, target = words.split()
-            for path in paths:
-                if (REPOSITORY / path).is_dir():
-                    shutil.copytree(
-                        REPOSITORY / path, source / target, ignore=shutil.ignore_patterns("__pycache__")
-                    )
-                else:
-                    shutil.copy(REPOSITORY / path, source / target)
-    names = zipfile.ZipFile(build(source, "wheel", tmp_path)).namelist()
-    assert "rostether/__main__.py" in names
-    assert any(name.startswith("rostether/client/src/ros/") for name in names)
+            copied.update(words.split()[:-1])
+    assert all((REPOSITORY / each).exists() for each in copied)
+    readme = PYPROJECT["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["fragments"]
+    wheel = PYPROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]
+    wanted = {"pyproject.toml", *(each["path"] for each in readme), *wheel["force-include"]}
+    wanted |= {each.partition("/")[0] for each in PYPROJECT["project"]["license-files"]}
+    wanted |= {each.partition("/")[0] for each in wheel["packages"]}
+    assert wanted <= copied

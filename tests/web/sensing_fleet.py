@@ -16,7 +16,11 @@ from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.sensing_manager import SensingManager
 from rostether.platform.sensors.jpeg import PictureChange, drawn_picture
-from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+from rostether.platform.sensors.registered_sensor import (
+    RegisteredSensor,
+    SensorDescription,
+    registered_sensor,
+)
 from unit.platform.datagrams import loopback_group, running
 from unit.platform.typed_nodes import Lines
 
@@ -32,25 +36,33 @@ _SIZE = PictureChange(width=320, height=240)
 
 
 @asynccontextmanager
-async def sensing_fleet(master: str, robots: int, cameras: int) -> AsyncIterator[None]:
-    """Have robots with five sensors each at 5 Hz; only the first `cameras` send pictures."""
+async def sensing_fleet(
+    master: str, robots: int, cameras: int, *, has_manager: bool = True
+) -> AsyncIterator[list[RegisteredSensor]]:
+    """Have robots with five sensors each at 5 Hz; only the first `cameras` send pictures.
+
+    Yields the sensors, in the order of their registration.
+    """
     address = loopback_group()
+    sensors: list[RegisteredSensor] = []
     async with AsyncExitStack() as stack:
-        node, manager, monitor = [
-            await stack.enter_async_context(rostether.join(each, master=master))
-            for each in ("robots", "sensing_manager", "fleet_monitor")
-        ]
-        works = [
-            SensingManager(manager, Lines()).run(),
-            FleetMonitor(monitor, FleetSettings(address=address), Lines()).run(),
-        ]
+
+        async def join(name: str) -> TypedGraph:
+            return await stack.enter_async_context(rostether.join(name, master=master))
+
+        node, monitor = await join("robots"), await join("fleet_monitor")
+        works = [FleetMonitor(monitor, FleetSettings(address=address), Lines()).run()]
+        if has_manager:
+            works.append(SensingManager(await join("sensing_manager"), Lines()).run())
         for number in range(1, robots + 1):
             works.append(receive_topic(node, _receiver(number, address), Lines()))
             works += [
-                _publish(node, number, name) for name in SENSORS if name != "camera" or number <= cameras
+                _publish(node, number, name, sensors)
+                for name in SENSORS
+                if name != "camera" or number <= cameras
             ]
         await stack.enter_async_context(running(*works))
-        yield
+        yield sensors
 
 
 def _receiver(number: int, address: GroupAddress) -> ReceiverNodeSettings:
@@ -60,7 +72,7 @@ def _receiver(number: int, address: GroupAddress) -> ReceiverNodeSettings:
     )
 
 
-async def _publish(node: TypedGraph, number: int, name: str) -> None:
+async def _publish(node: TypedGraph, number: int, name: str, sensors: list[RegisteredSensor]) -> None:
     message_type, unit = SENSORS[name]
     description = SensorDescription(
         f"robot{number}/{name}",
@@ -72,6 +84,7 @@ async def _publish(node: TypedGraph, number: int, name: str) -> None:
         rate_hz=1 / PERIOD_S,
     )
     async with registered_sensor(node, description, Lines()) as sensor:
+        sensors.append(sensor)
         sensor.set_state("ready")
         for count in range(1 << 31):
             if sensor.is_wanted:
