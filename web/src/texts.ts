@@ -35,6 +35,8 @@ export const texts = {
     neverConnected:
       "The robot does not answer, or it wants a token: open the address that it printed. This page tries again by itself.",
     lostDetail: "The values on this page are old. It connects again by itself.",
+    graphProblemDetail:
+      "Nodes that are connected stay connected; new topics do not appear. The robot tries again by itself.",
     dark: "Use dark colors",
     light: "Use light colors",
     loadFailed: "This panel could not be loaded. Trying again.",

@@ -16,13 +16,21 @@ def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
     nodes: set[str] = set()
     topics: dict[str, TopicEntry] = {}
     services: dict[str, ServiceEntry] = {}
+    problems: list[str] = []
     for snapshot in snapshots:
         nodes.update(snapshot.nodes)
         for name, topic in snapshot.topics.items():
             topics[name] = _merge_topics(topics[name], topic) if name in topics else topic
         for name, service in snapshot.services.items():
             services[name] = _merge_services(services[name], service) if name in services else service
-    return Snapshot(tuple(sorted(nodes)), dict(sorted(topics.items())), dict(sorted(services.items())))
+        if snapshot.problem:
+            problems.append(snapshot.problem)
+    return Snapshot(
+        tuple(sorted(nodes)),
+        dict(sorted(topics.items())),
+        dict(sorted(services.items())),
+        "; ".join(problems),
+    )
 
 
 async def follow_changes(

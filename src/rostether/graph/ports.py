@@ -66,11 +66,15 @@ class ServiceEntry:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The whole graph at one moment; every mapping is sorted by name."""
+    """The whole graph at one moment; every mapping is sorted by name.
+
+    `problem` says why the graph cannot be read now, and what is here is the last that was read; else empty.
+    """
 
     nodes: tuple[str, ...] = ()
     topics: Mapping[str, TopicEntry] = field(default_factory=dict)
     services: Mapping[str, ServiceEntry] = field(default_factory=dict)
+    problem: str = ""
 
 
 class SubscribeOptions(TypedDict, total=False):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from collections.abc import Callable
 from typing import TypeAlias, cast
 
@@ -74,7 +75,7 @@ class XmlRpcClient:
                 f" hang"
             ) from None
         except (OSError, UnicodeError) as error:
-            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            reason = _reason(error)
             raise self._unreachable(
                 f"{self.peer} at {self.uri} cannot be reached ({reason}); check that it runs there"
             ) from error
@@ -214,3 +215,12 @@ class _Connection(asyncio.Protocol):
             return
         if body is not None:
             self._answer.set_result(body)
+
+
+def _reason(error: OSError | UnicodeError) -> str:
+    """Return the system's text; asyncio's names its call and the address a second time."""
+    number = error.errno if isinstance(error, OSError) else None
+    # Failed look-ups of names have negative numbers and texts of their own.
+    if number is not None and number > 0:
+        return os.strerror(number)
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__

@@ -199,7 +199,7 @@ async def test_no_peer() -> None:
     client = XmlRpcClient(server.uri, peer="the ROS master", unreachable=MasterUnreachableError)
     with pytest.raises(MasterUnreachableError) as raised:
         await client.call("getPid", "/x")
-    assert f"the ROS master at {server.uri} cannot be reached" in str(raised.value)
+    assert f"the ROS master at {server.uri} cannot be reached (Connection refused)" in str(raised.value)
     assert isinstance(raised.value.__cause__, ConnectionRefusedError)
 
 

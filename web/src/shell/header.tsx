@@ -5,12 +5,16 @@ import { Badge, IconButton, type Level } from "./parts.tsx";
 import { StopButton } from "./stop_button.tsx";
 import { theme, toggleTheme } from "./theme.ts";
 
+/** The status of the server that the graph cannot be read. */
+const GRAPH_STATUS_ID = "graph";
+
 export function Header({ robot }: { robot: Robot }) {
   const state = robot.connection.value;
   const level: Level = state === "open" ? "ok" : state === "lost" ? "error" : "stale";
   const lost = robot.info.value ? texts.shell.lost : texts.shell.notConnected;
   const label = { open: texts.shell.connected, lost, connecting: texts.shell.connecting }[state];
   const isDark = theme.value === "dark";
+  const problem = state === "open" && robot.statuses.value.find((each) => each.id === GRAPH_STATUS_ID);
   return (
     <>
       <header class="header">
@@ -32,6 +36,11 @@ export function Header({ robot }: { robot: Robot }) {
           onClick={toggleTheme}
         />
       </header>
+      {problem && (
+        <div class="banner warning" role="alert">
+          {`${problem.message}. ${texts.shell.graphProblemDetail}`}
+        </div>
+      )}
       {state === "lost" && (
         <div class="banner" role="alert">
           {robot.info.value

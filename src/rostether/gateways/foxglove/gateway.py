@@ -45,6 +45,9 @@ _TIME_CAPABILITY = "time"
 # View-only clients may still read parameters.
 _CAPABILITIES_TO_ACT = ("clientPublish", "services")
 
+# The status of a graph that cannot be read, by which the page knows it.
+_GRAPH_STATUS_ID = "graph"
+
 # Lines that later clients also receive.
 _MAX_SHOWN_STATUSES = 50
 
@@ -106,6 +109,8 @@ class FoxgloveGateway:
         )
         self._clients: dict[Client, None] = {}
         self._statuses: dict[str, str] = {}
+        # Why the graph cannot be read now.
+        self._problem = ""
         self._work: set[asyncio.Task[Any]] = set()
         self._following: asyncio.Task[None] | None = None
         self._leaving: asyncio.Task[None] | None = None
@@ -211,6 +216,8 @@ class FoxgloveGateway:
             send(outgoing.advertise_services(self.services.by_id.values()))
         for text in self._statuses.values():
             send(text)
+        if self._problem:
+            send(self._problem_status())
 
     def forget(self, client: Client) -> None:
         """Remove a client that has disconnected."""
@@ -238,6 +245,7 @@ class FoxgloveGateway:
         while not self._is_closing:
             try:
                 async for snapshot in self.graph.changes():
+                    self._show_problem(snapshot.problem)
                     self.channels.update(snapshot)
                     self.services.update(snapshot)
                     if (changes := self.connections.update(snapshot)) is not None:
@@ -248,6 +256,16 @@ class FoxgloveGateway:
             except RostetherError as error:
                 self._warn(f"the graph cannot be read: {error}")
             await asyncio.sleep(_RETRY_S)
+
+    def _show_problem(self, problem: str) -> None:
+        """Show clients that the graph cannot be read, until it can."""
+        if problem == self._problem:
+            return
+        self._problem = problem
+        self._broadcast(self._problem_status() if problem else outgoing.remove_status([_GRAPH_STATUS_ID]))
+
+    def _problem_status(self) -> str:
+        return outgoing.status(StatusLevel.WARNING, self._problem, _GRAPH_STATUS_ID)
 
     async def _end_with_node(self) -> None:
         reason = await self.graph.wait_closed()

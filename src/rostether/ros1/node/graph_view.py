@@ -6,8 +6,8 @@ A ROS 1 master has no subscription to changes: it is asked again and again.
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections.abc import AsyncIterator
+from dataclasses import replace
 
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
@@ -16,8 +16,6 @@ from rostether.ros1.node.master_client import MasterClient
 
 # People who watch a graph do not notice less; two small calls a second do not load a master.
 POLL_INTERVAL_S = 1.0
-
-_log = logging.getLogger("rostether.ros1")
 
 
 async def take_snapshot(master: MasterClient) -> Snapshot:
@@ -50,7 +48,7 @@ async def watch_changes(
 ) -> AsyncIterator[Snapshot]:
     """Yield a snapshot now and one after each change, until `closed` is set.
 
-    An unreachable master changes nothing; only the first snapshot raises MasterUnreachableError.
+    An unreachable master is the problem of a snapshot; only the first one raises MasterUnreachableError.
     """
     latest = await take_snapshot(master)
     yield latest
@@ -62,8 +60,7 @@ async def watch_changes(
             try:
                 snapshot = await take_snapshot(master)
             except MasterUnreachableError as error:
-                _log.debug("%s", error)
-                continue
+                snapshot = latest if latest.problem else replace(latest, problem=str(error))
             if snapshot != latest:
                 latest = snapshot
                 yield latest
