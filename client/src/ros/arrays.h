@@ -16,6 +16,9 @@ typedef uint16_t array_length;  // no array can be longer than the address space
 typedef uint32_t array_length;
 #endif
 
+// The length of an array that a message sends. Sketches exist that set a length without elements.
+inline array_length presentLength(const void* array, array_length length) { return array ? length : 0; }
+
 // Elements of received arrays lie in the receive buffer, which aligns to four bytes only.
 typedef int64_t unaligned_int64 __attribute__((aligned(4)));
 typedef uint64_t unaligned_uint64 __attribute__((aligned(4)));

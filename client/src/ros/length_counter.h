@@ -33,11 +33,11 @@ class LengthCounter {
   template <class T>
   void sequence(T* array, array_length count) {
     length_ += 4;
-    elements(array, count, typename FieldKind<T>::type());
+    elements(array, presentLength(array, count), typename FieldKind<T>::type());
   }
-  void sequence(const Float64Pointer&, array_length count) { words(count); }
-  void sequence64(const unaligned_int64*, array_length count) { words(count); }
-  void sequence64(const unaligned_uint64*, array_length count) { words(count); }
+  void sequence(const Float64Pointer& array, array_length count) { words(presentLength(array.address(), count)); }
+  void sequence64(const unaligned_int64* array, array_length count) { words(presentLength(array, count)); }
+  void sequence64(const unaligned_uint64* array, array_length count) { words(presentLength(array, count)); }
 
  private:
   void words(array_length count) { length_ += 4 + static_cast<size_t>(count) * 8; }

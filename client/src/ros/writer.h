@@ -44,11 +44,13 @@ class Writer {
   }
   template <class T>
   void sequence(T* array, array_length length) {
+    length = presentLength(array, length);
     count(length);
     elements(array, length, typename FieldKind<T>::type());
     finish();
   }
   void sequence(const Float64Pointer& array, array_length length) {
+    length = presentLength(array.address(), length);
     count(length);
     extend(array.address(), array.elementBytes() * length, array.elementBytes() != 8);
     finish();
@@ -81,6 +83,7 @@ class Writer {
     sink_.count(length);
   }
   void words(const void* array, array_length length) {
+    length = presentLength(array, length);
     count(length);
     sink_.put(array, static_cast<size_t>(length) * 8);
   }

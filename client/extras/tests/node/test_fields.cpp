@@ -184,3 +184,20 @@ TEST(fields, a_bool_is_zero_or_one_whatever_comes) {
   board.node.spinOnce();
   EXPECT_EQUAL(seen, 102);
 }
+
+TEST(fields, a_length_without_elements_is_sent_as_an_empty_array) {
+  struct Robot : Board<> {
+    sensor_msgs::JointState joints;
+    ros::Publisher out;
+    Robot() : out("joints", &joints) {
+      node.advertise(out);
+      meet();
+    }
+  } robot;
+  robot.joints.name_length = robot.joints.position_length = robot.joints.effort_length = 2;
+  EXPECT(robot.out.publish(&robot.joints) > 0);
+  const std::vector<Frame> sent = robot.line.take();
+  EXPECT_EQUAL(sent.size(), 1u);
+  const Bytes wanted = Payload().u32(0).u32(0).u32(0).text("").u32(0).u32(0).u32(0).u32(0);
+  EXPECT(sent[0].payload == wanted);
+}
