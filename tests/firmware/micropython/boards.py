@@ -95,16 +95,22 @@ async def usb_board(
 
 
 @contextlib.asynccontextmanager
-async def running(program: Path, library: Path, *arguments: str) -> AsyncIterator[Peer]:
-    """Run a program that opens its line itself; gives what it prints."""
+async def running(
+    program: Path, library: Path, *arguments: str, on_cpython: bool = False
+) -> AsyncIterator[Peer]:
+    """Run a program that opens its line itself; gives what it prints.
+
+    `on_cpython` runs it on CPython, with the modules of CircuitPython that the library uses.
+    """
+    path = f"{library}:{PROGRAMS}:{PROGRAMS}/circuitpython"
     process = await asyncio.create_subprocess_exec(
-        *INTERPRETER,
+        *([sys.executable] if on_cpython else INTERPRETER),
         str(program),
         *arguments,
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
-        env=_environment(library),
+        env=_environment(library) | ({"PYTHONPATH": path} if on_cpython else {}),
         start_new_session=True,
     )
     peer = Peer(process)

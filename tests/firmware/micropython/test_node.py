@@ -41,8 +41,7 @@ async def test_converses_over_a_uart(library: Path, tmp_path: Path) -> None:
 async def test_converses_over_tcp_and_comes_back_to_another_bridge(library: Path) -> None:
     async with meeting() as met, contextlib.AsyncExitStack() as node:
         async with met.bridge("tcp://127.0.0.1:0") as (address,):
-            host, _, port = address.removeprefix("tcp://").rpartition(":")
-            await node.enter_async_context(running(NODE, library, "tcp", host, port))
+            await node.enter_async_context(running(NODE, library, "tcp", *_place(address)))
             await met.converse()
         async with met.bridge(address):
             assert await met.ask("hello again") == "hello again"
@@ -67,6 +66,19 @@ async def test_calls_a_service_from_a_task(library: Path) -> None:
         assert set(met.answers) == {"pulled"}
 
 
+async def test_converses_without_the_modules_of_micropython(library: Path) -> None:
+    # As on CircuitPython: its counter of milliseconds, and sockets that have recv_into.
+    async with (
+        meeting() as met,
+        met.bridge("tcp://127.0.0.1:0") as (address,),
+        running(NODE, library, "tcp", *_place(address), on_cpython=True),
+    ):
+        await met.converse()
+        # The counter has started again.
+        await until(lambda: met.counts[-1] > 100, "counts")
+        assert await met.ask("hello again") == "hello again"
+
+
 async def test_a_board_that_is_reset_is_back(library: Path) -> None:
     async with (
         usb_board(NODE, library, "usb") as board,
@@ -83,7 +95,7 @@ async def test_damaged_frames_cost_only_themselves(library: Path) -> None:
     # One frame of 280 bytes in a hundred, in each direction.
     faults = LineFaults(FaultRates(flip_per_byte=0.01 / 280), seed=4)
     is_damaging = True
-    count = 200
+    count = 150
 
     def damage(data: bytes, direction: Direction) -> bytes:
         return faults(data, direction) if is_damaging else data
@@ -145,10 +157,15 @@ async def test_messages_at_100_hz_leave_the_memory_as_it_is(library: Path) -> No
     assert max(free[1:]) - min(free[1:]) < 1024, free
 
 
+def _place(address: str) -> tuple[str, str]:
+    host, _, port = address.removeprefix("tcp://").rpartition(":")
+    return host, port
+
+
 @contextlib.asynccontextmanager
 async def _relay(address: str, manipulate: Manipulator) -> AsyncIterator[int]:
     """Relay the connections of a board to an address, with faults; gives the port."""
-    host, _, port = address.removeprefix("tcp://").rpartition(":")
+    host, port = _place(address)
 
     async def copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, direction: Direction) -> None:
         while data := await reader.read(4096):

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from firmware.micropython.boards import PROGRAMS, run
+from line_faults import FaultRates, LineFaults
 from rostether.conformance.vectors import read_vectors
 from rostether.rosserial.frame_decoder import FrameDecoder, Frames
+from rostether.transports.memory import Direction
 from vectors import captures
 
 
@@ -20,6 +22,9 @@ def test_streams_have_the_frames_that_our_decoder_finds(library: Path) -> None:
     recorded = [captures.load(name) for name in captures.names() if name != "protocol1"]
     for chunks in (side for each in recorded for side in (each.of_host(), each.of_device())):
         streams.append(b"".join(chunk.data for chunk in chunks))
+        # One byte in a hundred is wrong, missing or made up.
+        faults = LineFaults(FaultRates(0.004, 0.003, 0.003), seed=len(streams))
+        streams.append(faults(streams[-1][:1000], Direction.FIRST_TO_SECOND))
     text = "".join(f"{each.hex()}\n" for each in streams)
     lines = run(PROGRAMS / "decode.py", library, text, heap="4m").splitlines()
     # Our decoder collects the frames of one topic.
