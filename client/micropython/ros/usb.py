@@ -28,7 +28,7 @@ class UsbSerial:
         self._input = sys.stdin.buffer
         self._output = sys.stdout.buffer
         self._poll = select.poll()
-        self._poll.register(self._input, select.POLLIN)
+        self._poll.register(sys.stdin, select.POLLIN)
         # Standard input waits until it has filled a buffer.
         self._byte = memoryview(bytearray(1))
 

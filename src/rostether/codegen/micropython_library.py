@@ -4,6 +4,7 @@ DIR/ros_lib/
     ros/...                                    hand-written, from the client library
     std_msgs/msg/__init__.py _String.py ...    generated, one module a message, loaded when it is imported
     std_srvs/srv/__init__.py _SetBool.py ...   generated, one module a service
+    examples/...                               hand-written; only in a library of all messages
 """
 
 from __future__ import annotations
@@ -63,9 +64,12 @@ def render_micropython_library(
     index = TypeIndex(registry)
     wanted = _wanted(index, for_program, packages)
     source = client_library() / MICROPYTHON_FOLDER
+    is_complete = for_program is None and packages is None
     files = {
-        f"{LIBRARY_NAMESPACE}/{path}": (source / LIBRARY_NAMESPACE / path).read_bytes()
-        for path in library_files(source / LIBRARY_NAMESPACE)
+        path: (source / path).read_bytes()
+        for path in library_files(source)
+        # They use messages of many packages.
+        if is_complete or not path.startswith("examples/")
     }
     types: list[str] = []
     skipped: list[str] = list(wanted.missing)
