@@ -18,7 +18,9 @@ from rostether.simulation.xbee.registers import Registers
 from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
 
 BROADCAST = 0xFFFF
-# Series 1 has 202 bytes; what comes while they are full is lost without a word.
+# The serial receive buffer of series 1; what comes while it is full is lost without a report.
+BUFFER_BYTES = 202
+# In API mode, where one packet of 100 bytes nearly fills a half of that buffer.
 _BUFFERED_PACKETS = 3
 _SERIAL_OUT_BYTES = 16 * 1024
 
@@ -50,8 +52,10 @@ class SimulatedRadio:
         self.registers = Registers(model, serial_number)
         self.outgoing: deque[Transmission] = deque()
         self.dropped_packets = 0
+        self.dropped_bytes = 0
         self._serial_out = bytearray()
         self._text = bytearray()
+        self._is_due = False
         self._due_s: float | None = None
         self._heard_s = float("-inf")
         self._pluses = 0
@@ -104,7 +108,8 @@ class SimulatedRadio:
         else:
             self._text += b"+" * self._pluses
             self._pluses = 0
-            self._packetize(all_of_it=True)
+            self._is_due = True
+            self._packetize()
 
     def radio_received(
         self, short_source: int | None, long_source: int, payload: bytes, rssi_dbm: int
@@ -124,7 +129,8 @@ class SimulatedRadio:
         self._report(header + payload)
 
     def transmitted(self, packet: Transmission, status: int, retries: int) -> None:
-        """Report what became of a packet, if the host wants to know."""
+        """Report what became of a packet, if the host wants to know, and prepare the next one."""
+        self._packetize()
         if packet.frame_id == _NO_FRAME or not self.registers["AP"]:
             return
         if packet.is_mesh_frame:
@@ -141,18 +147,24 @@ class SimulatedRadio:
             return
         self._text += b"+" * self._pluses + data
         self._pluses = 0
-        self._packetize(all_of_it=self.registers["RO"] == 0)
+        self._is_due |= self.registers["RO"] == 0
+        self._packetize()
+        self.dropped_bytes += max(0, len(self._text) - BUFFER_BYTES)
+        del self._text[BUFFER_BYTES:]
         silence_s = self.registers["RO"] * _BITS_PER_BYTE / self.baud
         self._due_s = now_s + silence_s if self._text else None
 
-    def _packetize(self, *, all_of_it: bool) -> None:
+    def _packetize(self) -> None:
+        """Make a packet of what waits; while one is in the air, the rest collects in the buffer."""
         size = self.model.packet_bytes
-        while len(self._text) >= size or (all_of_it and self._text):
-            payload = bytes(self._text[:size])
-            del self._text[:size]
-            high, low = self.registers["DH"], self.registers["DL"]
-            is_long = bool(high) or (self.model.is_mesh and low != BROADCAST)
-            self._send(Transmission(high << 32 | low, is_long, payload))
+        if self.outgoing or not (len(self._text) >= size or (self._is_due and self._text)):
+            return
+        payload = bytes(self._text[:size])
+        del self._text[:size]
+        self._is_due &= bool(self._text)
+        high, low = self.registers["DH"], self.registers["DL"]
+        is_long = bool(high) or (self.model.is_mesh and low != BROADCAST)
+        self._send(Transmission(high << 32 | low, is_long, payload))
 
     def _send(self, packet: Transmission) -> None:
         if len(self.outgoing) >= _BUFFERED_PACKETS:

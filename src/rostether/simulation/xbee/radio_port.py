@@ -12,6 +12,8 @@ from rostether.transports.transport import Transport
 _BITS_PER_BYTE = 10
 # A faster host has to wait, as at a real port: half a second of the line would only make all bytes late.
 _BACKLOG_S = 0.05
+# The radio sends while bytes still come in, so they come in small pieces: 6 ms of 57600 baud.
+_PIECE_BYTES = 32
 
 
 class RadioPort:
@@ -42,8 +44,11 @@ class RadioPort:
     def data_received(self, data: bytes) -> None:
         """Pass bytes on to the radio when its line has carried them."""
         now_s = self._loop.time()
-        self._in_free_s = max(self._in_free_s, now_s) + self._line_s(data)
-        self._loop.call_at(self._in_free_s, self._enter, data)
+        self._in_free_s = max(self._in_free_s, now_s)
+        for start in range(0, len(data), _PIECE_BYTES):
+            piece = data[start : start + _PIECE_BYTES]
+            self._in_free_s += self._line_s(piece)
+            self._loop.call_at(self._in_free_s, self._enter, piece)
         if self._in_free_s - now_s > _BACKLOG_S:
             self._transport.pause_reading()
             self._loop.call_at(self._in_free_s, self._transport.resume_reading)
