@@ -8,7 +8,7 @@ from __future__ import annotations
 import random
 
 from fuzz.grammar import frame, near, noise
-from rostether.rosserial.frame import VERSIONS, encode_frame, encode_frames
+from rostether.rosserial.frame import FORMS, encode_frame, encode_frames
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
 from vectors.captures import load, names
 
@@ -19,7 +19,7 @@ MAX_PAYLOAD_BYTES = 300
 
 def seeds() -> list[bytes]:
     """Return recorded sessions, and frames that lie about their length."""
-    made = [bytes([version]) + encode_frame(125, b"abc", version=version) for version in VERSIONS]
+    made = [bytes([version]) + encode_frame(125, b"abc", version=version) for version in FORMS]
     made.append(b"\x02" + encode_frames(10, [b"", b"x" * 300]) + b"\xff\xfe\xff\xff\x00")
     return made + [
         b"\x02" + b"".join(each.data for each in capture.of_device())[:SEED_BYTES]
@@ -30,7 +30,7 @@ def seeds() -> list[bytes]:
 def generate(source: random.Random) -> bytes:
     """Return frames of one version with noise and damage between them, runs of one topic among them."""
     choice = source.randrange(256)
-    version = VERSIONS[choice % len(VERSIONS)]
+    version = tuple(FORMS)[choice % len(FORMS)]
     parts = []
     for _ in range(source.randint(1, 8)):
         size = near(source, MAX_PAYLOAD_BYTES) % 400 if source.random() < 0.3 else source.randint(0, 12)
@@ -43,7 +43,7 @@ def generate(source: random.Random) -> bytes:
 
 def run(data: bytes) -> None:
     """Decode in one piece and in two, and as the format is described."""
-    version = VERSIONS[data[0] % len(VERSIONS)] if data else VERSIONS[0]
+    version = (1, 2)[data[0] % 2] if data else 1
     stream = data[1:]
     whole, cut = (FrameDecoder(version, max_payload_bytes=MAX_PAYLOAD_BYTES) for _ in range(2))
     found = whole.feed(stream, 0.0)

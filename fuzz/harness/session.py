@@ -19,7 +19,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level, ParamValue
 from rostether.msgdef.registry import Registry
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.frame import VERSIONS, encode_frame
+from rostether.rosserial.frame import FORMS, encode_frame
 from rostether.rosserial.packets import ParameterRequest, ParameterResponse, TopicInfo
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
@@ -40,10 +40,10 @@ _PARAMETERS: dict[str, ParamValue] = {
     "/tree": {"a": 1},
 }
 _CALL = (ids.SERVICE_CLIENT_REQUEST, ids.SERVICE_CLIENT_RESPONSE)
-_TOPIC_REQUESTS = [encode_frame(ids.TOPIC_REQUEST, b"", version) for version in VERSIONS]
+_TOPIC_REQUESTS = [encode_frame(ids.TOPIC_REQUEST, b"", version) for version in FORMS]
 _QUESTION = encode_frame(ids.PARAMETER, ParameterRequest("gain").encode())
-_ANSWERS = [encode_frame(ids.PARAMETER, ParameterResponse((7,)).encode(), version) for version in VERSIONS]
-_RESPONSES = [encode_frame(111, _DONE, version) for version in VERSIONS]
+_ANSWERS = [encode_frame(ids.PARAMETER, ParameterResponse((7,)).encode(), version) for version in FORMS]
+_RESPONSES = [encode_frame(111, _DONE, version) for version in FORMS]
 
 
 def seeds() -> list[bytes]:

@@ -14,11 +14,28 @@ from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.errors import RostetherError, SerializationError
 from rostether.xmlrpc import document_reader
-from rostether.xmlrpc.document_reader import load_call, load_response
-from rostether.xmlrpc.document_writer import dump_call, dump_fault, dump_response
+from rostether.xmlrpc.document_reader import DocumentReader, load_call
+from rostether.xmlrpc.document_writer import DocumentWriter, call_steps, dump_fault, dump_response
+from rostether.xmlrpc.values import XmlRpcValue
 
 MAX_VALUES, MAX_NESTING = 40, 8
 _CALL = "<methodCall><methodName>a</methodName><params>%s</params></methodCall>"
+
+
+def dump_call(method: str, params: Sequence[object]) -> bytes:
+    """Return a methodCall document."""
+    writer = DocumentWriter()
+    for _ in call_steps(writer, method, params):
+        pass
+    return writer.document()
+
+
+def load_response(document: bytes) -> XmlRpcValue:
+    """Return the value of a methodResponse. Raises FaultError, RemoteProtocolError."""
+    reader = DocumentReader(document)
+    for _ in reader.steps():
+        pass
+    return reader.response()
 
 
 def seeds() -> list[bytes]:

@@ -10,9 +10,9 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.registrations import Kind
-from rostether.xmlrpc.document_reader import load_response
 from rostether.xmlrpc.document_writer import dump_response
 from rostether.xmlrpc.values import XmlRpcValue
+from xmlrpc_documents import load_response
 
 NODES = st.sampled_from(["/a", "/b", "/ns/c"])
 LIVES = st.sampled_from([1, 2])

@@ -8,12 +8,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rostether.rosserial.events import FrameDiscarded
-from rostether.rosserial.frame import VERSIONS, encode_frame, encode_frames
+from rostether.rosserial.frame import FORMS, encode_frame, encode_frames
 from rostether.rosserial.frame_decoder import MAX_LOOK_S, Decoded, FrameDecoder
 from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import by_topic, frame
 
-versions = st.sampled_from(VERSIONS)
+versions = st.sampled_from(tuple(FORMS))
 topic_ids = st.one_of(st.integers(0, 12), st.integers(100, 130), st.integers(0, 0xFFFF))
 payloads = st.one_of(st.binary(max_size=40), st.binary(min_size=250, max_size=520))
 frame_bytes = st.sampled_from([0xFF, 0xFE, 0x00, 0x01, 0x7D])

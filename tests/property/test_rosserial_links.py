@@ -22,7 +22,7 @@ from rostether.rosserial.packets import (
     encode_time,
 )
 from rostether.rostime import Time
-from unit.rosserial.decoding import frame
+from unit.rosserial.decoding import can_send, frame
 from unit.rosserial.sessions import EMPTY, EMPTY_MD5, STRING, STRING_MD5, Line, lose_or_damage
 
 uint32 = st.integers(0, 0xFFFFFFFF)
@@ -131,7 +131,7 @@ def test_a_lossy_line_loses_messages_but_invents_hardly_any(seed: int, version: 
     sent = [b"%d" % number + b"." * 30 for number in range(100)]
     for payload in sent:
         device.publish(publisher, [payload])
-        if line.host.can_send(subscriber):
+        if can_send(line.host, subscriber):
             line.send_to_device(line.host.encode_message(subscriber, payload))
         line.flush()
         line.run(0.02)

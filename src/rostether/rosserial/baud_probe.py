@@ -127,13 +127,6 @@ class BaudProbe:
         self.baud = self._bauds[0]
         self.result: BoardFound | NoBoard | None = None
 
-    @property
-    def limit_s(self) -> float:
-        """How long it takes at most."""
-        count = len(self._bauds)
-        ask_s = BOOT_S + FIRST_DWELL_S + count * (QUICK_DWELL_S + PATIENT_DWELL_S)
-        return ask_s + LISTEN_S + (count + 1) * SURVEY_DWELL_S
-
     def start(self, now_s: float) -> None:
         """Begin."""
         self._next(now_s)

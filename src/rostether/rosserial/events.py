@@ -173,7 +173,7 @@ class ControlFlood:
 class DeviceReset:
     """The device has forgotten us (reset or lost the time answers); the link asks for its topics at once.
 
-    Until it has announced a topic id again, nothing may be sent on it (`HostLink.can_send`).
+    Until it has announced a topic id again, nothing may be sent on it.
     """
 
 

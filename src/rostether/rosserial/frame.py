@@ -28,7 +28,6 @@ from rostether.rosserial.checksum import one_plus_sum
 from rostether.rosserial.topic_id import LAST_ID
 
 SYNC = 0xFF
-VERSIONS = (1, 2)
 # The maximum of the length field. Real boards stay below 1 kB; Linux devices send images in one frame.
 MAX_PAYLOAD_BYTES = 0xFFFF
 

@@ -149,12 +149,12 @@ class HostLink:
         """Take the control frames that are waiting to be sent."""
         return self._output.pop_ready()
 
-    def can_send(self, topic_id: int) -> bool:
-        """Whether the device listens on this id now: announced, and again since its last reset."""
-        return topic_id in self._table.send_limits
-
     def encode_message(self, topic_id: int, payload: bytes) -> bytes:
-        """Return the frame to send. Raises LocalProtocolError if `can_send` is false or it does not fit."""
+        """Return the frame to send.
+
+        Raises LocalProtocolError if the device has not announced a subscriber with this id since its last
+        reset, or if the payload does not fit the device's buffer.
+        """
         return self._output.messages(topic_id, (payload,))
 
     def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:

@@ -25,14 +25,6 @@ def load_call(document: bytes) -> tuple[str, list[XmlRpcValue]]:
     return reader.call()
 
 
-def load_response(document: bytes) -> XmlRpcValue:
-    """Return the value of a methodResponse. Raises FaultError, RemoteProtocolError for nonsense."""
-    reader = DocumentReader(document)
-    for _ in reader.steps():
-        pass
-    return reader.response()
-
-
 def _read_int(text: str) -> int:
     # A sign, ten digits, spaces and leading zeros fit; int() takes quadratic time for a longer text.
     value = int(text) if len(text) <= 64 else MAX_INT + 1

@@ -156,14 +156,6 @@ class _Lazy(Iterator[object]):
         return next(self._items)
 
 
-def dump_call(method: str, params: Sequence[object]) -> bytes:
-    """Return a methodCall document. Raises SerializationError for a value XML-RPC cannot carry."""
-    writer = DocumentWriter()
-    for _ in call_steps(writer, method, params):
-        pass
-    return writer.document()
-
-
 def call_steps(writer: DocumentWriter, method: str, params: Sequence[object]) -> Iterator[None]:
     """Write a methodCall document. Raises SerializationError for a value XML-RPC cannot carry."""
     writer.write_text(f"{_PROLOG}<methodCall><methodName>{_escape(method)}</methodName><params>")

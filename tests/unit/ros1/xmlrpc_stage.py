@@ -9,9 +9,8 @@ from typing import Any
 
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
-from rostether.xmlrpc.document_reader import load_response
-from rostether.xmlrpc.document_writer import dump_call
 from rostether.xmlrpc.http_message import HttpClientSide
+from xmlrpc_documents import dump_call, load_response
 
 
 @contextlib.asynccontextmanager

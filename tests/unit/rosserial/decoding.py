@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from rostether.errors import LocalProtocolError
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame_decoder import Decoded, FrameDecoder, Frames
+from rostether.rosserial.host_link import HostLink
 
 
 def frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:
@@ -80,3 +82,12 @@ def feed_byte_by_byte(decoder: FrameDecoder, data: bytes) -> list[Decoded]:
     return [
         item for position in range(len(data)) for item in decoder.feed(data[position : position + 1], 0.0)
     ]
+
+
+def can_send(link: HostLink, topic_id: int) -> bool:
+    """Return whether the device accepts messages on this id now."""
+    try:
+        link.encode_messages(topic_id, ())
+    except LocalProtocolError:
+        return False
+    return True

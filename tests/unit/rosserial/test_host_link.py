@@ -25,7 +25,7 @@ from rostether.rosserial.host_link import HostLink
 from rostether.rosserial.packets import Log, LogLevel, decode_time
 from rostether.rosserial.time_sync import HOLD_LIMIT_S
 from rostether.rostime import Time
-from unit.rosserial.decoding import frame, plain_decode
+from unit.rosserial.decoding import can_send, frame, plain_decode
 from unit.rosserial.host_link_boards import (
     BURST,
     REQUEST,
@@ -182,8 +182,8 @@ class TestServices:
         called = device.add_service_client("call", TEST_SRV, TEST_REQUEST_MD5, TEST_RESPONSE_MD5)
         line = line_to(device)
         assert line.run_until(lambda: line.host.is_settled, 1.0)
-        assert line.host.can_send(served.request_id)
-        assert line.host.can_send(called.response_id)
+        assert can_send(line.host, served.request_id)
+        assert can_send(line.host, called.response_id)
         device.publish(called.request_id, [b"\0\0\0\0"])
         line.flush()
         line.run(0.1)

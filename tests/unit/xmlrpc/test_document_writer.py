@@ -7,13 +7,13 @@ import xmlrpc.client
 import pytest
 
 from rostether.errors import SerializationError
-from rostether.xmlrpc.document_reader import load_response
 from rostether.xmlrpc.document_writer import (
     DocumentTooLargeError,
     DocumentWriter,
     dump_response,
     response_steps,
 )
+from xmlrpc_documents import load_response
 
 
 def steps_of(value: object) -> int:

@@ -15,7 +15,7 @@ from rostether.xmlrpc.document_reader import (
     DocumentReader,
     load_call,
 )
-from rostether.xmlrpc.document_writer import dump_call
+from xmlrpc_documents import dump_call
 
 
 def call(params: bytes) -> bytes:

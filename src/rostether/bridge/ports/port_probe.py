@@ -27,9 +27,9 @@ class TunableTransport(Transport, Protocol):
 async def probe_port(
     transport: TunableTransport, *, known_baud: int | None = None, listens_first: bool = False
 ) -> BoardFound | NoBoard:
-    """Find out whether a board is there, and leave the port ready for the session that serves it.
+    """Detect whether a board is connected, and leave the port ready for the session that serves it.
 
-    Takes seconds where no board answers, `BaudProbe.limit_s` at most. Raises TransportError if the port goes.
+    Without a board it takes up to about 35 s. Raises TransportError if the port is lost.
     """
     bauds = USUAL_BAUDS if transport.has_baud else USUAL_BAUDS[:1]
     if not transport.has_baud:

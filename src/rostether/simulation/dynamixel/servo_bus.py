@@ -34,11 +34,6 @@ class ServoBus:
         self._clock = clock
         self._reader = PacketReader()
 
-    @property
-    def damaged_requests(self) -> int:
-        """How many requests had a wrong CRC or length."""
-        return self._reader.damaged
-
     def advance(self) -> None:
         """Move all servos until now."""
         now_s = self._clock()
