@@ -22,6 +22,7 @@ from rostether.platform.status_frame import Refusal
 REPEAT_S = 0.05
 STOP_PERIOD_S = 0.02
 STOP_FRAMES = 10
+RELEASE_FRAMES = 3
 
 # A changed command is sent three times at once, unless a change was sent three times within `REPEAT_S`.
 CHANGE_FRAMES = 3

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
 from rostether.platform.command_channel import CommandChannel, refusal_text
-from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
+from rostether.platform.command_link import RELEASE_FRAMES, REPEAT_S, CommandSender, SenderSettings
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import Robot
 from rostether.platform.status_frame import Refusal
@@ -23,7 +23,6 @@ QUERY_S = 2.5
 # A robot in range confirms a stop within this time.
 _CONFIRM_S = 0.3
 _STOP_ROUNDS = 3
-_RELEASES = 3
 # Without an answer after this time, the user is informed.
 _ANSWER_S = 1.5
 
@@ -105,7 +104,7 @@ class FleetSender:
         # After queries alone, robots would obey a release as one of a later sender, and then refuse earlier
         # senders.
         if self._has_commanded:
-            self._send([self._commands.release() for _ in range(_RELEASES)])
+            self._send([self._commands.release() for _ in range(RELEASE_FRAMES)])
         self._channel.close()
 
     async def _repeat(self, datagrams: list[bytes]) -> None:

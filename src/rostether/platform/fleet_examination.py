@@ -14,11 +14,11 @@ from rostether.platform.command_frame import NO_KEY
 from rostether.platform.command_link import CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.fleet import QUERY_S, FleetSettings
-from rostether.platform.fleet_survey import ClockOffset, Place, Survey
+from rostether.platform.fleet_survey import ClockOffset, Survey
 from rostether.platform.forwarding import encode_forward
 from rostether.platform.igmp_querier import hears_querier
 from rostether.platform.multicast_socket import GroupAddress
-from rostether.platform.robot_table import Robot
+from rostether.platform.robot_table import Place, Robot
 
 # Enough for many queries and answers, of which few are lost on Wi-Fi that works.
 _UNICAST_S = 1.5
@@ -81,14 +81,15 @@ async def _ask_by_unicast(
     report: Callable[[Level, str], None],
 ) -> None:
     """Ask the robots that answered, and the addresses that were given."""
-    ports = dict.fromkeys(settings.unicast, settings.address.port)
-    ports |= {robot.address[0]: robot.address[1] for robot in robots.values()}
+    addresses = [robot.address[:2] for robot in robots.values()]
+    hosts = {host for host, _ in addresses}
+    addresses += [(host, settings.address.port) for host in settings.unicast if host not in hosts]
     surveys = {
-        host: Survey(settings.sender, GroupAddress(host, port), report)
-        for host, port in list(ports.items())[:MAX_UNICAST]
+        (host, port): Survey(settings.sender, GroupAddress(host, port), report)
+        for host, port in addresses[:MAX_UNICAST]
     }
     await asyncio.gather(*[survey.run(_UNICAST_S) for survey in surveys.values()])
-    for host, survey in surveys.items():
+    for (host, _), survey in surveys.items():
         found.by_unicast |= survey.robots
         for place, clock in survey.clocks.items():
             known = found.clocks.get(place)
@@ -103,25 +104,19 @@ async def _ask_neighbors(
 ) -> list[tuple[Place, Place, bool]]:
     """Let each robot send to the next one, the last to the first. Boards cannot forward."""
     # A link-local IPv6 address (with %) has another scope on each machine.
-    able = sorted(
-        (place, robot)
-        for place, robot in robots.items()
-        if robot.status.host is not None and "%" not in place[1]
-    )
+    able = [each for each in robots.values() if each.status.host is not None and "%" not in each.place.host]
     if len(able) < 2:
         return []
+    able.sort(key=lambda robot: robot.place)
     ring = list(zip(able, [*able[1:], able[0]], strict=True))
     epoch_us = time.time_ns() // 1000
+    # Each pair has an epoch of its own: a robot counts the frames of an epoch.
     reached = await asyncio.gather(
-        *[
-            # Each pair has an epoch of its own: a robot counts the frames of an epoch.
-            _reaches(sender, first, second, epoch_us + index, report)
-            for index, ((_, first), (_, second)) in enumerate(ring)
-        ]
+        *[_reaches(sender, *pair, epoch_us + index, report) for index, pair in enumerate(ring)]
     )
     return [
-        (first, second, is_reached)
-        for ((first, _), (second, _)), is_reached in zip(ring, reached, strict=True)
+        (first.place, second.place, is_reached)
+        for (first, second), is_reached in zip(ring, reached, strict=True)
         if is_reached is not None
     ]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from rostether.platform.command_channel import duplicate_text
 from rostether.platform.fleet_examination import Examination
-from rostether.platform.fleet_survey import ClockOffset, Place
+from rostether.platform.fleet_survey import ClockOffset
 from rostether.platform.igmp_querier import QUERY_INTERVAL_S
-from rostether.platform.robot_table import MAX_LOSS, Robot, hosts_of_duplicate_ids
+from rostether.platform.robot_table import MAX_LOSS, Place, Robot, hosts_of_duplicate_ids
 
 # With a weaker signal, Wi-Fi uses its slowest rates, and loses multicast first.
 WEAK_SIGNAL_DBM = -75
@@ -42,7 +42,7 @@ def fleet_findings(found: Examination, silence_text: str) -> list[FleetFinding]:
     findings += [
         FleetFinding(False, "unicast", f"no robot answers at {host}; check its address and the key")
         for host in found.silent_hosts
-        if not any(place[1] == host for place in robots)
+        if not any(place.host == host for place in robots)
     ]
     findings += [
         FleetFinding(False, "ids", duplicate_text(robot_id, hosts))
@@ -64,7 +64,7 @@ def disk_finding(path: str, free_bytes: int, total_bytes: int) -> FleetFinding:
 
 
 def _robot_finding(place: Place, robot: Robot, found: Examination) -> FleetFinding:
-    status, host, faults = robot.status, place[1], []
+    status, host, faults = robot.status, place.host, []
     by_unicast = found.by_unicast.get(place)
     if place not in found.by_multicast and found.asks_group:
         faults.append(
@@ -94,7 +94,9 @@ def _pair_findings(pairs: Sequence[tuple[Place, Place, bool]]) -> list[FleetFind
     if not pairs:
         return []
     apart = [
-        f"robot {first[0]} does not reach robot {second[0]}" for first, second, is_ok in pairs if not is_ok
+        f"robot {first.robot_id} does not reach robot {second.robot_id}"
+        for first, second, is_ok in pairs
+        if not is_ok
     ]
     if not apart:
         return [FleetFinding(True, "robot to robot", "each robot reaches the next one")]
@@ -109,7 +111,7 @@ def _clock_findings(clocks: Mapping[Place, ClockOffset]) -> list[FleetFinding]:
     """Compare the clocks of the robots and of this machine."""
     if not clocks:
         return []
-    offsets = {f"robot {place[0]} ({place[1]})": clocks[place] for place in sorted(clocks)}
+    offsets = {f"robot {place.robot_id} ({place.host})": clocks[place] for place in sorted(clocks)}
     offsets["this machine"] = ClockOffset(0.0, 0.0)
     ahead = max(offsets, key=lambda name: offsets[name].offset_s)
     behind = min(offsets, key=lambda name: offsets[name].offset_s)

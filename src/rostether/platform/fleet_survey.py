@@ -11,10 +11,7 @@ from rostether.graph.ports import Level
 from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import GroupAddress
-from rostether.platform.robot_table import Robot, RobotTable, SocketAddress
-
-# Robots by id and host.
-Place = tuple[int, str]
+from rostether.platform.robot_table import Place, Robot, RobotTable, SocketAddress
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +70,7 @@ class Survey:
         if status.host is not None and sent_us is not None:
             offset_us = status.host.clock_us - (sent_us + received_us) / 2
             clock = ClockOffset(offset_us / 1e6, (received_us - sent_us) / 2e6)
-            place = (status.robot_id, address[0])
+            place = Place(status.robot_id, address[0])
             known = self.clocks.get(place)
             # The shortest way there and back gives the best value.
             if known is None or clock.error_s < known.error_s:

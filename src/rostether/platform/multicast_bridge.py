@@ -16,7 +16,7 @@ from rostether.graph.ports import Graph, Level
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_frame import MAX_PAYLOAD_BYTES
-from rostether.platform.command_link import CommandSender, SenderSettings
+from rostether.platform.command_link import RELEASE_FRAMES, CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import MAX_DATAGRAM_BYTES, GroupAddress
 from rostether.platform.status_frame import Refusal
@@ -26,7 +26,6 @@ MAX_FREQUENCY_HZ = 10_000.0
 
 # A datagram that could not be sent is tried again after this time at the earliest.
 _RETRY_S = 0.01
-_RELEASES = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,21 +58,21 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
         _FramedBridge(settings, settings.framed, report) if settings.framed else _Bridge(settings, report)
     )
     limit_bytes = MAX_PAYLOAD_BYTES if settings.framed else MAX_DATAGRAM_BYTES
-    has_reported = False
+    reported = False
 
-    def take(payloads: Sequence[bytes]) -> None:
-        nonlocal has_reported
+    def receive(payloads: Sequence[bytes]) -> None:
+        nonlocal reported
         newest = payloads[-1]
         if len(newest) <= limit_bytes:
-            bridge.take(newest)
-        elif not has_reported:
-            has_reported = True
+            bridge.replace_newest(newest)
+        elif not reported:
+            reported = True
             report(
                 Level.ERROR,
                 f"a message of {len(newest)} bytes is not sent: a datagram carries {limit_bytes} at most",
             )
 
-    subscriber = await graph.subscribe(settings.topic, ANY_MESSAGE, take, on_connection=bridge.meet)
+    subscriber = await graph.subscribe(settings.topic, ANY_MESSAGE, receive, on_connection=bridge.set_type)
     report(Level.INFO, f"sending {subscriber.topic} to {settings.address}")
     try:
         await bridge.run()
@@ -91,12 +90,12 @@ class _Bridge:
         self._newest = b""
         self._has_news = asyncio.Event()
 
-    def take(self, payload: bytes) -> None:
+    def replace_newest(self, payload: bytes) -> None:
         """Replace the waiting message."""
         self._newest = payload
         self._has_news.set()
 
-    def meet(self, header: Mapping[str, str]) -> None:
+    def set_type(self, header: Mapping[str, str]) -> None:
         """Ignore the type: bare datagrams do not contain it."""
 
     async def run(self) -> None:
@@ -134,12 +133,12 @@ class _FramedBridge:
         self._silent_at_s: float | None = None
         self._has_news = asyncio.Event()
 
-    def take(self, payload: bytes) -> None:
+    def replace_newest(self, payload: bytes) -> None:
         """Replace the waiting message."""
         self._newest = payload
         self._has_news.set()
 
-    def meet(self, header: Mapping[str, str]) -> None:
+    def set_type(self, header: Mapping[str, str]) -> None:
         """Set the type of the topic; a new type starts a new sender."""
         md5sum = header.get("md5sum", ANY_MD5SUM)
         if md5sum == ANY_MD5SUM:
@@ -201,5 +200,5 @@ class _FramedBridge:
 
     def _release(self) -> None:
         if self._commands is not None:
-            for _ in range(_RELEASES):
+            for _ in range(RELEASE_FRAMES):
                 self._channel.send(self._commands.release())

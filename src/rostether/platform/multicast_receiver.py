@@ -18,7 +18,7 @@ from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.platform.command_frame import Flags
 from rostether.platform.command_link import CommandReceiver, ReceiverSettings
 from rostether.platform.forwarding import decode_forward
-from rostether.platform.host_state import read_host
+from rostether.platform.host_state import read_host, read_signal_dbm
 from rostether.platform.multicast_socket import (
     GroupAddress,
     join_group,
@@ -27,7 +27,6 @@ from rostether.platform.multicast_socket import (
     open_unicast,
 )
 from rostether.platform.robot_table import SocketAddress
-from rostether.platform.signal_strength import read_signal_dbm
 from rostether.platform.status_frame import MAGIC as STATUS_MAGIC
 from rostether.platform.status_frame import HostState
 from rostether.platform.status_reporter import StatusReporter

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from rostether.errors import RemoteProtocolError
 from rostether.platform.command_frame import NO_KEY
@@ -27,6 +27,13 @@ _U32 = 1 << 32
 SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
 
 
+class Place(NamedTuple):
+    """What tells two robots with one id apart: the id, and the host that answers."""
+
+    robot_id: int
+    host: str
+
+
 @dataclass(slots=True)
 class Robot:
     """One robot: its last status with its time, and its address. `loss` is from 0 to 1."""
@@ -39,6 +46,11 @@ class Robot:
     # The counts in the status of the last measurement of `loss`.
     received_count: int = 0
     lost_count: int = 0
+
+    @property
+    def place(self) -> Place:
+        """Its id and host."""
+        return Place(self.status.robot_id, self.address[0])
 
     def measure(self, status: RobotStatus) -> None:
         """Compare a status with the last measurement."""
@@ -57,7 +69,7 @@ class RobotTable:
 
     def __init__(self, key: bytes = NO_KEY) -> None:
         self._key = key
-        self.robots: dict[tuple[int, str], Robot] = {}
+        self.robots: dict[Place, Robot] = {}
 
     def receive(
         self, datagram: bytes, address: SocketAddress, epoch_us: int, now_s: float
@@ -69,7 +81,7 @@ class RobotTable:
             return None
         if status.epoch_us != epoch_us:
             return None
-        place = (status.robot_id, address[0])
+        place = Place(status.robot_id, address[0])
         robot = self.robots.get(place)
         if robot is None:
             if len(self.robots) >= _MAX_ROBOTS:
@@ -96,8 +108,8 @@ class RobotTable:
         return hosts_of_duplicate_ids(self.robots)
 
 
-def hosts_of_duplicate_ids(places: Iterable[tuple[int, str]]) -> dict[int, list[str]]:
-    """Return the ids that several hosts share, with the hosts, from pairs of both."""
+def hosts_of_duplicate_ids(places: Iterable[Place]) -> dict[int, list[str]]:
+    """Return the ids that several hosts share, with the hosts."""
     hosts: dict[int, list[str]] = {}
     for robot_id, host in sorted(places):
         hosts.setdefault(robot_id, []).append(host)

@@ -51,7 +51,7 @@ class SensingManager:
         self._publisher: TypedPublisher[...] | None = None
         self._snapshot = Snapshot()
         self._has_news = asyncio.Event()
-        self._cannot_write_reported = False
+        self._reported = False
         self._is_unsaved = False
 
     async def run(self) -> None:
@@ -209,8 +209,8 @@ class SensingManager:
             # The memory card of a small computer can be slow.
             await asyncio.to_thread(write_state, self._state_path, kept)
         except OSError as error:
-            if not self._cannot_write_reported:
-                self._cannot_write_reported = True
+            if not self._reported:
+                self._reported = True
                 self._report(
                     Level.ERROR,
                     f"{self._state_path}: cannot be written: {error.strerror or error}; a restart forgets "

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from rostether.platform.fleet_examination import Examination
 from rostether.platform.fleet_findings import FleetFinding, disk_finding, fleet_findings
-from rostether.platform.fleet_survey import ClockOffset, Place
-from rostether.platform.robot_table import Robot
+from rostether.platform.fleet_survey import ClockOffset
+from rostether.platform.robot_table import Place, Robot
 from rostether.platform.status_frame import HostState, RobotStatus
 
 SILENCE = "no robot answers"
@@ -14,7 +14,7 @@ SILENCE = "no robot answers"
 def robots(*found: tuple[int, float | None, int | None]) -> dict[Place, Robot]:
     """Return robots by id, loss and signal."""
     return {
-        (number, f"10.0.0.{number}"): Robot(
+        Place(number, f"10.0.0.{number}"): Robot(
             RobotStatus(number, 1, 1, signal_dbm=signal_dbm, host=HostState(0, 10**9)),
             (f"10.0.0.{number}", 5),
             0.0,
@@ -49,10 +49,10 @@ def test_a_fleet_that_does_not_answer_and_a_full_disk() -> None:
 
 def test_clocks_are_compared_beyond_the_error_of_their_measurement() -> None:
     ahead, behind = ClockOffset(0.06, 0.001), ClockOffset(-0.06, 0.001)
-    found = Examination(True, robots((1, 0.0, None)), clocks={(1, "a"): ahead, (2, "b"): behind})
+    found = Examination(True, robots((1, 0.0, None)), clocks={Place(1, "a"): ahead, Place(2, "b"): behind})
     (finding,) = problems(found)
     assert finding.text.startswith("the clock of robot 1 (a) is 0.1 s ahead of that of robot 2 (b)")
-    found.clocks[1, "a"] = replace(ahead, error_s=0.05)
+    found.clocks[Place(1, "a")] = replace(ahead, error_s=0.05)
     assert not problems(found)
 
 
@@ -66,6 +66,6 @@ def test_a_querier_is_missing_only_after_the_longest_interval() -> None:
 
 
 def test_many_pairs_of_robots_are_not_all_listed() -> None:
-    pairs = [((number, "a"), (number + 1, "b"), False) for number in range(1, 9)]
+    pairs = [(Place(number, "a"), Place(number + 1, "b"), False) for number in range(1, 9)]
     (finding,) = problems(Examination(True, robots((1, 0.0, None)), pairs=pairs))
     assert "robot 5 does not reach robot 6 and 3 more; turn off client isolation" in finding.text

@@ -12,8 +12,8 @@ from rostether.platform.command_link import (
     ReceiverSettings,
     SenderSettings,
 )
-from rostether.platform.robot_table import RobotTable
-from rostether.platform.signal_strength import read_signal_dbm
+from rostether.platform.host_state import read_signal_dbm
+from rostether.platform.robot_table import Place, RobotTable
 from rostether.platform.status_frame import HostState, Refusal, RobotStatus, decode_status
 from rostether.platform.status_reporter import StatusReporter
 
@@ -109,7 +109,7 @@ def test_old_foreign_and_forged_statuses_are_ignored() -> None:
     assert table.receive(STATUS.encode(KEY), place, 1_000, 0.0) is None
     assert table.receive(replace(STATUS, sequence=8).encode(), place, 1_000, 0.0) is None
     assert table.receive(replace(STATUS, sequence=8).encode(KEY), place, 2_000, 0.0) is None
-    assert table.robots[3, "10.0.0.3"].status == STATUS
+    assert table.robots[Place(3, "10.0.0.3")].status == STATUS
 
 
 def test_the_signal_of_wireless_interfaces(tmp_path: Path) -> None:
