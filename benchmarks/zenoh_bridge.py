@@ -17,7 +17,7 @@ from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.serde.store import TypeStore
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 
 
 async def serve(device_port: str, zenoh_port: str, name: str) -> None:

@@ -230,14 +230,14 @@ _ALL = (
     Plant(
         "address-port-off-by-one",
         "address",
-        "rostether.transports.address",
+        "rostether.transports.address_parser",
         "int(port_text) <= 65535",
         "int(port_text) <= 65536",
     ),
     Plant(
         "address-long-number-raises",
         "address",
-        "rostether.transports.address",
+        "rostether.transports.address_parser",
         "return text.isascii() and text.isdigit() and len(text) <= 20",
         "return text.isascii() and text.isdigit()",
     ),

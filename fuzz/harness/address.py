@@ -7,17 +7,14 @@ import random
 from fuzz.grammar import near
 from rostether.errors import RostetherError
 from rostether.transports.address import (
-    MAX_BAUD,
-    MAX_SEED,
-    MAX_UART,
     Address,
     SerialAddress,
     SimAddress,
     TcpAddress,
     UdpAddress,
     XbeeAddress,
-    parse_address,
 )
+from rostether.transports.address_parser import MAX_BAUD, MAX_SEED, MAX_UART, parse_address
 from rostether.transports.xbee.radio_address import BROADCAST_ADDRESS, MAX_SHORT_ADDRESS
 
 _MAX_PORT = 65535

@@ -11,7 +11,7 @@ from rostether.errors import RostetherError
 from rostether.ports import toml_table
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.devices_toml import MAX_GRACE_S, MAX_QUEUE_DEPTH, parse_devices_toml
-from rostether.transports.address import MAX_BAUD
+from rostether.transports.address_parser import MAX_BAUD
 
 MAX_ENTRIES = 12
 

@@ -31,7 +31,6 @@ REVIEWED_LONG_FILES = {
     "rosserial/host_link.py",
     "rosserial/negotiation.py",
     "serde/decoder_source.py",
-    "transports/address.py",
     "transports/peers.py",
     "transports/tcp.py",
 }

@@ -21,7 +21,7 @@ from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from waiting import until
 

@@ -23,7 +23,7 @@ from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from waiting import until
 

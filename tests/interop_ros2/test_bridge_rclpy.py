@@ -18,7 +18,7 @@ from rostether.device.device import Device
 from rostether.ros2.rclpy.context import RclpyContext
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from waiting import until
 

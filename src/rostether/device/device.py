@@ -34,7 +34,8 @@ from rostether.rosserial.packets import LogLevel, encode_time
 from rostether.rosserial.topic_id import TIME
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
-from rostether.transports.address import Address, TcpAddress, UdpAddress, parse_address
+from rostether.transports.address import Address, TcpAddress, UdpAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.transport import Transport
 

@@ -22,7 +22,7 @@ from rostether.ports.settings import (
     NameRule,
 )
 from rostether.ports.toml_table import TomlTable
-from rostether.transports.address import MAX_BAUD
+from rostether.transports.address_parser import MAX_BAUD
 
 # Settings of a thousand boards have about 200 KB; a larger file is a mistake.
 MAX_FILE_BYTES = 1024 * 1024

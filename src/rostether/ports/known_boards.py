@@ -7,7 +7,7 @@ import json
 import os
 from pathlib import Path
 
-from rostether.transports.address import MAX_BAUD
+from rostether.transports.address_parser import MAX_BAUD
 
 # Enough for a workshop; the boards unseen for longest are removed, and detected again when they return.
 MAX_BOARDS = 500

@@ -1,27 +1,11 @@
-"""Link addresses as people type them: which wire, where, and its options.
-
-    /dev/ttyACM0    /dev/ttyUSB0?baud=115200&reset=no    COM3    serial:/tmp/tty
-    tcp://:11411    tcp://0.0.0.0:11411?allow=192.168.1.0/24    tcp://robot.local:11411?connect=yes
-    tcp://:11411?psk=key.txt    tls://:11412?cert=server.pem&key=server.key&ca=boards.pem
-    udp://:11411    udp://192.168.1.7:11411?connect=yes&bind=11411
-    pty:/tmp/board  xbee:/dev/ttyUSB0?baud=57600&peers=1,2,0013A20040A1B2C3
-    sim:blink.ino?board=uno&adc=A0:2.5&range=0.5
-    web:    web:?ns=lab
-
-An empty host is loopback. Every address takes `name=` and `ns=`, the board's node name and namespace.
-"""
+"""Link addresses as values: the kind of line, its place and its options; `address_parser` reads them."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from rostether.errors import ConfigError
-from rostether.transports.allow_list import check_networks
-from rostether.transports.sim_words import SIM_WORDS, sim_words
 from rostether.transports.tls import TlsFiles
-from rostether.transports.xbee.radio_address import parse_radio_address
 
 # What the established device library opens its port with.
 DEFAULT_BAUD = 57600
@@ -29,12 +13,6 @@ DEFAULT_BAUD = 57600
 # Where established boards connect to.
 DEFAULT_PORT = 11411
 LOOPBACK = "127.0.0.1"
-
-# Faster UARTs do not exist on USB bridges; the bound catches a slipped digit.
-MAX_BAUD = 20_000_000
-# A mega has four.
-MAX_UART = 3
-MAX_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,200 +156,7 @@ Address: TypeAlias = (
     SerialAddress | TcpAddress | UdpAddress | PtyAddress | XbeeAddress | SimAddress | WebAddress
 )
 
-_COMMON_OPTIONS = ("name", "ns")
-_KNOWN_OPTIONS = {
-    "serial": ("baud", "reset"),
-    "tcp": ("connect", "allow", "psk"),
-    "tls": ("connect", "allow", "psk", "cert", "key", "ca"),
-    "udp": ("connect", "bind", "allow"),
-    "pty": (),
-    "xbee": ("baud", "peers"),
-    "sim": ("board", "baud", "uart", "seed", *SIM_WORDS),
-    "web": (),
-}
-_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
-_HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
-_IPV4 = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3}){3}")
-_WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
-_YES = ("yes", "true", "on", "1")
-_NO = ("no", "false", "off", "0")
-
 
 def show_endpoint(host: str, port: int) -> str:
     """Write a host and port for people, IPv6 hosts in brackets."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-
-
-def parse_address(text: str) -> Address:
-    """Read a link address. Raises ConfigError with the error and the known options."""
-    if not text.strip().isprintable():
-        raise ConfigError(f"link address {text!r} has invisible characters; type it again")
-    place, _, query = text.strip().partition("?")
-    scheme, place = _split_scheme(text, place)
-    options = _parse_options(text, scheme, query)
-    name, ns = options.pop("name", None), options.pop("ns", None)
-    reader = _Options(text, options)
-    match scheme:
-        case "serial":
-            path, reset = _require_path(text, place), reader.flag("reset", default=True)
-            return SerialAddress(path, reader.baud(), reset, name=name, ns=ns, given=tuple(options))
-        case "tcp" | "tls":
-            host, port = _parse_endpoint(text, place)
-            connect, networks, psk = reader.flag("connect"), reader.networks(), options.get("psk")
-            tls = TlsFiles(*map(options.get, ("cert", "key", "ca"))) if scheme == "tls" else None
-            return TcpAddress(host, port, connect, networks, psk, tls, name=name, ns=ns)
-        case "udp":
-            host, port = _parse_endpoint(text, place)
-            connect, bind = reader.flag("connect"), reader.port("bind")
-            return UdpAddress(host, port, connect, bind, reader.networks(), name=name, ns=ns)
-        case "pty":
-            return PtyAddress(_require_path(text, place), name=name, ns=ns)
-        case "xbee":
-            path, peers = _require_path(text, place), reader.xbee_peers()
-            return XbeeAddress(path, reader.baud(), peers, name=name, ns=ns)
-        case "web":
-            if place:
-                raise ConfigError(
-                    f"link address {text!r} names a place; write web: alone, because pages connect boards"
-                )
-            return WebAddress(name=name, ns=ns)
-        case _:
-            # Checked as in a serial port's address, and ignored: a simulated line follows the sketch.
-            reader.baud()
-            path, board, words = _require_path(text, place), options.get("board", "uno"), sim_words(options)
-            return SimAddress(path, board, words, reader.uart(), reader.seed(), name=name, ns=ns)
-
-
-class _Options:
-    def __init__(self, address: str, values: dict[str, str]) -> None:
-        self.address = address
-        self.values = values
-
-    def flag(self, key: str, *, default: bool = False) -> bool:
-        value = self.values.get(key)
-        if value is None:
-            return default
-        if value.lower() not in (*_YES, *_NO):
-            raise ConfigError(f"{key}={value} in link address {self.address!r}: write {key}=yes or {key}=no")
-        return value.lower() in _YES
-
-    def baud(self) -> int:
-        return self._number("baud", DEFAULT_BAUD, 1, MAX_BAUD)
-
-    def port(self, key: str) -> int:
-        return self._number(key, 0, 0, 65535)
-
-    def uart(self) -> int | None:
-        return self._number("uart", 0, 0, MAX_UART) if "uart" in self.values else None
-
-    def seed(self) -> int:
-        return self._number("seed", 0, 0, MAX_SEED)
-
-    def networks(self) -> tuple[str, ...]:
-        value = self.values.get("allow")
-        if value is None:
-            return ()
-        return check_networks(value.split(","), f"allow={value} in link address {self.address!r}")
-
-    def xbee_peers(self) -> tuple[int, ...]:
-        value = self.values.get("peers")
-        if value is None:
-            return ()
-        peers = [parse_radio_address(peer) for peer in value.split(",")]
-        known = tuple(dict.fromkeys(peer for peer in peers if peer is not None))
-        if len(known) < len(peers):
-            raise ConfigError(
-                f"peers={value} in link address {self.address!r}: write each address once, separated by "
-                "commas, of 16 bits or as on the radio's label: peers=1,0x2a,0013A20040A1B2C3"
-            )
-        return known
-
-    def _number(self, key: str, default: int, lowest: int, highest: int) -> int:
-        value = self.values.get(key)
-        if value is None:
-            return default
-        if not (_is_number(value) and lowest <= int(value) <= highest):
-            raise ConfigError(
-                f"{key}={value} in link address {self.address!r}: write a number from {lowest} to {highest}"
-            )
-        return int(value)
-
-
-def _is_number(text: str) -> bool:
-    # Python raises for a number of thousands of digits.
-    return text.isascii() and text.isdigit() and len(text) <= 20
-
-
-def _split_scheme(text: str, place: str) -> tuple[str, str]:
-    if match := _SCHEME.fullmatch(place):
-        scheme = match[1].lower()
-        if scheme not in _KNOWN_OPTIONS:
-            raise ConfigError(
-                f"unknown kind of link {scheme!r} in address {text!r}; known: a serial port's path, "
-                f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
-            )
-        return scheme, match[2]
-    if "/" in place or _WINDOWS_PORT.fullmatch(place):
-        return "serial", place
-    if not place:
-        raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
-    if _HOST_PORT.fullmatch(place):
-        raise ConfigError(
-            f"not a link address: {text!r}; write tcp://{place}?connect=yes to connect there, "
-            f"or tcp://{place} to listen there"
-        )
-    if _is_number(place):
-        raise ConfigError(f"not a link address: {place!r}; to listen on that TCP port, write tcp://:{place}")
-    if _IPV4.fullmatch(place):
-        raise ConfigError(
-            f"not a link address: {place!r}; boards connect to this machine: write tcp://:11411, and "
-            f"give them this machine's address; to connect to a board, write tcp://{place}:PORT?connect=yes"
-        )
-    if place.lower() in _KNOWN_OPTIONS:
-        raise ConfigError(f"not a link address: {text!r}; see `rostether serve --help` for {place.lower()}:")
-    raise ConfigError(f"not a link address: {text!r}; write a serial port with its path, /dev/{place}")
-
-
-def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
-    known = (*_KNOWN_OPTIONS[scheme], *_COMMON_OPTIONS)
-    options: dict[str, str] = {}
-    for part in query.split("&") if query else ():
-        key, equals, value = part.partition("=")
-        if key not in known:
-            raise ConfigError(f"unknown option {key!r} in link address {text!r}; known: {', '.join(known)}")
-        if not equals or not value:
-            raise ConfigError(f"option {key!r} in link address {text!r} has no value; write {key}=VALUE")
-        if key in options:
-            raise ConfigError(f"option {key!r} is given twice in link address {text!r}; keep one")
-        options[key] = value
-    return options
-
-
-def _require_path(text: str, place: str) -> str:
-    path = place.strip()
-    path = path.removeprefix("//") if path.startswith("///") else path
-    if not path:
-        raise ConfigError(
-            f"link address {text!r} has no path; write one such as /dev/ttyACM0 or sim:blink.ino"
-        )
-    return path
-
-
-def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
-    endpoint = place.removeprefix("//").rstrip("/")
-    if endpoint.startswith("["):
-        host, bracket, rest = endpoint[1:].partition("]")
-        if not bracket or (rest and not rest.startswith(":")):
-            raise ConfigError(f"malformed IPv6 address in link address {text!r}; write [::1]:{DEFAULT_PORT}")
-        port_text = rest[1:]
-    else:
-        host, _, port_text = endpoint.partition(":")
-    if not port_text:
-        port_text = str(DEFAULT_PORT)
-    if not (_is_number(port_text) and int(port_text) <= 65535):
-        raise ConfigError(
-            f"{port_text!r} in link address {text!r} is not a port; write HOST:PORT with a number up to 65535"
-        )
-    if any(character in "/[]" or character.isspace() for character in host):
-        raise ConfigError(f"host {host!r} in link address {text!r} is not a host name; write HOST:PORT")
-    return host or LOOPBACK, int(port_text)

@@ -15,8 +15,8 @@ from rostether.transports.address import (
     UdpAddress,
     WebAddress,
     XbeeAddress,
-    parse_address,
 )
+from rostether.transports.address_parser import parse_address
 from rostether.transports.serial_port import SerialPort
 from rostether.transports.transport import Listener, Transport
 

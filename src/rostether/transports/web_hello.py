@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rostether.errors import RemoteProtocolError
-from rostether.transports.address import MAX_BAUD
+from rostether.transports.address_parser import MAX_BAUD
 
 # A hello has about 100 characters.
 MAX_TEXT_CHARACTERS = 1000

@@ -20,7 +20,7 @@ from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from waiting import until
 

@@ -14,7 +14,8 @@ from rostether.firmware.build import BuildOptions, build_sketch, find_board
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
-from rostether.transports.address import Address, SerialAddress, parse_address
+from rostether.transports.address import Address, SerialAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.transport import Transport

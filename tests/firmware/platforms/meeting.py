@@ -14,7 +14,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from waiting import until
 

@@ -10,7 +10,7 @@ import pytest
 from firmware.platforms.meeting import meeting
 from rostether.cli.board.simulated_links import simulated
 from rostether.simulation.qemu import QemuBoard
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.lateness import lateness
 
 pytestmark = [pytest.mark.arm, pytest.mark.qemu]

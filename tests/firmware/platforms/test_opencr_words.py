@@ -13,7 +13,7 @@ from programs import OURS
 from rostether.bridge.reporter import SilentReporter
 from rostether.cli.board.simulated_links import simulated
 from rostether.errors import ConfigError
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 
 pytestmark = pytest.mark.gcc
 

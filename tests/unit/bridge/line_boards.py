@@ -19,7 +19,7 @@ from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.host_output import PROBE
 from rostether.rosserial.packets import TopicInfo
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE, topic_info
 from unit.bridge.raw_board import TOPIC_REQUEST

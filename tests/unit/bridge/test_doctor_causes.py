@@ -18,7 +18,8 @@ from rostether.bridge.health.doctor import Diagnosis, Doctor
 from rostether.errors import TransportOpenError
 from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.rosserial.frame import encode_frame
-from rostether.transports.address import Address, SerialAddress, parse_address
+from rostether.transports.address import Address, SerialAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.memory import memory_pair
 from rostether.transports.port_facts import PortFacts

@@ -6,7 +6,7 @@ from rostether.bridge.identity import hardware_id, identify_peer, node_base_name
 from rostether.names.graph_name import is_legal_name
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.settings import DeviceSettings
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.device.device import Device
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE, text
 from waiting import until

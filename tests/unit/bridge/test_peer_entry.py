@@ -16,7 +16,7 @@ from rostether.bridge.supervisor import Supervisor
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.bridge.doubles import RecordingReporter
 from unit.bridge.nodes import STORE
 from vectors.captures import load, names

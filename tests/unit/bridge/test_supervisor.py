@@ -15,7 +15,8 @@ from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
-from rostether.transports.address import Address, parse_address
+from rostether.transports.address import Address
+from rostether.transports.address_parser import parse_address
 from rostether.transports.memory import MemoryTransport, memory_pair
 from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Transport

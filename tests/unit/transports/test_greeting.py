@@ -14,7 +14,8 @@ import pytest
 
 from rostether.errors import ConfigError, TransportError, TransportOpenError
 from rostether.transports import greeting, tcp
-from rostether.transports.address import TcpAddress, parse_address
+from rostether.transports.address import TcpAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.tcp import TcpListener
 from unit.transports.recorder import Arrivals, Recorder

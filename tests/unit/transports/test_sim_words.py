@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.transports.address import SimAddress, parse_address
+from rostether.transports.address import SimAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.opening import open_transport
 
 

@@ -9,7 +9,8 @@ from contextlib import asynccontextmanager
 import pytest
 
 from rostether.errors import PeerClosedError, TransportClosedError, TransportOpenError, TransportTimeoutError
-from rostether.transports.address import TcpAddress, parse_address
+from rostether.transports.address import TcpAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.tcp import (
     MAX_CONNECTIONS,
     MAX_CONNECTIONS_PER_HOST,

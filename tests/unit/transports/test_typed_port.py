@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from rostether.transports.typed_port import check_typed_port
 
 PORTS = [SimpleNamespace(path="/dev/ttyS0"), SimpleNamespace(path="/dev/ttyACM7")]

@@ -12,7 +12,8 @@ from rostether.errors import ConfigError, TransportOpenError
 from rostether.extras import install_command
 from rostether.graph.ports import Level
 from rostether.ros1.environment import is_loopback
-from rostether.transports.address import TcpAddress, parse_address
+from rostether.transports.address import TcpAddress
+from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter

@@ -14,7 +14,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
     from rostether.bridge.health.doctor import Diagnosis

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.errors import ConfigError
 from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
-from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress, parse_address
+from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress
+from rostether.transports.address_parser import parse_address
 from rostether.transports.descriptors import shortage
 from rostether.transports.opening import list_serial_ports, listen
 from rostether.transports.typed_port import check_typed_port

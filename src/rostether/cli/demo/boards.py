@@ -15,7 +15,8 @@ from rostether.cli.shell.output import write_line
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import BoardError, RostetherError
 from rostether.graph.ports import Level
-from rostether.transports.address import Address, SerialAddress, parse_address
+from rostether.transports.address import Address, SerialAddress
+from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
     from rostether.simulation.simavr.simulated_board import SimulatedBoard

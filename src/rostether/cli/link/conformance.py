@@ -128,7 +128,7 @@ async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path],
     from rostether.conformance.case import Verdict
     from rostether.conformance.checked_client import CheckedClient
     from rostether.conformance.run_cases import run_cases
-    from rostether.transports.address import parse_address
+    from rostether.transports.address_parser import parse_address
 
     counts: Counter[Verdict] = Counter()
     async with (

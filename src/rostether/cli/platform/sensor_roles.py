@@ -176,7 +176,8 @@ async def _gps(graph: TypedGraph, _: Arguments) -> None:
     from dataclasses import replace
 
     from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
-    from rostether.transports.address import SerialAddress, parse_address
+    from rostether.transports.address import SerialAddress
+    from rostether.transports.address_parser import parse_address
 
     parameters = Parameters(graph, "gps")
     address = parse_address(await parameters.text("/dev/ttyACM0", "port"))

@@ -16,7 +16,7 @@ from rostether.bridge.reporter import SilentReporter
 from rostether.cli.board.qemu import find_program, measure_program
 from rostether.cli.board.simulated_links import simulated
 from rostether.errors import BoardError, ConfigError
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 
 COMMAND = (sys.executable, "-m", "rostether", "board", "run", "--board", "lm3s6965evb")
 

@@ -19,7 +19,8 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
-from rostether.transports.address import PtyAddress, SerialAddress, parse_address
+from rostether.transports.address import PtyAddress, SerialAddress
+from rostether.transports.address_parser import parse_address
 from unit.simulation.simavr.programs import build
 
 pytestmark = pytest.mark.simavr

@@ -17,7 +17,7 @@ from rostether.cli.bridge.options import (
 from rostether.errors import ConfigError
 from rostether.ports.board_limits import Limit
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 
 DOCUMENTED = (Path(__file__).parents[4] / "docs/reference/limits.md").read_text()
 

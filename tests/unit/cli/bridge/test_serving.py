@@ -4,7 +4,8 @@ import pytest
 
 from rostether.cli.bridge.serving import loopback_lines, read_links, read_web_boards, shortage_lines
 from rostether.ros1.environment import RosEnvironment
-from rostether.transports.address import TcpAddress, UdpAddress, WebAddress, parse_address
+from rostether.transports.address import TcpAddress, UdpAddress, WebAddress
+from rostether.transports.address_parser import parse_address
 from unit.cli.command_shell import LiveGraph, Shell
 
 LOOPBACK = RosEnvironment.read({})

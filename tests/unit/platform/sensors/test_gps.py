@@ -13,7 +13,7 @@ import pytest
 from rostether.errors import BoardError, ConfigError
 from rostether.platform.sensors.gps import MESSAGE_TYPE, positions, publish_positions
 from rostether.platform.sensors.nmea import NmeaReader, Position
-from rostether.transports.address import parse_address
+from rostether.transports.address_parser import parse_address
 from unit.platform.datagrams import running
 from unit.platform.sensors.shown_sensors import described, shown_sensors
 from waiting import until

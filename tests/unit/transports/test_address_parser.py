@@ -11,8 +11,8 @@ from rostether.transports.address import (
     UdpAddress,
     WebAddress,
     XbeeAddress,
-    parse_address,
 )
+from rostether.transports.address_parser import parse_address
 
 
 @pytest.mark.parametrize(
