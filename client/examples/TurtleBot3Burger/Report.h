@@ -16,7 +16,7 @@ class Report {
   diagnostic_msgs::DiagnosticArray& make(const Wheels& wheels, const Sensors& sensors, bool has_imu) {
     text_bytes_ = 0;
     first_value_ = value_count_ = status_count_ = 0;
-    add("IMU Sensor", "MPU9250", has_imu ? OK : ERROR, has_imu ? "measures" : "no MPU-9250 answers");
+    add("IMU Sensor", "MPU9250", has_imu ? FINE : FAILURE, has_imu ? "measures" : "no MPU-9250 answers");
 
     addValue("left: supply", wheels.left.volts, "V");
     addValue("right: supply", wheels.right.volts, "V");
@@ -30,9 +30,9 @@ class Report {
     const float volts = sensors.batteryVolts();
     addValue("voltage", volts, "V");
     addValue("charge", sensors.batteryPart() * 100, "%");
-    add("Power System", "Battery", volts < EMPTY_VOLTS ? WARN : OK, volts < EMPTY_VOLTS ? "charge it" : "charged");
+    add("Power System", "Battery", volts < EMPTY_VOLTS ? WARNING : FINE, volts < EMPTY_VOLTS ? "charge it" : "charged");
 
-    add("Analog Button", "OpenCR Button", OK, sensors.buttons() ? "pushed" : "not pushed");
+    add("Analog Button", "OpenCR Button", FINE, sensors.buttons() ? "pushed" : "not pushed");
     array_.status = statuses_;
     array_.status_length = status_count_;
     return array_;
@@ -41,18 +41,19 @@ class Report {
 
  private:
   typedef diagnostic_msgs::DiagnosticStatus Status;
-  static const uint8_t OK = Status::OK, WARN = Status::WARN, ERROR = Status::ERROR;
+  // The levels of DiagnosticStatus. OK is a macro of the board's core.
+  static const uint8_t FINE = 0, WARNING = 1, FAILURE = 2;
 
   void addMotors(const Wheels& wheels) {
     if (wheels.has_failed) {
-      add("Actuator", "DYNAMIXEL X", ERROR, "a servo does not answer");
+      add("Actuator", "DYNAMIXEL X", FAILURE, "a servo does not answer");
     } else if (wheels.left.hardware_error || wheels.right.hardware_error) {
       const char* message = wheels.left.hardware_error ? "the left servo has a hardware error: 0x%02x"
                                                        : "the right servo has a hardware error: 0x%02x";
-      add("Actuator", "DYNAMIXEL X", ERROR,
+      add("Actuator", "DYNAMIXEL X", FAILURE,
           print(message, wheels.left.hardware_error ? wheels.left.hardware_error : wheels.right.hardware_error));
     } else {
-      add("Actuator", "DYNAMIXEL X", OK, wheels.hasTorque() ? "torque on" : "torque off");
+      add("Actuator", "DYNAMIXEL X", FINE, wheels.hasTorque() ? "torque on" : "torque off");
     }
   }
 

@@ -75,7 +75,8 @@ class Wheels {
         note(bus_.reboot(IDS[i]));
         is_known_ = false;
       } else {
-        on ? prepare(IDS[i]) : release(IDS[i]);
+        if (on) prepare(IDS[i]);
+        else release(IDS[i]);
       }
     }
   }
@@ -117,8 +118,8 @@ class Wheels {
   Wheel& wheel(uint8_t index) { return index == 0 ? left : right; }
 
   bool note(dynamixel::Result result) {
-    if (result != dynamixel::OK) ++failures;
-    return result == dynamixel::OK;
+    if (result != dynamixel::DONE) ++failures;
+    return result == dynamixel::DONE;
   }
 
   static int32_t toUnits(float wheel_speed) {
@@ -126,17 +127,19 @@ class Wheels {
     return static_cast<int32_t>(constrain(round(units), -LIMIT, LIMIT));
   }
 
+  // Ends with the torque: a servo without it is prepared again.
   void prepare(uint8_t id) {
     uint8_t mode;
-    if (note(bus_.read(id, dynamixel::OPERATING_MODE, &mode, 1)) && mode != dynamixel::VELOCITY_MODE) {
-      release(id);
-      note(bus_.write(id, dynamixel::OPERATING_MODE, dynamixel::VELOCITY_MODE, 1));
+    if (!note(bus_.read(id, dynamixel::OPERATING_MODE, &mode, 1))) return;
+    if (mode != dynamixel::VELOCITY_MODE) {
+      if (!release(id)) return;
+      if (!note(bus_.write(id, dynamixel::OPERATING_MODE, dynamixel::VELOCITY_MODE, 1))) return;
     }
-    note(bus_.write(id, dynamixel::BUS_WATCHDOG, 0, 1));  // clears its alarm
-    note(bus_.write(id, dynamixel::BUS_WATCHDOG, WATCHDOG, 1));
+    if (!note(bus_.write(id, dynamixel::BUS_WATCHDOG, 0, 1))) return;  // clears its alarm
+    if (!note(bus_.write(id, dynamixel::BUS_WATCHDOG, WATCHDOG, 1))) return;
     note(bus_.write(id, dynamixel::TORQUE_ENABLE, 1, 1));
   }
-  void release(uint8_t id) { note(bus_.write(id, dynamixel::TORQUE_ENABLE, 0, 1)); }
+  bool release(uint8_t id) { return note(bus_.write(id, dynamixel::TORQUE_ENABLE, 0, 1)); }
 
   void read(uint8_t index, const uint8_t* bytes) {
     Wheel& wheel = this->wheel(index);

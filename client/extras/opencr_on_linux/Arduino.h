@@ -20,14 +20,33 @@ typedef bool boolean;
 #define INPUT 0
 #define OUTPUT 1
 #define INPUT_PULLUP 2
-#define INPUT_PULLDOWN 3
-#define INPUT_ANALOG 4
+#define INPUT_ANALOG 3
+#define INPUT_PULLDOWN 4
+#define CHANGE 2
+#define FALLING 3
+#define RISING 4
 #define PI 3.1415926535897932384626433832795
 #define TWO_PI (2 * PI)
 #define HALF_PI (PI / 2)
 #define DEG_TO_RAD (PI / 180)
 #define RAD_TO_DEG (180 / PI)
 #define constrain(value, low, high) ((value) < (low) ? (low) : (value) > (high) ? (high) : (value))
+#define min(a, b) ((a) < (b) ? (a) : (b))
+#define max(a, b) ((a) > (b) ? (a) : (b))
+#undef abs
+#define abs(value) ((value) > 0 ? (value) : -(value))
+#define sq(value) ((value) * (value))
+#define radians(degrees) ((degrees) * DEG_TO_RAD)
+#define degrees(radians) ((radians) * RAD_TO_DEG)
+#define bit(number) (1UL << (number))
+#define lowByte(word) ((uint8_t)((word) & 0xff))
+#define highByte(word) ((uint8_t)((word) >> 8))
+// Macros of the core that sketches and libraries must survive.
+#define OK 0x0000
+#define SERIAL 0
+#define DISPLAY 1
+#define DEFAULT 1
+#define EXTERNAL 0
 
 // Pins, with the names and numbers of the board.
 const uint8_t A0 = 16, A1 = 17, A2 = 18, A3 = 19, A4 = 20, A5 = 21;

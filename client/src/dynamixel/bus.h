@@ -19,7 +19,7 @@
 namespace dynamixel {
 
 enum Result : uint8_t {
-  OK,
+  DONE,       // not OK, which is a macro of the OpenCR's core
   NO_ANSWER,  // nothing came from the servo in time
   DAMAGED,    // something came, but no packet without damage
   REFUSED,    // the servo reported an error: `error()`
@@ -42,7 +42,7 @@ class Bus {
     writer_.begin(id, PING);
     uint8_t answer[3];
     const Result result = ask(id, answer, sizeof answer);
-    if (result == OK) model = static_cast<uint16_t>(answer[0] | answer[1] << 8);
+    if (result == DONE) model = static_cast<uint16_t>(answer[0] | answer[1] << 8);
     return result;
   }
 
@@ -76,7 +76,7 @@ class Bus {
       writer_.add(ids[i]);
       writer_.addNumber(static_cast<uint32_t>(values[i]), size);
     }
-    return send() ? OK : TOO_LONG;
+    return send() ? DONE : TOO_LONG;
   }
 
   // Reads `size` bytes of each servo, into `bytes` one after the other, in the order of `ids`. The result is that of
@@ -89,9 +89,9 @@ class Bus {
     if (!send()) return TOO_LONG;
     for (uint8_t i = 0; i < count; ++i) {
       const Result result = receive(ids[i], bytes + i * size, size);
-      if (result != OK) return result;
+      if (result != DONE) return result;
     }
-    return OK;
+    return DONE;
   }
 
  private:
@@ -124,7 +124,7 @@ class Bus {
       if (error_ & ~ALERT) return REFUSED;
       if (reader_.size() != size + 1) return DAMAGED;
       for (size_t i = 0; i < size; ++i) bytes[i] = reader_.parameters()[1 + i];
-      return OK;
+      return DONE;
     }
     return reader_.damaged() != damaged ? DAMAGED : NO_ANSWER;
   }

@@ -11,6 +11,9 @@ from pathlib import Path
 import pytest
 
 from firmware.platforms.programs import EXAMPLES, NODE, STUBS, WARNINGS
+from rostether.codegen.arduino_library import write_library
+from rostether.codegen.library_source import client_library
+from rostether.msgdef.registry import Registry
 from unit.codegen.compilers import ARDUINO_CORE
 
 ARM = ("arm-none-eabi-g++", "-Os", "-mcpu=cortex-m4", "-mthumb", "-fno-exceptions")
@@ -81,6 +84,15 @@ def test_a_robot_of_a_fleet(control_library: Path, board: str) -> None:
     sketch = ("-x", "c++", "-include", "Arduino.h")
     command = (*ARM, *ARDUINO, *BOARDS[board], *sketch)
     assert not _compile(control_library, command, EXAMPLES / "MulticastRobot" / "MulticastRobot.ino")
+
+
+@pytest.mark.arm
+def test_a_turtlebot3(tmp_path: Path) -> None:
+    packages = ["diagnostic_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "tf", "turtlebot3_msgs"]
+    robots_library = write_library(tmp_path, Registry(), packages=packages).path
+    core = (f"-I{client_library()}/extras/opencr_on_linux", "-DARDUINO=10819", "-D__OPENCR__")
+    sketch = EXAMPLES / "TurtleBot3Burger" / "TurtleBot3Burger.ino"
+    assert not _compile(robots_library, (*ARM, *core, "-x", "c++", "-include", "Arduino.h"), sketch)
 
 
 @pytest.mark.arm

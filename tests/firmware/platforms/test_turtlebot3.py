@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import math
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Container
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -84,9 +85,11 @@ def is_turned(heading: float, pose: Any) -> bool:
 
 
 @contextlib.asynccontextmanager
-async def burger(program: Path, **parameters: Any) -> AsyncIterator[Robot]:
-    """Start the robot, with private parameters for it."""
+async def burger(program: Path, lost: Container[int] = (), **parameters: Any) -> AsyncIterator[Robot]:
+    """Start the robot, with private parameters for it. `lost`: the servos' answers to lose, by number."""
     async with meeting() as met, await OpenCrBoard.start(program) as board:
+        answers = itertools.count()
+        board.base.damage = lambda answer: b"" if next(answers) in lost else answer
         for key, value in parameters.items():
             await met.graph.set_param(f"/burger/{key}", value)
         async with met.bridge(f"{board.address}?name=burger"):
@@ -174,9 +177,10 @@ async def test_it_senses(program: Path) -> None:
 
 
 async def test_torque_and_errors_of_the_servos(program: Path) -> None:
-    async with burger(program) as robot:
+    # The left servo does not answer at first, and is prepared later.
+    async with burger(program, lost=(0,)) as robot:
         base = robot.board.base
-        await robot.message("/sensor_state", STATE)
+        await robot.message("/sensor_state", STATE, lambda each: each.torque)
         await until(lambda: base.servos[1]["operating_mode"] == 1, "velocity mode")
         await robot.publish("/motor_power", "std_msgs/Bool", data=False)
         await robot.message("/sensor_state", STATE, lambda each: not each.torque)

@@ -29,7 +29,7 @@ struct Line {
 const Bytes PONG = {0xff, 0xff, 0xfd, 0x00, 0x01, 0x07, 0x00, 0x55, 0x00, 0x06, 0x04, 0x26, 0x65, 0x5d};
 const Bytes POSITION_166 = {0xff, 0xff, 0xfd, 0x00, 0x01, 0x08, 0x00, 0x55, 0x00, 0xa6, 0x00, 0x00, 0x00, 0x8c, 0xc0};
 const Bytes POSITION_OF_2 = {0xff, 0xff, 0xfd, 0x00, 0x02, 0x08, 0x00, 0x55, 0x00, 0x1f, 0x08, 0x00, 0x00, 0xba, 0xbe};
-const Bytes DONE = {0xff, 0xff, 0xfd, 0x00, 0x01, 0x04, 0x00, 0x55, 0x00, 0xa1, 0x0c};
+const Bytes WRITTEN = {0xff, 0xff, 0xfd, 0x00, 0x01, 0x04, 0x00, 0x55, 0x00, 0xa1, 0x0c};
 
 Bytes status(uint8_t id, const Bytes& parameters) {
   dynamixel::PacketWriter<64> writer;
@@ -44,19 +44,19 @@ Bytes status(uint8_t id, const Bytes& parameters) {
 TEST(dynamixel, requests_are_those_of_the_manual) {
   Line line;
   dynamixel::Bus<Line> bus(line);
-  line.answers = {PONG, POSITION_166, DONE};
+  line.answers = {PONG, POSITION_166, WRITTEN};
   uint16_t model = 0;
-  EXPECT(bus.ping(1, model) == dynamixel::OK);
+  EXPECT(bus.ping(1, model) == dynamixel::DONE);
   EXPECT_EQUAL(model, 1030);
   uint8_t bytes[4];
-  EXPECT(bus.read(1, 132, bytes, 4) == dynamixel::OK);
+  EXPECT(bus.read(1, 132, bytes, 4) == dynamixel::DONE);
   EXPECT_EQUAL(dynamixel::toInt32(bytes), 166);
-  EXPECT(bus.write(1, 116, 512, 4) == dynamixel::OK);
+  EXPECT(bus.write(1, 116, 512, 4) == dynamixel::DONE);
   const uint8_t ids[] = {1, 2};
   const int32_t positions[] = {150, 170};
-  EXPECT(bus.syncWrite(116, 4, ids, positions, 2) == dynamixel::OK);
-  line.answers = {DONE};
-  EXPECT(bus.reboot(1) == dynamixel::OK);
+  EXPECT(bus.syncWrite(116, 4, ids, positions, 2) == dynamixel::DONE);
+  line.answers = {WRITTEN};
+  EXPECT(bus.reboot(1) == dynamixel::DONE);
   const std::vector<Bytes> wanted = {
       {0xff, 0xff, 0xfd, 0x00, 0x01, 0x03, 0x00, 0x01, 0x19, 0x4e},
       {0xff, 0xff, 0xfd, 0x00, 0x01, 0x07, 0x00, 0x02, 0x84, 0x00, 0x04, 0x00, 0x1d, 0x15},
@@ -73,7 +73,7 @@ TEST(dynamixel, reads_several_servos_at_once) {
   line.answers = {POSITION_166 + POSITION_OF_2};
   const uint8_t ids[] = {1, 2};
   uint8_t bytes[8];
-  EXPECT(bus.syncRead(dynamixel::PRESENT_POSITION, 4, ids, bytes, 2) == dynamixel::OK);
+  EXPECT(bus.syncRead(dynamixel::PRESENT_POSITION, 4, ids, bytes, 2) == dynamixel::DONE);
   EXPECT_EQUAL(dynamixel::toInt32(bytes), 166);
   EXPECT_EQUAL(dynamixel::toInt32(bytes + 4), 2079);
   const Bytes wanted = {0xff, 0xff, 0xfd, 0x00, 0xfe, 0x09, 0x00, 0x82, 0x84, 0x00, 0x04, 0x00, 0x01, 0x02, 0xce, 0xfa};
@@ -106,7 +106,7 @@ TEST(dynamixel, each_damaged_byte_is_noticed) {
     const dynamixel::Result result = bus.ping(1, model);
     EXPECT(result == dynamixel::DAMAGED || result == dynamixel::NO_ANSWER);
     // The next request works.
-    EXPECT(bus.ping(1, model) == dynamixel::OK);
+    EXPECT(bus.ping(1, model) == dynamixel::DONE);
   }
 }
 
@@ -117,7 +117,7 @@ TEST(dynamixel, errors_of_a_servo_are_reported) {
   EXPECT(bus.write(1, dynamixel::OPERATING_MODE, 1, 1) == dynamixel::REFUSED);
   EXPECT_EQUAL(bus.error(), dynamixel::ACCESS_ERROR);
   // A hardware error does not make the answer wrong.
-  EXPECT(bus.write(1, dynamixel::TORQUE_ENABLE, 1, 1) == dynamixel::OK);
+  EXPECT(bus.write(1, dynamixel::TORQUE_ENABLE, 1, 1) == dynamixel::DONE);
   EXPECT_EQUAL(bus.error(), dynamixel::ALERT);
   uint8_t bytes[4];
   EXPECT(bus.read(1, dynamixel::PRESENT_POSITION, bytes, 4) == dynamixel::DAMAGED);
@@ -134,7 +134,7 @@ TEST(dynamixel, silence_ends_a_request) {
   // An answer that comes too late does not belong to the next request.
   line.received = POSITION_166;
   line.answers = {POSITION_OF_2};
-  EXPECT(bus.read(2, 132, bytes, 4) == dynamixel::OK);
+  EXPECT(bus.read(2, 132, bytes, 4) == dynamixel::DONE);
   EXPECT_EQUAL(dynamixel::toInt32(bytes), 2079);
   line.answers = {POSITION_166};
   EXPECT(bus.syncRead(132, 4, ids, bytes, 2) == dynamixel::NO_ANSWER);
@@ -145,7 +145,7 @@ TEST(dynamixel, a_request_that_is_too_long_is_not_sent) {
   dynamixel::Bus<Line, 24> bus(line);
   const uint8_t ids[] = {1, 2, 3};
   const int32_t values[] = {1, 2, 3};
-  EXPECT(bus.syncWrite(104, 4, ids, values, 2) == dynamixel::OK);
+  EXPECT(bus.syncWrite(104, 4, ids, values, 2) == dynamixel::DONE);
   EXPECT(bus.syncWrite(104, 4, ids, values, 3) == dynamixel::TOO_LONG);
   EXPECT_EQUAL(line.sent.size(), 1u);
 }

@@ -91,6 +91,7 @@ def findings() -> Iterator[Finding]:
         "simulated Cortex-M boards",
         "on Debian and Ubuntu: sudo apt install qemu-system-arm",
     )
+    yield _program("g++", "simulated OpenCR boards", "on Debian and Ubuntu: sudo apt install g++")
     yield _serial()
     yield _browser()
     if sys.platform == "linux":
