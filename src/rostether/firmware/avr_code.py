@@ -86,15 +86,16 @@ def decode(code: bytes, address: int) -> Instruction:  # noqa: C901, PLR0911, PL
         amount = (word >> 2 & 0x30) | (word & 0xF)
         return Instruction(Op.MOVE_FRAME, value=-amount if word & 0x100 else amount)
     if word & 0xF0F0 == 0x50C0:  # subi r28
-        return Instruction(Op.MOVE_FRAME, value=-_constant(word))
+        return Instruction(Op.MOVE_FRAME, value=-immediate(word))
     if word & 0xF0F0 == 0x40D0:  # sbci r29
-        return Instruction(Op.MOVE_FRAME_HIGH, value=-_constant(word))
+        return Instruction(Op.MOVE_FRAME_HIGH, value=-immediate(word))
     if word & 0xF000 == 0xE000:
-        return Instruction(Op.LOAD, value=_constant(word), register=16 + (word >> 4 & 0xF))
+        return Instruction(Op.LOAD, value=immediate(word), register=16 + (word >> 4 & 0xF))
     return _OTHER
 
 
-def _constant(word: int) -> int:
+def immediate(word: int) -> int:
+    """Return the eight-bit constant in an instruction such as ldi or subi."""
     return (word >> 4 & 0xF0) | (word & 0xF)
 
 

@@ -6,11 +6,16 @@ pointer is loaded once. The last two loads of r30 before the call show which kin
 
 from __future__ import annotations
 
+from rostether.firmware.avr_code import immediate
+
 PLAIN = -1
 UNKNOWN = -2
 
 # The number of instructions between loading a pointer and the call, which load the arguments.
 _MAX_DISTANCE = 24
+
+# The same between computing a table's address and the jump.
+_MAX_TABLE_DISTANCE = 8
 
 _MOVE_FROM_R0 = 0x2DE0
 _LOAD_R0_FROM_Z = 0x9001
@@ -39,6 +44,18 @@ def pointer_kind(flash: bytes, call: int) -> int:
             # The address of the object itself: the value loaded from it is a plain pointer.
             return UNKNOWN if slot is None else PLAIN
     return UNKNOWN
+
+
+def table_of_jump(flash: bytes, jump: int) -> int | None:
+    """Return the address of the table that a large `switch` uses at a jump, None if it is not found."""
+    for address in range(jump - 4, max(jump - 2 * _MAX_TABLE_DISTANCE, -2), -2):
+        low = int.from_bytes(flash[address : address + 2], "little")
+        high = int.from_bytes(flash[address + 2 : address + 4], "little")
+        # subi and sbci of two neighboring registers subtract the complement of the table's word address.
+        is_pair = low & 0xF000 == 0x5000 and high & 0xF000 == 0x4000
+        if is_pair and (high >> 4) & 0xF == ((low >> 4) + 1) & 0xF:
+            return 2 * (-(immediate(high) << 8 | immediate(low)) & 0xFFFF)
+    return None
 
 
 def table_functions(table: bytes) -> dict[int, int]:

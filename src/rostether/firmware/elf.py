@@ -180,12 +180,16 @@ class ElfFile:
     @cached_property
     def variables(self) -> list[Variable]:
         """The variables in the debugging information; empty if it cannot be read."""
+        variables: list[Variable] = []
         with suppress(Exception):
             # Read all entries first: an entry has a parent only after its unit was read in order.
             spend = Budget(MAX_ATTRIBUTES).spend
             entries = [e for unit in self._units for e in unit.iter_DIEs() if spend(1 + len(e.attributes))]
-            return [variable for entry in entries for variable in _variable(entry, self._programs)]
-        return []
+            for entry in entries:
+                # avr-gcc 16 leaves references to entries that the linker has removed.
+                with suppress(Exception):
+                    variables += _variable(entry, self._programs)
+        return variables
 
     @cached_property
     def _programs(self) -> dict[int, LineProgram]:

@@ -86,7 +86,8 @@ def find_endpoints(
     finder = _Finder(elf, readable, variables, "".join(_read(sources)))
     found = []
     for variable in variables:
-        role = _CLASSES.get(variable.type_name)
+        # Compilers since version 7 add the arguments of the template.
+        role = _CLASSES.get(variable.type_name.partition("<")[0])
         if role is None:
             continue
         types = finder.types(variable)
@@ -112,8 +113,9 @@ class _Finder:
 
     def types(self, variable: Variable) -> list[str]:
         """Return the types of an endpoint, `package::Name`: one, or a service's two."""
-        for word in self._words(variable):
-            match = _TYPES.search(self._functions.get(word, ""))
+        functions = (self._functions.get(word, "") for word in self._words(variable))
+        for name in (variable.type_name, *functions):
+            match = _TYPES.search(name)
             if match is not None:
                 return _message_types(match["published"] or match["others"])
         declared = re.search(rf"<\s*([\w:,\s]+?)\s*>\s*{re.escape(variable.name)}\s*[({{]", self._text)

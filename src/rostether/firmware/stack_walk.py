@@ -7,10 +7,12 @@ was loaded from the stack pointer before.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import takewhile
 
 from rostether.firmware.avr_code import Instruction, Op, decode
-from rostether.firmware.avr_pointers import pointer_kind
+from rostether.firmware.avr_pointers import pointer_kind, table_of_jump
 
 # More than any AVR has; it stops the walk in code that pushes in a loop.
 MAX_DEPTH_BYTES = 65536
@@ -43,7 +45,7 @@ class Walk:
 class Code:
     """The flash of a program, the starts and sizes of its functions, and the length of a return address.
 
-    Tables of labels are below `tables_end`.
+    Old compilers place tables of labels below `tables_end`.
     """
 
     flash: bytes
@@ -59,11 +61,17 @@ class Code:
             return None
         return _SHARED_REGISTERS - (target - start) // 2
 
-    def labels(self, entry: int) -> list[int]:
-        """Return the addresses inside a function that are in tables."""
+    def labels(self, entry: int, jump: int) -> list[int]:
+        """Return the addresses inside a function that its jump at `jump` may continue at."""
         inside = range(entry + 2, entry + self.sizes.get(entry, 0), 2)
-        words = (int.from_bytes(self.flash[i : i + 2], "little") for i in range(0, self.tables_end, 2))
-        return sorted({word * 2 for word in words} & set(inside))
+        table = table_of_jump(self.flash, jump)
+        labels = [] if table is None else list(takewhile(inside.__contains__, self._words(table)))
+        return sorted(set(labels or self._words(0, self.tables_end)) & set(inside))
+
+    def _words(self, start: int, end: int | None = None) -> Iterator[int]:
+        """Return the code addresses in a part of the flash, as if all of it was a table."""
+        places = range(start, len(self.flash) - 1 if end is None else end, 2)
+        return (2 * int.from_bytes(self.flash[place : place + 2], "little") for place in places)
 
 
 _State = tuple[int, int | None]
@@ -162,7 +170,7 @@ def _jump(
     if target == 0:
         return []  # the program begins again
     if code.entries.get(target, "").startswith(_TABLE_JUMP):
-        return [(label, state) for label in code.labels(entry)]
+        return [(label, state) for label in code.labels(entry, address)]
     if target in code.entries and target != entry:
         # A tail call.
         _add(found.calls, target, depth, found)
