@@ -132,7 +132,7 @@ def _clock_findings(clocks: Mapping[Place, ClockOffset]) -> list[FleetFinding]:
 def _querier_finding(found: Examination) -> FleetFinding:
     if found.hears_querier is None:
         return FleetFinding(
-            None, "IGMP querier", "only root may listen for it: run the same command with sudo"
+            None, "IGMP querier", "not listened for: it needs root (sudo) and an existing --interface"
         )
     if found.hears_querier:
         return FleetFinding(True, "IGMP querier", "switches and access points know who is in a group")

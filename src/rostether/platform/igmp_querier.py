@@ -17,7 +17,7 @@ _BURST = 100
 async def hears_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | None:
     """Return whether an IGMP query arrives in this time, at one of the interfaces if there are any.
 
-    None: the system does not allow it (it needs root, or CAP_NET_RAW).
+    None: it cannot listen. It needs root or CAP_NET_RAW, and an existing interface.
     """
     heard = asyncio.Event()
     sockets: list[socket.socket] = []

@@ -62,7 +62,7 @@ def test_a_querier_is_missing_only_after_the_longest_interval() -> None:
     found.listened_s = 130.0
     assert [each.what for each in problems(found)] == ["IGMP querier"]
     found.hears_querier = None
-    assert "with sudo" in fleet_findings(found, SILENCE)[-1].text
+    assert "needs root (sudo)" in fleet_findings(found, SILENCE)[-1].text
 
 
 def test_many_pairs_of_robots_are_not_all_listed() -> None:

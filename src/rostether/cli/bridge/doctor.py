@@ -48,7 +48,10 @@ if TYPE_CHECKING:
     "Check whether the ROS 2 graph can be reached, instead of a board: routers, certificates, nodes."
 )
 @click.option(
-    "--fleet", is_flag=True, help="Examine the robots of a fleet instead of a board; see also: fleet doctor."
+    "--fleet",
+    is_flag=True,
+    help="Examine the robots of a fleet instead of a board; --duration is then the time to listen for an "
+    "IGMP querier. See also: fleet doctor.",
 )
 @click.option("--key-file", metavar="FILE", help="With --fleet, the fleet's key.")
 @msg_path_option
