@@ -24,7 +24,7 @@ from rostether.msgdef.parse_action import action_of, expand_action
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
-from rostether.msgdef.unknown_type import explain_unknown
+from rostether.msgdef.unknown_type import example_name, explain_unknown
 from rostether.packages.locate import package_folders, workspace_roots
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
@@ -243,7 +243,7 @@ class Registry:
     def _split(self, kind: Kind, name: str) -> tuple[str, str]:
         package, _, short_name = name.partition("/")
         if len(name) > MAX_NAME_CHARACTERS or not (is_package_name(package) and is_type_name(short_name)):
-            example = "std_srvs/SetBool" if kind is Kind.SERVICE else "std_msgs/String"
+            example = example_name(kind, name)
             raise UnknownTypeError(f"{name[:80]!r} is not a type name; write package/Name, as {example}")
         return package, short_name
 

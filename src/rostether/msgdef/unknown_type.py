@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from rostether.msgdef.definition_files import Kind
+from rostether.msgdef.definition_files import Kind, bundled_file, is_type_name
 
+# A type without its package is looked for here, in this order.
+_COMMON_PACKAGES = ("std_msgs", "std_srvs", "geometry_msgs", "sensor_msgs", "nav_msgs")
 HOW_TO_GIVE = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
 
 
@@ -46,3 +48,12 @@ def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:
 
     close = difflib.get_close_matches(name, candidates, n=1)
     return f"did you mean {prefix}{close[0]}? Otherwise, " if close else ""
+
+
+def example_name(kind: Kind, short_name: str) -> str:
+    """Return a full name to write instead of one without its package: of a common type, if one is meant."""
+    packages = _COMMON_PACKAGES if is_type_name(short_name) else ()
+    meant = [each for each in packages if bundled_file(each, kind, short_name) is not None]
+    if meant:
+        return f"{meant[0]}/{short_name}"
+    return "std_srvs/SetBool" if kind is Kind.SERVICE else "std_msgs/String"

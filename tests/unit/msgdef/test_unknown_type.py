@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import UnknownTypeError
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.unknown_type import example_name
 
 HOW = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
 
@@ -53,3 +55,17 @@ def test_the_users_packages_count(tmp_path: Path) -> None:
     (tmp_path / "my_msgs").mkdir()
     (tmp_path / "my_msgs" / "Wheel.msg").write_text("int8 x")
     assert "did you mean my_msgs/Wheel?" in text_for_message("my_msgs/Weel", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "example"),
+    [
+        (Kind.MESSAGE, "Int32", "std_msgs/Int32"),
+        (Kind.MESSAGE, "Twist", "geometry_msgs/Twist"),
+        (Kind.SERVICE, "Trigger", "std_srvs/Trigger"),
+        (Kind.MESSAGE, "../x", "std_msgs/String"),
+        (Kind.SERVICE, "Nothing", "std_srvs/SetBool"),
+    ],
+)
+def test_a_type_without_its_package(kind: Kind, name: str, example: str) -> None:
+    assert example_name(kind, name) == example

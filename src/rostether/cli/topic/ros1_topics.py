@@ -16,10 +16,11 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.input import read_text
-from rostether.cli.shell.output import write_line
+from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.topics import EchoOptions, PubOptions, TopicListing
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
 
@@ -154,7 +155,10 @@ async def _publish(
 
 async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
     """Refuse a type that the topic does not have: no subscriber would get the message."""
-    known = (await graph.snapshot()).topics.get(topic)
+    topics = (await graph.snapshot()).topics
+    known = topics.get(topic)
+    if known is None and (hint := did_you_mean(topic, (name for name in topics if topics[name].subscribers))):
+        warn(f"WARNING: no node subscribes to {topic}; {hint}")
     if known is None or known.type in (ANY_TYPE, codec.type_name):
         return
     registry = graph.store.registry

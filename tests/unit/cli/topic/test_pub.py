@@ -54,6 +54,14 @@ def test_once(graph: LiveGraph, shell: Shell) -> None:
 
 
 @pytest.mark.usefixtures("brief")
+def test_a_misspelt_topic_is_named(graph: LiveGraph, shell: Shell) -> None:
+    Listener(graph, "/toggle_led", "std_msgs/Empty")
+    result = shell("topic", "pub", "-1", "/toggle_lde", "std_msgs/Empty")
+    assert result.code == 0
+    assert "no node subscribes to /toggle_lde; did you mean /toggle_led?" in result.err
+
+
+@pytest.mark.usefixtures("brief")
 def test_once_as_a_printed_book_spells_it(graph: LiveGraph, shell: Shell) -> None:
     listener = Listener(graph, "/toggle_led", "std_msgs/Empty")
     shell.output("topic", "pub", "toggle_led", "std_msgs/Empty", "\N{EN DASH}once")
