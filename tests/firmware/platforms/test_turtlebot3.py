@@ -101,14 +101,15 @@ async def test_it_drives_a_square_and_knows_where_it_is(program: Path) -> None:
         base = robot.board.base
         for side in range(4):
             start = (await robot.message("/odom", ODOM, stands)).pose.pose.position
+            began = base.x_m, base.y_m
             await robot.drive_until(0.2, 0, partial(is_away, start))
             await robot.drive_until(0, 2.0, partial(is_turned, (side + 1) * math.pi / 2))
             pose = (await robot.message("/odom", ODOM, stands)).pose.pose
             base.advance()
+            # On a busy machine it stops late, and knows it.
+            assert math.dist((base.x_m, base.y_m), began) > SIDE_M - 0.02
             assert math.dist((pose.position.x, pose.position.y), (base.x_m, base.y_m)) < 0.01
             assert abs(math.remainder(yaw_of(pose.orientation) - base.heading_rad, math.tau)) < 0.01
-        # Back where it began; the corners are not exact on a busy machine.
-        assert math.hypot(base.x_m, base.y_m) < SIDE_M / 2
         (frame,) = (await robot.message("/tf", "tf/tfMessage")).transforms
         assert (frame.header.frame_id, frame.child_frame_id) == ("odom", "base_footprint")
         assert frame.transform.translation.x == pytest.approx(pose.position.x)
