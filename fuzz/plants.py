@@ -258,7 +258,7 @@ _ALL = (
     Plant(
         "recording-left-open",
         "recordings",
-        "rostether.recording.mapped_file",
+        "rostether.recording.regular_file",
         "                os.close(descriptor)",
         "                pass",
     ),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rostether.robot.kinematics import joint_transform, with_mimics
 from rostether.robot.robot_model import RobotModel
+from rostether.robot.robot_state import joint_transform, with_mimics
 from rostether.robot.transform import Transform
 
 

@@ -20,9 +20,8 @@ from rostether.gateways.foxglove import client as client_module
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
-from rostether.gateways.foxglove.limits import FoxgloveLimits
 from rostether.gateways.foxglove.server_messages import StatusLevel
-from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph, Level
 from rostether.graph.typed_graph import TypedGraph

@@ -10,8 +10,7 @@ from rostether.errors import MasterUnreachableError
 from rostether.graph.joint_graph import JointGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph, Level, Snapshot
-from rostether.names.graph_name import join
-from rostether.names.resolve import resolve_name
+from rostether.names.graph_name import join, resolve_name
 from rostether.rostime import Time
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from interop.ros1_peers import DEBIAN_PYTHON
-from rostether.robot.kinematics import joint_transform
 from rostether.robot.robot_model import Joint, JointType
+from rostether.robot.robot_state import joint_transform
 from rostether.robot.transform import Transform, quaternion_from_rpy
 
 pytestmark = pytest.mark.robot

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from rostether.errors import DefinitionError
-from rostether.msgdef.parse_action import expand_action
+from rostether.msgdef.parse_srv import expand_action
 from rostether.msgdef.registry import Registry
 
 pytestmark = pytest.mark.ros1

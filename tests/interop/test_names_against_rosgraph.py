@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 
 from rostether.errors import ConfigError, InvalidNameError
-from rostether.names.graph_name import canonical, is_legal_name, join, namespace_of
+from rostether.names.graph_name import canonical, is_legal_name, join, namespace_of, resolve_name
 from rostether.names.remap import parse_arguments
-from rostether.names.resolve import resolve_name
 
 pytestmark = pytest.mark.ros1
 

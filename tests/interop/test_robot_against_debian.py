@@ -12,7 +12,7 @@ import pytest
 from interop.robot_stage import RobotStage
 from interop.ros1_peers import Ros1Peers
 from robot_poses import forward_kinematics
-from rostether.robot.kinematics import with_mimics
+from rostether.robot.robot_state import with_mimics
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.robot.urdf import parse_urdf

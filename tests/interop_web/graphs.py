@@ -20,8 +20,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import join_ros1
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.native_types import NativeTypes
-from rostether.ros2.types.native_values import NativeClasses
+from rostether.ros2.types.native_types import NativeClasses, NativeTypes
 from rostether.serde.store import TypeStore
 
 

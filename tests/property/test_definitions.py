@@ -11,15 +11,13 @@ from rostether.errors import ConfigError, DefinitionError, InvalidNameError
 from rostether.msgdef.full_text import SEPARATOR, message_full_text, split_full_text
 from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.mismatch import explain_mismatch
-from rostether.msgdef.parse_action import expand_action
 from rostether.msgdef.parse_msg import parse_message
-from rostether.msgdef.parse_srv import parse_service
+from rostether.msgdef.parse_srv import expand_action, parse_service
 from rostether.msgdef.primitives import INTEGER_RANGES, PRIMITIVE_TYPES
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import MessageSpec
-from rostether.names.graph_name import is_legal_name, join, namespace_of
+from rostether.names.graph_name import is_legal_name, join, namespace_of, resolve_name
 from rostether.names.remap import parse_arguments
-from rostether.names.resolve import resolve_name
 from rostether.packages.package_xml import parse_package_xml
 
 # A busy machine makes single examples slow; that is no failure.

@@ -2,21 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 
-from rostether.codegen.cpp_constants import enumerators, is_static, static_constants
-from rostether.codegen.cpp_fields import field_lines
 from rostether.codegen.cpp_header import header
-from rostether.codegen.cpp_literals import string_literal
-from rostether.codegen.cpp_names import MemberNames, class_name, constants_class, include_path, name_members
-from rostether.codegen.cpp_types import is_message
+from rostether.codegen.cpp_literals import (
+    float32_literal,
+    float64_literal,
+    integer_literal,
+    narrow_double_literal,
+    string_literal,
+)
+from rostether.codegen.cpp_names import (
+    MemberNames,
+    NamedConstant,
+    class_name,
+    constants_class,
+    include_path,
+    is_variable_array,
+    name_members,
+)
+from rostether.codegen.cpp_types import (
+    element_type,
+    is_message,
+    scalar_type,
+    sequence_element_type,
+    zero,
+)
 from rostether.codegen.reserved_words import is_macro
-from rostether.msgdef.spec import MessageSpec
+from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _LINE_WIDTH = 110
 
 # Maps the full name of a message to that of the type whose header has it: itself, or its service.
 HeaderOf = Callable[[str], str]
+
+_STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*"}
+
+# float64[] has a special pointer class: sketches assign arrays of float and of double.
+_SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
+# Elements of eight bytes are not aligned in the receive buffer as their type would have it.
+_SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
 
 
 def message_header(spec: MessageSpec, md5sum: str, header_of: HeaderOf = str) -> str:
@@ -81,3 +107,107 @@ def _field_list(calls: list[str]) -> Iterator[str]:
     yield "static void _fields(Archive& archive, Self& self) {"
     yield from (f"  {call}" for call in calls)
     yield "}"
+
+
+def enumerators(constants: Iterable[NamedConstant]) -> Iterator[str]:
+    """Yield the declarations of the integer and bool constants."""
+    for each in constants:
+        if not is_static(each):
+            yield f"enum {{ {each.name} = {integer_literal(int(each.constant.value))} }};"
+            if each.alias is not None:
+                yield f"enum {{ {each.alias} = {each.name} }};"
+
+
+def is_static(constant: NamedConstant) -> bool:
+    """Return whether a constant is a float or a string; these are in the class template."""
+    return constant.constant.type in _STATIC_TYPES
+
+
+def static_constants(cpp_class: str, constants: Iterable[NamedConstant]) -> Iterator[str]:
+    """Yield the class template of a message's float and string constants, and their definitions."""
+    holder = constants_class(cpp_class)
+    statics = [each for each in constants if is_static(each)]
+    yield "template <class T>"
+    yield f"struct {holder} {{"
+    for each in statics:
+        yield from _declaration(each.constant, each.name)
+        if each.alias is not None:
+            yield f"  static constexpr {_STATIC_TYPES[each.constant.type]} {each.alias} = {each.name};"
+    yield "};"
+    for each in statics:
+        for name in filter(None, (each.name, each.alias)):
+            yield "template <class T>"
+            yield f"constexpr {_STATIC_TYPES[each.constant.type]} {holder}<T>::{name};"
+
+
+def _declaration(constant: Constant, name: str) -> Iterator[str]:
+    start = f"  static constexpr {_STATIC_TYPES[constant.type]} {name} = "
+    if constant.type == "string":
+        yield f"{start}{string_literal(str(constant.value))};"
+        return
+    value = float(constant.value)
+    if constant.type == "float32":
+        yield f"{start}{float32_literal(value)};"
+        return
+    narrow = narrow_double_literal(value)
+    if narrow is not None:
+        yield "#if defined(__SIZEOF_DOUBLE__) && __SIZEOF_DOUBLE__ < 8"
+        yield f"{start}{narrow};"
+        yield "#else"
+    yield f"{start}{float64_literal(value)};"
+    if narrow is not None:
+        yield "#endif"
+
+
+@dataclass(frozen=True, slots=True)
+class FieldLines:
+    """Declarations, initializers (`name{value}`) and the call that gives the field to an archive."""
+
+    declarations: tuple[str, ...]
+    initializers: tuple[str, ...]
+    archive_call: str
+
+
+def field_lines(field: Field, name: str) -> FieldLines:
+    """Return the lines of a field whose member is called `name`."""
+    if is_variable_array(field):
+        return _sequence(field, name)
+    if field.type.is_array:
+        return _fixed_array(field, name)
+    return _single_value(field, name)
+
+
+def _single_value(field: Field, name: str) -> FieldLines:
+    base = field.type.base
+    call = "message" if is_message(base) else "string" if base == "string" else "value"
+    return FieldLines(
+        (f"typedef {scalar_type(base)} _{name}_type;", f"_{name}_type {name};"),
+        (f"{name}{{{zero(base)}}}",),
+        f"archive.{call}(self.{name});",
+    )
+
+
+def _fixed_array(field: Field, name: str) -> FieldLines:
+    if field.type.length == 0:
+        # C++ has no arrays without elements, and there is nothing to send.
+        return FieldLines((f"// {name} has no elements.",), (), "")
+    return FieldLines(
+        (f"{element_type(field.type.base)} {name}[{field.type.length}];",),
+        (f"{name}{{}}",),
+        f"archive.fixed(self.{name});",
+    )
+
+
+def _sequence(field: Field, name: str) -> FieldLines:
+    base = field.type.base
+    pointer = _SEQUENCE_POINTERS.get(base, f"_{name}_type*")
+    call = "sequence64" if base in _SEQUENCES_OF_64_BITS else "sequence"
+    return FieldLines(
+        (
+            f"ros::array_length {name}_length;",
+            f"typedef {sequence_element_type(base)} _{name}_type;",
+            f"{pointer} {name};",
+        ),
+        (f"{name}_length{{0}}", f"{name}{{nullptr}}"),
+        f"archive.{call}(self.{name}, self.{name}_length);",
+    )

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
 from rostether.errors import GraphError
-from rostether.names.resolve import resolve_name, resolve_remappings
+from rostether.names.graph_name import resolve_name, resolve_remappings
 
 
 class NodeMembership(ABC):

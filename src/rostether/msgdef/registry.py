@@ -20,9 +20,8 @@ from rostether.msgdef.definition_files import (
 from rostether.msgdef.full_text import message_full_text, split_full_text
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.md5sum import message_md5sum, service_md5sum
-from rostether.msgdef.parse_action import action_of, expand_action
 from rostether.msgdef.parse_msg import parse_message
-from rostether.msgdef.parse_srv import parse_service
+from rostether.msgdef.parse_srv import action_of, expand_action, parse_service
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.msgdef.unknown_type import example_name, explain_unknown
 from rostether.packages.locate import package_folders, workspace_roots

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
-from rostether.platform.stick import DEFAULT_DEADZONE, FORMULAS
 
 # The reference node uses this queue length.
 _QUEUE_MESSAGES = 10
+
+DEFAULT_DEADZONE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,3 +52,43 @@ def _fault(axes: list[float]) -> str:
     if len(axes) < 2:
         return f"the joystick has {len(axes)} of the two axes that driving needs"
     return "" if math.isfinite(axes[0]) and math.isfinite(axes[1]) else "an axis is not a finite number"
+
+
+@dataclass(frozen=True, slots=True)
+class DriveCommand:
+    """A direction in degrees and a speed; 1.0 is full speed."""
+
+    direction_deg: float
+    speed: float
+
+
+Formula: TypeAlias = Callable[[float, float, float], DriveCommand]
+
+
+def reference_command(left: float, forward: float, deadzone: float) -> DriveCommand:
+    """Return the command that the reference node sends.
+
+    The speed is 0 only if both axes are below the dead zone, and 1.414 in the corners. The angle is rounded
+    to 32 bits, because the reference node uses 32-bit axes.
+    """
+    angle = _float32(_float32(math.atan2(-left, forward)) * 180)
+    is_still = abs(left) < deadzone and abs(forward) < deadzone
+    # The reference node's value of pi.
+    return DriveCommand(angle / 3.14159265359, 0.0 if is_still else math.sqrt(forward**2 + left**2))
+
+
+def radial_command(left: float, forward: float, deadzone: float) -> DriveCommand:
+    """Return a command whose speed grows from 0 at the edge of a round dead zone to 1, in every direction."""
+    distance = math.hypot(left, forward)
+    if distance <= deadzone or deadzone >= 1:
+        return DriveCommand(0.0, 0.0)
+    speed = (min(distance, 1.0) - deadzone) / (1 - deadzone)
+    return DriveCommand(math.degrees(math.atan2(-left, forward)), speed)
+
+
+FORMULAS: dict[str, Formula] = {"reference": reference_command, "radial": radial_command}
+
+
+def _float32(value: float) -> float:
+    number: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return number

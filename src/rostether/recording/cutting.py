@@ -7,13 +7,14 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
 from datetime import datetime, timedelta
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.recording.files import Form, create_recording, form_for, form_of, locked, open_recording
+from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
 from rostether.recording.recorded import RecordedMessage, RecordingReader, Wanted
-from rostether.recording.reindexing import refuse_same, remove_recording
+from rostether.recording.reindexing import refuse_same, write_messages
 from rostether.rostime import NS_PER_S
 
 # A week of recordings of ten minutes.
@@ -109,17 +110,8 @@ class Cutting:
             first = next(messages, None)
             if first is None:
                 return 0, 0
-            with locked(target):
-                writer = create_recording(target, form=form)
-                try:
-                    for message in chain((first,), messages):
-                        number = writer.add_connection(message.connection)
-                        writer.write(number, message.time_ns, (message.payload,))
-                    writer.close()
-                except BaseException:
-                    remove_recording(target)
-                    raise
-        return writer.message_count, len(chosen)
+            count = write_messages(chain((first,), messages), target, partial(create_recording, form=form))
+        return count, len(chosen)
 
 
 def _merged(

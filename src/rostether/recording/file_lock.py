@@ -1,13 +1,17 @@
-"""Prevents two programs from writing the same recording."""
+"""Marks the file of a recording while it is written, so that no other program writes it."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from pathlib import Path
 from types import TracebackType
 
 from rostether.errors import RecordingError
+
+# The log files that SQLite leaves if the disk is full at the end; the database is incomplete without them.
+_LOG_SUFFIXES = ("-wal", "-shm", "-journal")
 
 
 class FileLock:
@@ -74,3 +78,15 @@ def _is_same(file: int, path: Path) -> bool:
         return os.path.samestat(os.fstat(file), path.stat())
     except OSError:
         return False
+
+
+def end_active(active: Path, path: Path) -> None:
+    """Rename `active` and its log files to `path`, replacing existing ones. Raises OSError."""
+    active.replace(path)
+    if path.suffix != ".db3":
+        return
+    for suffix in _LOG_SUFFIXES:
+        log = path.with_name(path.name + suffix)
+        log.unlink(missing_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            active.with_name(active.name + suffix).replace(log)

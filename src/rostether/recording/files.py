@@ -18,7 +18,7 @@ from rostether.recording.recorded import RecordingReader, RecordingWriter
 from rostether.recording.regular_file import require_regular_file
 
 if TYPE_CHECKING:
-    from rostether.recording.ros2.unfit_messages import UnfitMessages
+    from rostether.recording.ros2.channels import UnfitMessages
     from rostether.ros2.types.type_support import Ros2Types
 
 BAG_SUFFIX = ".bag"

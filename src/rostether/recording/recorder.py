@@ -16,9 +16,8 @@ from rostether.errors import RecordingError
 from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
-from rostether.recording.active_file import end_active
 from rostether.recording.background_writer import BackgroundWriter
-from rostether.recording.file_lock import FileLock
+from rostether.recording.file_lock import FileLock, end_active
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
-from rostether.recording.active_file import end_active
 from rostether.recording.checking import file_faults
 from rostether.recording.compression import NONE
-from rostether.recording.file_lock import FileLock
+from rostether.recording.file_lock import FileLock, end_active
 from rostether.recording.files import Form, create_recording, form_of, is_mcap, locked, open_recording
-from rostether.recording.recorded import RecordingReader
+from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, RecordingWriter
 
 if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types
@@ -112,26 +112,35 @@ def copy(
     `form` is the form of the new messages, `storage` the file format of a ROS 2 bag, and `types` replaces the
     ROS 2 types of the environment. On RecordingError, no file remains.
     """
+    new = partial(create_recording, compression=compression, form=form, storage=storage, types=types)
+    return write_messages(reader.messages(), output, new, reader.counts)
+
+
+def write_messages(
+    messages: Iterable[RecordedMessage],
+    output: Path,
+    create: Callable[[Path], RecordingWriter],
+    connections: Iterable[Connection] = (),
+) -> int:
+    """Write messages to a new recording, with these connections even without messages; returns how many.
+
+    Raises RecordingError, and leaves no file then.
+    """
     with locked(output):
-        writer = create_recording(output, compression=compression, form=form, storage=storage, types=types)
+        writer = create(output)
         try:
-            for connection in reader.counts:
+            for connection in connections:
                 writer.add_connection(connection)
-            for message in reader.messages():
+            for message in messages:
                 writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
             writer.close()
         except BaseException:
-            remove_recording(output)
+            if output.is_dir():
+                shutil.rmtree(output, ignore_errors=True)
+            else:
+                output.unlink(missing_ok=True)
             raise
         return writer.message_count
-
-
-def remove_recording(path: Path) -> None:
-    """Remove an unfinished recording: a file, or the folder of a ROS 2 bag."""
-    if path.is_dir():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        path.unlink(missing_ok=True)
 
 
 def _usual(reader: RecordingReader) -> str:

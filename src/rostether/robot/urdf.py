@@ -12,8 +12,7 @@ from rostether.errors import RobotModelError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml
 from rostether.robot.robot_model import Joint, JointType, Limits, Link, Mimic, RobotModel
 from rostether.robot.transform import Vector
-from rostether.robot.urdf_link import read_colors, read_link
-from rostether.robot.urdf_numbers import Numbers
+from rostether.robot.urdf_link import Numbers, read_colors, read_link
 
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20

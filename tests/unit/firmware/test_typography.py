@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.firmware.typography import MAX_REPORTED, find_typographic
+from rostether.firmware.diagnostics import MAX_REPORTED, find_typographic
 
 
 def explain(text: str) -> list[str]:

@@ -19,7 +19,7 @@ from rostether.launch.command_line import Program, Replaced
 from rostether.launch.loading import load_launch
 from rostether.launch.node_process import StopLimits
 from rostether.launch.plan import LaunchPlan, Output
-from rostether.launch.runner import RunOptions, run_plan
+from rostether.launch.runner import RunOptions, outermost, run_plan
 from rostether.packages.executables import find_program
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
@@ -349,3 +349,17 @@ async def test_programs_are_searched_while_the_loop_goes_on(
     assert await stage.run('<node pkg="p" type="say.sh" name="a"/>')
     assert watch.folders
     assert watch.held == 0
+
+
+@pytest.mark.parametrize(
+    ("namespaces", "kept"),
+    [
+        ([], []),
+        (["/a/"], ["/a/"]),
+        (["/a/", "/a/"], ["/a/"]),
+        (["/a/b/", "/a/", "/ab/"], ["/a/", "/ab/"]),
+        (["/a/", "/", "/b/c/"], ["/"]),
+    ],
+)
+def test_namespaces_inside_of_others_are_cleared_with_them(namespaces: list[str], kept: list[str]) -> None:
+    assert outermost(namespaces) == kept

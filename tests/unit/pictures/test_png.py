@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import io
 import sys
+import xml.etree.ElementTree as ET
 
 import pytest
 import resvg_py
 from PIL import Image
 
 from rostether.errors import ConfigError
-from rostether.pictures.png import png
+from rostether.pictures.png import png, svg
 from rostether.pictures.scene import WHITE, Anchor, Color, Scene, rectangle
 
 RED: Color = (255, 0, 0)
 BLUE: Color = (0, 0, 255)
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+BLACK = (0, 0, 0)
 
 
 def drawn(scene: Scene, scale: int = 1) -> Image.Image:
@@ -71,3 +76,27 @@ def test_without_a_font_no_picture_lacks_its_text(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(resvg_py, "svg_to_bytes", draw_without_fonts)
     with pytest.raises(ConfigError, match="no font for the text of the picture is installed"):
         png(Scene(4, 3))
+
+
+def test_items_become_elements_in_their_order() -> None:
+    scene = Scene(100, 50, (1, 2, 3))
+    scene.line([(0, 0), (10.125, 20)], (255, 0, 16), 1.5)
+    scene.area(rectangle(5, 5, 30, 20), (0, 128, 0), BLACK)
+    scene.text(50, 25, "here", 10, BLACK, Anchor.MIDDLE)
+    root = ET.fromstring(svg(scene).encode())
+    background, line, area, text = root
+    assert (root.get("width"), root.get("height")) == ("100", "50")
+    assert background.get("fill") == "#010203"
+    assert (line.tag, line.get("points")) == (f"{SVG}polyline", "0,0 10.12,20")
+    assert (line.get("stroke"), line.get("stroke-width"), line.get("fill")) == ("#ff0010", "1.5", "none")
+    assert (area.tag, area.get("fill")) == (f"{SVG}polygon", "#008000")
+    assert (text.text, text.get("text-anchor"), text.get("textLength")) == ("here", "middle", "24")
+
+
+def test_names_cannot_break_out() -> None:
+    scene = Scene(10, 10)
+    name = '</text><script>"&\x00\x1b\udc80'
+    scene.text(0, 0, name, 10, BLACK)
+    root = ET.fromstring(svg(scene).encode())
+    assert [each.tag for each in root] == [f"{SVG}rect", f"{SVG}text"]
+    assert root[1].text == '</text><script>"&\ufffd\ufffd\ufffd'

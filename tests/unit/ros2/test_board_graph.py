@@ -16,8 +16,7 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.actions.board_action import LOST_AFTER_S
 from rostether.ros2.actions.board_graph import BoardJoin, NativeSession
-from rostether.ros2.actions.client import GoalCall
-from rostether.ros2.actions.types import ActionTypes, GoalStatus
+from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types

@@ -1,9 +1,18 @@
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 from rostether.rosserial import topic_id as ids
-from rostether.rosserial.announcements import Announcements
+from rostether.rosserial.announcements import (
+    FIRST_PAUSE_S,
+    MAX_IDS,
+    MAX_PAUSE_S,
+    MAX_REFUSALS,
+    Announcements,
+    Refusals,
+    UnknownIds,
+)
 from rostether.rosserial.control_rate import CHANGES, ControlRate
 from rostether.rosserial.events import (
     AnnouncementRefused,
@@ -14,8 +23,14 @@ from rostether.rosserial.events import (
     TopicRole,
     TopicWithdrawn,
 )
-from rostether.rosserial.topic_table import TopicTable, key_of
+from rostether.rosserial.packets import TopicInfo
+from rostether.rosserial.topic_table import EndpointKey, TopicTable, key_of
 from unit.rosserial.host_link_boards import CHATTER
+from unit.rosserial.sessions import STRING, STRING_MD5, TEST_RESPONSE_MD5, TEST_SRV
+
+WHEEL = TopicInfo(125, "left-wheel", STRING, STRING_MD5, 280)
+RESPONSE = TopicInfo(126, "ask", TEST_SRV, TEST_RESPONSE_MD5, 280)
+REFUSED = [AnnouncementRefused("left-wheel", STRING, "why")]
 
 
 def announcements(max_endpoints: int = 256) -> tuple[Announcements, TopicTable]:
@@ -71,3 +86,87 @@ def test_a_negotiation_leaves_what_it_found() -> None:
     assert known.withdraw_all_but({key_of(ids.PUBLISHER, CHATTER)}) == []
     assert known.withdraw_all_but(()) == [TopicWithdrawn(TopicRole.PUBLISHER, CHATTER)]
     assert len(table) == 0
+
+
+def test_asks_at_once_then_ever_more_rarely() -> None:
+    unknown = UnknownIds()
+    asked = [second for second in range(1000) if unknown.should_ask(130, float(second))]
+    assert asked[:5] == [0, 1, 3, 7, 15]
+    assert max(later - earlier for earlier, later in itertools.pairwise(asked)) == MAX_PAUSE_S
+
+
+def test_each_id_for_itself() -> None:
+    unknown = UnknownIds()
+    assert unknown.should_ask(130, 0.0)
+    assert unknown.should_ask(131, 0.0)
+    assert not unknown.should_ask(130, FIRST_PAUSE_S / 2)
+
+
+def test_an_announced_id_starts_anew() -> None:
+    unknown = UnknownIds()
+    unknown.should_ask(130, 0.0)
+    unknown.forget(130)
+    assert unknown.should_ask(130, 0.1)
+
+
+def test_memory_is_bounded() -> None:
+    unknown = UnknownIds()
+    for topic_id in range(100, 100 + 3 * MAX_IDS):
+        unknown.should_ask(topic_id, 0.0)
+    assert len(unknown._pauses) == MAX_IDS
+
+
+def test_what_came_once_may_be_noise() -> None:
+    refusals = Refusals()
+    assert refusals.refuse(ids.PUBLISHER, WHEEL, "why") == []
+    assert refusals.refuse(ids.PUBLISHER, replace(WHEEL, topic_name="left-whee-"), "why") == []
+    assert not refusals.is_sender(125)
+
+
+def test_what_came_twice_is_reported_once() -> None:
+    refusals = Refusals()
+    found = [refusals.refuse(ids.PUBLISHER, WHEEL, "why") for _ in range(5)]
+    assert found == [[], REFUSED, [], [], []]
+    assert refusals.is_sender(125)
+    assert not refusals.is_sender(126)
+    assert refusals.keys == {EndpointKey(True, 125)}
+
+
+def test_each_direction_is_reported() -> None:
+    refusals = Refusals()
+    for kind in (ids.PUBLISHER, ids.SUBSCRIBER):
+        refusals.refuse(kind, WHEEL, "why")
+        assert refusals.refuse(kind, WHEEL, "why") == REFUSED
+
+
+def test_an_endpoint_that_is_announced_well_is_refused_no_longer() -> None:
+    refusals = Refusals()
+    for _ in range(2):
+        refusals.refuse(ids.PUBLISHER, WHEEL, "why")
+    refusals.forget(ids.PUBLISHER, replace(WHEEL, topic_name="left_wheel"))
+    assert not refusals.is_sender(125)
+    assert refusals.refuse(ids.PUBLISHER, WHEEL, "why") == []
+    assert refusals.is_sender(125)
+
+
+def test_the_half_of_a_service_is_reported_once_with_what_is_missing() -> None:
+    refusals = Refusals()
+    (event,) = refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)])
+    assert (event.topic_name, event.message_type) == ("ask", TEST_SRV)
+    assert "server announces its response half, but no request half" in event.reason
+    assert refusals.refuse_lone_halves([(ids.SERVICE_SERVER_RESPONSE, RESPONSE)]) == []
+    (event,) = refusals.refuse_lone_halves([(ids.SERVICE_CLIENT_REQUEST, RESPONSE)])
+    assert "client announces its request half, but no response half" in event.reason
+
+
+def test_endless_inventions_fill_no_memory_and_are_not_reported_for_ever() -> None:
+    refusals = Refusals()
+    reported = 0
+    for number in range(3 * MAX_REFUSALS):
+        info = replace(WHEEL, topic_id=1000 + number)
+        refusals.refuse(ids.PUBLISHER, info, "why")
+        reported += len(refusals.refuse(ids.PUBLISHER, info, "why"))
+        refusals.refuse(ids.SUBSCRIBER, info, "why")
+    assert reported == MAX_REFUSALS
+    assert len(refusals.keys) == MAX_REFUSALS
+    assert len(refusals._once) == MAX_REFUSALS

@@ -6,8 +6,7 @@ import time
 from collections.abc import Callable
 
 from rostether.bridge.endpoint.access import check_endpoint
-from rostether.bridge.endpoint.message_rate import MessageRate
-from rostether.bridge.endpoint.publisher import PublisherEndpoint
+from rostether.bridge.endpoint.publisher import MessageRate, PublisherEndpoint
 from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
 from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint

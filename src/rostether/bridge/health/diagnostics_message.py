@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Generic, TypeVar
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.diagnostics import BoardView
-from rostether.bridge.health.rates import Rates
 from rostether.bridge.reporter import shown_line
 from rostether.transports.xbee.link_quality import LinkQuality
 
@@ -16,6 +17,11 @@ TOPIC = "/diagnostics"
 
 _OK = 0
 UNKNOWN = "unknown"
+
+# A topic at 1 Hz shows a steady figure, and a change within a few seconds.
+WINDOW_S = 5.0
+
+Key = TypeVar("Key")
 
 
 class StatusWriter:
@@ -125,3 +131,27 @@ def _message(view: BoardView, findings: Sequence[Finding]) -> str:
 
 def _scaled(value: float | None, factor: float, form: str) -> str:
     return UNKNOWN if value is None else format(value * factor, form)
+
+
+class Rates(Generic[Key]):
+    """The growth of counters over the last few updates."""
+
+    def __init__(self) -> None:
+        self._looks: deque[tuple[float, dict[Key, int]]] = deque()
+
+    def update(self, counts: Mapping[Key, int], now_s: float) -> dict[Key, float]:
+        """Read the counters and return their growth per second; empty at the first call.
+
+        A counter that is lower than before belongs to a new connection and started from zero.
+        """
+        self._looks.append((now_s, dict(counts)))
+        while len(self._looks) > 2 and now_s - self._looks[0][0] > WINDOW_S:
+            self._looks.popleft()
+        before_s, before = self._looks[0]
+        span_s = now_s - before_s
+        if span_s <= 0:
+            return {}
+        return {
+            key: (count - before[key] if count >= before.get(key, 0) and key in before else count) / span_s
+            for key, count in counts.items()
+        }

@@ -15,7 +15,7 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.ports.board_identity import BoardIdentity
 from rostether.ports.device_book import DeviceBook
-from rostether.ports.port_finder import PortFinder
+from rostether.ports.port_policy import PortFinder
 from rostether.ports.port_watch import ListPorts
 from rostether.ports.settings import DeviceSettings
 from rostether.transports.address import Address, SerialAddress

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.errors import MasterUnreachableError
-from rostether.names.resolve import resolve_name
+from rostether.names.graph_name import resolve_name
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 

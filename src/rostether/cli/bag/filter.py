@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fnmatch import fnmatchcase
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,16 +47,19 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     """
     from rostether.expression.compiler import compile_expression
     from rostether.recording.decoding import Decoder
-    from rostether.recording.files import Form, create_recording, form_for, form_of, locked, open_recording
-    from rostether.recording.reindexing import refuse_same, remove_recording
+    from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+    from rostether.recording.reindexing import refuse_same, write_messages
 
     refuse_same(source, target)
     test = compile_expression(expression, _NAMES, source="EXPRESSION")
     show = None if shown is None else compile_expression(shown, _NAMES, source="--print")
     needs_message = _MESSAGE.search(f"{expression} {shown}") is not None
     decoder = Decoder()
+    total = 0
 
     def is_wanted(message: RecordedMessage) -> bool:
+        nonlocal total
+        total += 1
         value = decoder.decode(message) if needs_message else None
         topic = message.connection.topic
         scope = {"topic": topic, "t": Time.from_ns(message.time_ns), "m": value}
@@ -77,22 +81,11 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
             # Messages are then values of ROS 2, with its names of fields.
             reader.close()
             reader = open_recording(source, is_native=True)
-        total = 0
-        with locked(target):
-            writer = create_recording(target, form=form)
-            try:
-                for message in reader.messages():
-                    total += 1
-                    if is_wanted(message):
-                        number = writer.add_connection(message.connection)
-                        writer.write(number, message.time_ns, (message.payload,))
-                writer.close()
-            except BaseException:
-                remove_recording(target)
-                raise
+        messages = filter(is_wanted, reader.messages())
+        count = write_messages(messages, target, partial(create_recording, form=form))
     finally:
         reader.close()
-    write_line(f"{target}: {writer.message_count} of {total} messages")
+    write_line(f"{target}: {count} of {total} messages")
 
 
 @click.command(

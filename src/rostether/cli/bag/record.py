@@ -280,7 +280,7 @@ async def _record(
     settings: _Settings,
 ) -> None:
     from rostether.recording.recorder import Recorder
-    from rostether.recording.ros2.unfit_messages import UnfitMessages
+    from rostether.recording.ros2.channels import UnfitMessages
 
     def report(text: str) -> None:
         if not settings.is_quiet:

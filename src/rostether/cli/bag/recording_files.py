@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rostether.recording.files import Form
     from rostether.recording.recorded import RecordingWriter, Ros2Origin
     from rostether.recording.ros2.bag_writer import Ros2Bag
-    from rostether.recording.ros2.unfit_messages import UnfitMessages
+    from rostether.recording.ros2.channels import UnfitMessages
     from rostether.ros2.types.type_support import Ros2Types
 
 _SUFFIXES = (".bag", ".mcap", ".db3")

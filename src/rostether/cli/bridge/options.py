@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from rostether.errors import ConfigError
-from rostether.ports.board_limits import BOARD_LIMITS, Limit, may_be_broken
+from rostether.ports.devices_toml import BOARD_LIMITS, Limit, may_be_broken
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 
 if TYPE_CHECKING:
@@ -35,9 +35,7 @@ probe_option = click.option(
     help="Also probe this port for a board: a USB id such as 1a86:7523, a path, a pattern, or all.",
 )
 
-
 Function = TypeVar("Function", bound=Callable[..., Any])
-
 
 _MIB = 1024 * 1024
 

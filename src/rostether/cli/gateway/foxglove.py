@@ -145,10 +145,10 @@ def read_settings(place: str, options: GatewayOptions) -> FoxgloveSettings:
 
 def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> FoxgloveSettings:
     """Return the settings from a foxglove_bridge's parameters. Raises ConfigError naming the parameter."""
-    from rostether.gateways.foxglove.limits import FoxgloveLimits
     from rostether.gateways.foxglove.settings import (
         CAPABILITIES,
         DEFAULT_PORT,
+        FoxgloveLimits,
         FoxgloveSettings,
     )
     from rostether.gateways.websocket.settings import DEFAULT_HOST

@@ -76,8 +76,7 @@ async def gateway_graph(
         yield ros1_gateway_graph(graphs.join, store, graphs.ros1)
         return
     from rostether.ros2.types.native_registry import NativeRegistry
-    from rostether.ros2.types.native_types import NativeTypes
-    from rostether.ros2.types.native_values import NativeClasses
+    from rostether.ros2.types.native_types import NativeClasses, NativeTypes
 
     assert options.ros2 is not None
     registry = NativeRegistry.from_environment(msg_paths)

@@ -108,8 +108,7 @@ def arduino_control(arguments: tuple[str, ...], ros2: str | None) -> None:
 
 
 async def _main(graph: TypedGraph, _: Arguments) -> None:
-    from rostether.platform.arduino_control import StickSettings, publish_commands
-    from rostether.platform.stick import DEFAULT_DEADZONE
+    from rostether.platform.arduino_control import DEFAULT_DEADZONE, StickSettings, publish_commands
 
     parameters = Parameters(graph, "arduino_control")
     settings = StickSettings(

@@ -144,7 +144,7 @@ async def _value_source(
     """Return what opens the source that the parameters name, and its unit. Raises ConfigError."""
     from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
     from rostether.platform.sensors.number_file import NumberFile
-    from rostether.platform.sensors.topic_values import topic_values
+    from rostether.platform.sensors.value import topic_values
 
     path = await parameters.text("", "path")
     topic = await parameters.text("", "topic")

@@ -28,7 +28,7 @@ def picture_format(file: Path, known: tuple[str, ...] = tuple(SUFFIXES)) -> str:
 def encode(scene: Scene, kind: str) -> str | bytes:
     """Return a scene as `svg` or `png`. Raises ConfigError when it is too large for that."""
     if kind == "svg":
-        from rostether.pictures.svg import svg
+        from rostether.pictures.png import svg
 
         return svg(scene)
     from rostether.pictures.png import png

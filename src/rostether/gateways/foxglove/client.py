@@ -15,9 +15,8 @@ from rostether.gateways.foxglove.client_recordings import ClientRecordings
 from rostether.gateways.foxglove.client_topics import ClientTopic, drained
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
-from rostether.gateways.foxglove.dropped_report import DroppedReport
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
-from rostether.gateways.foxglove.subscription import Subscription
+from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
 from rostether.gateways.websocket.admission import Rights
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from rostether.gateways.foxglove.data_outlet import DataOutlet
-from rostether.gateways.foxglove.limits import FoxgloveLimits
+from rostether.gateways.foxglove.settings import FoxgloveLimits
 from rostether.gateways.websocket.connection import Connection
 
 # 50 ms of a fast network; further messages wait in queues where they can be dropped.

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from rostether.errors import ConfigError
-from rostether.gateways.foxglove.limits import FoxgloveLimits
-from rostether.gateways.websocket.settings import ServerSettings
+from rostether.gateways.websocket.settings import ConnectionLimits, ServerSettings
 
 # The default port of Foxglove.
 DEFAULT_PORT = 8765
@@ -22,6 +21,69 @@ CAPABILITIES = (
     "connectionGraph",
     "assets",
 )
+
+
+@dataclass(frozen=True, slots=True)
+class FoxgloveLimits:
+    """Bounds of one gateway and its clients."""
+
+    # A school class with one robot; each client may need `waiting_bytes`.
+    clients: int = 64
+
+    # Connections besides clients: a page requests about ten files at once, and several pages may load
+    # together.
+    others: int = 32
+
+    # The largest message of a client: an image or map that it publishes.
+    message_bytes: int = 16 << 20
+
+    # For each slow client: about five camera images, or seconds of all other data.
+    waiting_bytes: int = 32 << 20
+
+    # Unread responses of a client; above this limit, the client is disconnected. Large responses are sent one
+    # by one.
+    control_bytes: int = 32 << 20
+
+    # The largest meshes of robots have about ten megabytes.
+    asset_bytes: int = 64 << 20
+
+    # Service calls and parameter requests of one client at once, the same limit as in Foxglove's own server.
+    calls: int = 32
+
+    # Requests of one client at once, read one after another: all meshes of a robot's description.
+    assets: int = 1024
+
+    # Subscriptions of one client: more than any graph has topics.
+    subscriptions: int = 4096
+
+    # Topics that one client publishes.
+    client_channels: int = 256
+
+    # Watched parameters of one client; on ROS 2 each costs a request.
+    watched_parameters: int = 1024
+
+    # The time until a connection must request a WebSocket or a file.
+    handshake_s: float = 10.0
+
+    # A client that reads nothing and does not answer until the next ping is disconnected.
+    ping_period_s: float = 20.0
+
+    # Longer than a user waits for a service; Foxglove itself has no limit.
+    call_timeout_s: float = 60.0
+
+    # The time limit for a request about parameters; a ROS 2 node that hangs must not delay all others.
+    parameters_timeout_s: float = 10.0
+
+    def of_connections(self, unsent_bytes: int) -> ConnectionLimits:
+        """Return the limits of the WebSocket server; `unsent_bytes` is the socket buffer's size."""
+        return ConnectionLimits(
+            clients=self.clients,
+            others=self.others,
+            message_bytes=self.message_bytes,
+            unsent_bytes=unsent_bytes,
+            handshake_s=self.handshake_s,
+            ping_period_s=self.ping_period_s,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,13 +15,11 @@ from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, matches
 from rostether.gateways.rosbridge.status import show
-from rostether.ros2.actions.client import GoalCall
 from rostether.ros2.actions.server import ActionServer
-from rostether.ros2.actions.types import ActionTypes, GoalStatus
+from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 
 Send = Callable[[dict[str, Any], Wish], None]
-
 
 # A robot with a goal should stop if the page disconnects; the time limit of the cancel request.
 _CANCEL_LIMIT_S = 2.0

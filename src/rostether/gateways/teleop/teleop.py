@@ -9,7 +9,6 @@ from dataclasses import fields
 from typing import Protocol
 
 from rostether.errors import ConfigError, RostetherError, TypeMismatchError
-from rostether.gateways.teleop.command_lease import CommandLease
 from rostether.gateways.teleop.drive_commands import DRIVE_TYPES, DriveCommands, DriveLimits
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Publisher
@@ -19,6 +18,12 @@ from rostether.serde.values import Message
 
 # Command topics of all clients together; a robot has one or two.
 MAX_TOPICS = 32
+
+# Pages send 20 commands a second; the robot must stop after two and a half missing commands.
+KEEP_S = 0.125
+
+# Lifting a finger for a moment does not pass the robot to another client.
+HOLD_S = 1.0
 
 
 class Driver(Hashable, Protocol):
@@ -220,3 +225,48 @@ async def _read_limits(graph: Graph) -> DriveLimits:
         with suppress(RostetherError):
             values[each.name] = await graph.get_param(f"~{each.name}")
     return DriveLimits.of(values)
+
+
+class CommandLease:
+    """The lease of one command topic. Times are seconds of any clock that never jumps."""
+
+    def __init__(self) -> None:
+        self.driver: Hashable | None = None
+        self._commanded_s = 0.0
+        self._is_moving = False
+
+    @property
+    def due_s(self) -> float | None:
+        """When `expire` must be called; None if not at all."""
+        if self.driver is None:
+            return None
+        return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)
+
+    def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
+        """Return whether a driver's command may be published, and keep the lease for it."""
+        if self.driver is None:
+            self.driver = driver
+        elif self.driver != driver:
+            if not is_stop:
+                return False
+            self.driver = driver
+        self._commanded_s = now_s
+        self._is_moving = not is_stop
+        return True
+
+    def expire(self, now_s: float) -> bool:
+        """Handle what is due; returns whether a stop must be published now."""
+        must_stop = False
+        if self._is_moving and now_s >= self._commanded_s + KEEP_S:
+            self._is_moving = False
+            must_stop = True
+        if self.driver is not None and now_s >= self._commanded_s + HOLD_S:
+            self.driver = None
+        return must_stop
+
+    def release(self, driver: Hashable) -> bool:
+        """Free the lease if it is this driver's; returns whether a stop must be published now."""
+        if self.driver != driver:
+            return False
+        must_stop, self._is_moving, self.driver = self._is_moving, False, None
+        return must_stop

@@ -6,16 +6,16 @@ import asyncio
 import errno
 import os
 import socket
+import ssl
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 
 from websockets.http11 import Request
 
-from rostether.errors import TransportOpenError
+from rostether.errors import ConfigError, TransportOpenError
 from rostether.gateways.websocket.admission import Admission
 from rostether.gateways.websocket.connection import Connection, ConnectionUser
 from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
-from rostether.gateways.websocket.encryption import server_encryption
 from rostether.gateways.websocket.settings import DEFAULT_HOST, ConnectionLimits, ServerSettings
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
@@ -221,3 +221,22 @@ class WebSocketServer:
                 f"0.0.0.0:{port} listens on all of them"
             )
         return TransportOpenError(f"{self._name}: cannot listen on {host}:{port}: {error.strerror}")
+
+
+def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:
+    """Return the TLS context of a listener, None without a certificate; one file may contain both.
+
+    Raises ConfigError naming the files that cannot be used.
+    """
+    if not certificate:
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        context.load_cert_chain(certificate, key or None)
+    except (OSError, ssl.SSLError) as error:
+        files = f"{certificate} and its key {key}" if key else certificate
+        raise ConfigError(
+            f"the certificate {files} cannot be used: {error.strerror or error}; "
+            "give readable files in PEM format"
+        ) from None
+    return context

@@ -23,8 +23,8 @@ from rostether.msgdef.ros2.definition_files import (
 from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
 from rostether.msgdef.ros2.parse_file import Definition, parse_file
-from rostether.msgdef.ros2.service_halves import joined_services
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
+from rostether.msgdef.ros2.to_ros1 import joined_services
 from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
 
 # A workspace of many packages has a prefix for each; an error is one readable line.

@@ -7,11 +7,13 @@ builtin_interfaces' Time and Duration are messages of two numbers, and std_msgs/
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 from rostether.msgdef.resolve_types import dependencies
+from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
-from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message
+from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Service
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
 _BASES = {"byte": "uint8", "char": "uint8", "wstring": "string"}
@@ -69,3 +71,13 @@ def _text(value: float) -> str:
 
 def _base(base: str) -> str:
     return _BASES.get(base, base)
+
+
+def joined_services(messages: Mapping[str, Ros2Message]) -> Iterator[Ros2Service]:
+    """Yield the services of which both halves are among the messages, which are given by full name."""
+    for name, request in messages.items():
+        service = name.removesuffix(REQUEST_SUFFIX)
+        response = messages.get(service + RESPONSE_SUFFIX)
+        if service != name and request.kind in ("srv", "action") and response is not None:
+            short_name = request.name.removesuffix(REQUEST_SUFFIX)
+            yield Ros2Service(request.package, short_name, request, response, request.kind)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator, Callable
+from contextlib import aclosing
 from dataclasses import dataclass
 
+from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.readings import publish_readings
 from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+from rostether.serde.field_path import FieldPath
 
 MESSAGE_TYPE = "std_msgs/Float64"
 
@@ -59,3 +62,19 @@ async def publish_values(
                 sensor.set_state("ready")
 
         await publish_readings(sensor, open_source, publish, report, hint=hint)
+
+
+async def topic_values(graph: TypedGraph, topic: str, field: str) -> AsyncGenerator[float, None]:
+    """Yield a field of each message, such as `range` or `pose/position/x`; true is 1.
+
+    Raises ConfigError if the topic's type has no such field, or if the field is not a number; GraphError.
+    """
+    async with aclosing(aiter(graph.messages(topic))) as messages:
+        path: FieldPath | None = None
+        async for message in messages:
+            if path is None:
+                path = FieldPath(graph.store.codec(message._type), field)
+            value = path.read(message)
+            if not isinstance(value, int | float):
+                raise ConfigError(f"{topic}: {field} is not a number, but {value!r:.50}")
+            yield float(value)

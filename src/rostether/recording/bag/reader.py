@@ -12,7 +12,6 @@ from rostether.errors import RecordingError
 from rostether.recording.bag.chunks import Chunk, messages_in, read_content
 from rostether.recording.bag.records import MAGIC, MAGIC_START
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
-from rostether.recording.mapped_file import MappedFile
 from rostether.recording.packed_chunks import compression_shares, unpack_chunk
 from rostether.recording.recorded import (
     CompressionShare,
@@ -21,6 +20,7 @@ from rostether.recording.recorded import (
     Wanted,
     wanted_connections,
 )
+from rostether.recording.regular_file import MappedFile
 
 
 class BagReader:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
-from rostether.recording.mapped_file import MappedFile
 from rostether.recording.mcap.content import StoredChunk, messages_in, read_content
 from rostether.recording.mcap.records import Channel, Schema
 from rostether.recording.packed_chunks import compression_shares, unpack_chunk
@@ -25,6 +24,7 @@ from rostether.recording.recorded import (
     Wanted,
     wanted_connections,
 )
+from rostether.recording.regular_file import MappedFile
 
 if TYPE_CHECKING:
     from rostether.recording.ros2_reading import Ros2Topics

@@ -10,7 +10,6 @@ from rostether.msgdef.interface import ANY_MD5SUM
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.recording.recorded import Connection, Ros2Origin
-from rostether.recording.ros2.unfit_messages import UnfitMessages
 from rostether.recording.ros2_qos import offered
 from rostether.recording.ros2_types import ROS2MSG, RecordedDefinitions
 from rostether.ros2.types.native_registry import NativeRegistry
@@ -104,3 +103,17 @@ class Ros2Channels:
             registry = Registry.from_environment()
             self._types = NativeTypes(NativeRegistry(Ros2Definitions.from_environment(), registry))
         return self._types
+
+
+class UnfitMessages:
+    """Counts dropped messages by topic, over all files; `report` receives one line for each topic."""
+
+    def __init__(self, report: Callable[[str], None]) -> None:
+        self.counts: dict[str, int] = {}
+        self._report = report
+
+    def add(self, topic: str, why: str) -> None:
+        """Count one message."""
+        if topic not in self.counts:
+            self._report(f"WARNING: {topic}: messages that do not fit their type are left out: {why}")
+        self.counts[topic] = self.counts.get(topic, 0) + 1

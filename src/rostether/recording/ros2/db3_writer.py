@@ -11,8 +11,7 @@ from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.recording.recorded import Connection
-from rostether.recording.ros2.channels import Channel, Ros2Channels
-from rostether.recording.ros2.unfit_messages import UnfitMessages
+from rostether.recording.ros2.channels import Channel, Ros2Channels, UnfitMessages
 from rostether.ros2.types.type_support import Ros2Types
 
 SCHEMA_VERSION = 4

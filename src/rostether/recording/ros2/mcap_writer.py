@@ -9,8 +9,7 @@ from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.mcap.writer import McapWriter
 from rostether.recording.recorded import Connection
-from rostether.recording.ros2.channels import Channel, Ros2Channels
-from rostether.recording.ros2.unfit_messages import UnfitMessages
+from rostether.recording.ros2.channels import Channel, Ros2Channels, UnfitMessages
 from rostether.ros2.types.type_support import Ros2Types
 
 

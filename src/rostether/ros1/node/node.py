@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import AsyncIterator, Callable, Mapping
+import struct
+import time
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping, Sequence
 from typing import Unpack
 
 from rostether.errors import UnknownNameError
+from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
 from rostether.ros1.environment import RosEnvironment
-from rostether.ros1.node.clock import CLOCK_TOPIC, CLOCK_TYPE, USE_SIM_TIME, Clock
 from rostether.ros1.node.endpoint_handles import Endpoints
 from rostether.ros1.node.graph_view import take_snapshot, watch_changes
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.parameters import ParameterWatch
-from rostether.ros1.node.publication import Publisher
+from rostether.ros1.node.publication import Publication, Publisher
 from rostether.ros1.node.registrations import DEFAULT_CHECK_INTERVAL_S
-from rostether.ros1.node.rosout import RosoutLog
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import ServiceServer
 from rostether.ros1.node.subscription import OnPublisher, Subscription
 from rostether.rostime import Time
 
 _log = logging.getLogger("rostether.ros1")
+
+CLOCK_TOPIC = "/clock"
+CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
+USE_SIM_TIME = "/use_sim_time"
+_CLOCK = struct.Struct("<II")
 
 
 async def join_ros1(
@@ -233,3 +239,62 @@ class Ros1Graph(NodeMembership):
     async def _end(self) -> None:
         await self._endpoints.close()
         await self._master.close()
+
+
+def _wall_time() -> Time:
+    return Time.from_ns(time.time_ns())
+
+
+class Clock:
+    """Returns ROS time; whether it is simulated is decided once, when the node joins, as in rospy."""
+
+    def __init__(self, wall_time: Callable[[], Time] = _wall_time) -> None:
+        self._wall_time = wall_time
+        self._simulated: Time | None = None
+
+    def simulate(self) -> None:
+        """From now on, use the time from `take_messages`; it is zero before the first."""
+        self._simulated = Time()
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the time comes from /clock."""
+        return self._simulated is not None
+
+    def now(self) -> Time:
+        """Return the time."""
+        return self._wall_time() if self._simulated is None else self._simulated
+
+    def handle_messages(self, payloads: Sequence[bytes]) -> None:
+        """Handle serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
+        if len(payloads[-1]) == _CLOCK.size:
+            self._simulated = Time(*_CLOCK.unpack(payloads[-1]))
+
+
+class RosoutLog:
+    """Publishes logs; latched as roscpp's and rospy's, so that who comes later sees the last one."""
+
+    def __init__(
+        self, node_name: str, *, now: Callable[[], Time], published_topics: Callable[[], Iterable[str]]
+    ) -> None:
+        # Its own troubles cannot be reported through itself.
+        self.publication = Publication(
+            ROSOUT, LOG_TYPE, node_name=node_name, report=lambda _level, _text: None, latch=True
+        )
+        self._node_name = node_name
+        self._now = now
+        self._published_topics = published_topics
+        self._sequence = 0
+
+    def log(self, level: Level, text: str) -> None:
+        """Publish one message."""
+        self._sequence += 1
+        message = encode_log(
+            sequence=self._sequence,
+            stamp=self._now(),
+            level=level,
+            node_name=self._node_name,
+            text=text,
+            topics=self._published_topics(),
+        )
+        self.publication.publish([message])

@@ -17,11 +17,6 @@ from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader
 from rostether.recording.reindexing import reindex
-from rostether.rospy.bag.exceptions import (
-    ROSBagException,
-    ROSBagFormatException,
-    ROSBagUnindexedException,
-)
 from rostether.rospy.bag.facts import (
     BagMessage,
     BagMessageWithConnectionHeader,
@@ -32,7 +27,15 @@ from rostether.rospy.bag.facts import (
     types_and_topics,
     yaml_text,
 )
-from rostether.rospy.bag.types import BagTypes, header_of, raw_parts, with_header
+from rostether.rospy.bag.types import (
+    BagTypes,
+    ROSBagException,
+    ROSBagFormatException,
+    ROSBagUnindexedException,
+    header_of,
+    raw_parts,
+    with_header,
+)
 from rostether.rospy.client.message import message_bytes, read_message
 from rostether.rospy.client.message_types import message_type_of
 from rostether.rospy.client.stamps import Time

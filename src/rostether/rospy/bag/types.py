@@ -1,4 +1,4 @@
-"""The classes of a bag's messages: this process's own for the same types, else those of the bag."""
+"""The exceptions of bags, and the classes of their messages: this process's own, or those of the bag."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from rostether.errors import RostetherError
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.recording.recorded import Connection
-from rostether.rospy.bag.exceptions import ROSBagException
 from rostether.rospy.client.message import Message
 from rostether.rospy.client.message_types import MessageTypes, all_types
 
@@ -78,3 +77,25 @@ def _message_class(kind: MessageType) -> type[Message]:
     registry = Registry(bundled=False)
     registry.add_full_text(kind.name, kind.definition)
     return MessageTypes(registry).message_class(kind.name)
+
+
+class ROSBagException(Exception):  # noqa: N818 - the name is rosbag's
+    """The base of rosbag's errors."""
+
+    def __init__(self, value: str | None = None) -> None:
+        self.value = value
+        super().__init__(value)
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+class ROSBagFormatException(ROSBagException):
+    """The file is not a bag, or is damaged."""
+
+
+class ROSBagUnindexedException(ROSBagException):
+    """The bag was not closed."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__("Unindexed bag")

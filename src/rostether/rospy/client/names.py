@@ -10,7 +10,7 @@ from typing import Any
 
 from rostether.bounded_yaml import YamlError, load
 from rostether.names.graph_name import canonical, is_global, is_private
-from rostether.names.resolve import resolve_name as _resolve
+from rostether.names.graph_name import resolve_name as _resolve
 from rostether.rospy.client.exceptions import ROSInitException
 
 # The name of a program until init_node.

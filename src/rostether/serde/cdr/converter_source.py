@@ -32,8 +32,7 @@ from rostether.serde.cdr.conversion_tree import (
     Translation,
 )
 from rostether.serde.cdr.converting_body import ConvertingBody, row
-from rostether.serde.cdr.offset import Offset
-from rostether.serde.cdr.wide_text import narrow, widen
+from rostether.serde.cdr.offset import Offset, narrow, widen
 from rostether.serde.generated_source import indented
 
 Convert = Callable[[bytes], bytes]

@@ -6,10 +6,9 @@ from math import gcd
 from typing import Final
 
 from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side, Slot, Text
-from rostether.serde.cdr.offset import Offset
+from rostether.serde.cdr.offset import UNIT_BYTES, Offset
 from rostether.serde.cdr.output_parts import OutputParts
 from rostether.serde.cdr.reading_body import Functions, ReadingBody
-from rostether.serde.cdr.wide_text import UNIT_BYTES
 from rostether.serde.generated_source import indented
 
 # The depth of nested loops; elements of deeper loops get separate functions.

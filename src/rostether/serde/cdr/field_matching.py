@@ -26,8 +26,8 @@ from rostether.serde.cdr.conversion_tree import (
     Text,
     Translation,
 )
+from rostether.serde.cdr.offset import UNIT_BYTES, widen
 from rostether.serde.cdr.renamed_types import RENAMED_FIELDS, RENAMED_VALUES
-from rostether.serde.cdr.wide_text import UNIT_BYTES, widen
 from rostether.serde.type_tree import MAX_DEPTH, MAX_FIXED_BYTES
 
 Lookup = Callable[[str], Ros2Message]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import struct
 from math import gcd
+
+UNIT_BYTES = 4
 
 
 class Offset:
@@ -58,3 +61,17 @@ class Offset:
         return Offset(
             self.start, self.offset, aligned=self.aligned, modulus=self.modulus, residue=self.residue
         )
+
+
+def widen(text: bytes) -> bytes:
+    """Return the units of a UTF-8 text, as CDR has them behind their count."""
+    encoded = text.decode("utf-8", "replace").encode("utf-16-le")
+    count = len(encoded) // 2
+    return struct.pack(f"<{count}I", *struct.unpack(f"<{count}H", encoded))
+
+
+def narrow(units: bytes) -> bytes:
+    """Return units of CDR as a UTF-8 text. Raises struct.error if one has more than 16 bits."""
+    count = len(units) // UNIT_BYTES
+    encoded = struct.pack(f"<{count}H", *struct.unpack_from(f"<{count}I", units))
+    return encoded.decode("utf-16-le", "replace").encode()

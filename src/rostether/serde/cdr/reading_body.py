@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Final, Protocol
 
 from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side, Text, Translation
-from rostether.serde.cdr.offset import Offset
-from rostether.serde.cdr.wide_text import UNIT_BYTES
+from rostether.serde.cdr.offset import UNIT_BYTES, Offset
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
 # How many numbers, strings and arrays a function grows to by nested records inline; further ones become

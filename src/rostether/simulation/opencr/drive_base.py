@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from rostether.simulation.dynamixel.servo import WheelMotor
 from rostether.simulation.dynamixel.servo_bus import ServoBus
-from rostether.simulation.dynamixel.wheel_motor import WheelMotor
 from rostether.simulation.motion import GRAVITY, Vector
 
 # A TurtleBot3 Burger.

@@ -5,8 +5,7 @@ import struct
 
 import pytest
 
-from rostether.bridge.endpoint.message_rate import MessageRate
-from rostether.bridge.endpoint.publisher import HELD_BYTES, PublisherEndpoint
+from rostether.bridge.endpoint.publisher import HELD_BYTES, MessageRate, PublisherEndpoint
 from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.graph.ports import Graph

@@ -15,7 +15,7 @@ from rostether.cli.bridge.options import (
     unchosen_lines,
 )
 from rostether.errors import ConfigError
-from rostether.ports.board_limits import Limit
+from rostether.ports.devices_toml import Limit
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.transports.address_parser import parse_address
 

@@ -16,8 +16,7 @@ from websockets.exceptions import InvalidHandshake, InvalidStatus
 
 from rostether.errors import ServiceCallError, TransportOpenError
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
-from rostether.gateways.foxglove.limits import FoxgloveLimits
-from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
+from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings, NameFilter
 from rostether.graph.ports import ServiceEntry, Snapshot
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry

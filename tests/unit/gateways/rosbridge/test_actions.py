@@ -8,7 +8,7 @@ import pytest
 from rostether.gateways.rosbridge.values import Style
 from rostether.ros2.actions.types import ID_BYTES, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.native_values import NativeClasses
+from rostether.ros2.types.native_types import NativeClasses
 from rostether.serde.store import TypeStore
 from unit.gateways.rosbridge.web_client import WebClient, World, world
 

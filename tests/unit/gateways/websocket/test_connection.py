@@ -15,8 +15,7 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
-from rostether.gateways.foxglove.limits import FoxgloveLimits
-from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket import connection as connection_module
 from unit.gateways.foxglove.protocol_client import LIMIT_S, stage
 from waiting import until

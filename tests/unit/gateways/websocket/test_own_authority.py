@@ -13,8 +13,8 @@ from cryptography import x509
 
 from rostether.errors import ConfigError
 from rostether.gateways.websocket import own_authority
-from rostether.gateways.websocket.encryption import server_encryption
 from rostether.gateways.websocket.own_authority import OwnCertificate, own_certificate
+from rostether.gateways.websocket.server import server_encryption
 
 
 async def greeted(made: OwnCertificate, name: str) -> None:

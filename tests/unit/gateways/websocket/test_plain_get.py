@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from rostether.gateways.foxglove.limits import FoxgloveLimits
-from rostether.gateways.foxglove.settings import FoxgloveSettings
+from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket.site import Site
 from unit.gateways.foxglove.protocol_client import LIMIT_S, Stage, stage
 from waiting import until

@@ -62,7 +62,7 @@ def test_a_full_disk_keeps_the_chunks_before(tmp_path: Path, monkeypatch: pytest
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return real_write(file, bytes(data)[:room])
 
-    monkeypatch.setattr("rostether.recording.output_file.os.write", write)
+    monkeypatch.setattr("rostether.recording.chunked_writer.os.write", write)
     writer = BagWriter(path, chunk_bytes=500)
     number = writer.add_connection(connection())
     taken = 0

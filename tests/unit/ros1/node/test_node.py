@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import struct
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -16,9 +17,10 @@ from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node import endpoint_handles as endpoints
 from rostether.ros1.node import registrations
-from rostether.ros1.node.node import Ros1Graph, join_ros1
+from rostether.ros1.node.node import Clock, Ros1Graph, join_ros1
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
+from rostether.rostime import Time
 from waiting import until
 
 LOOPBACK = RosEnvironment.read({})
@@ -236,3 +238,21 @@ async def test_a_join_that_fails_leaves_nothing_behind() -> None:
             await join_ros1("/node", master_uri="http://127.0.0.1:1/", environment=LOOPBACK)
     await until(lambda: len(asyncio.all_tasks()) == 1)
     await until(lambda: descriptors() <= before + 1)
+
+
+def test_the_wall_clock_unless_simulated() -> None:
+    clock = Clock(lambda: Time(12, 34))
+    assert clock.now() == Time(12, 34)
+    clock.simulate()
+    assert clock.now() == Time(0, 0)
+    clock.handle_messages([struct.pack("<II", 1, 2), struct.pack("<II", 3, 4)])
+    assert clock.now() == Time(3, 4)
+
+
+def test_a_malformed_tick_is_ignored() -> None:
+    clock = Clock()
+    clock.simulate()
+    clock.handle_messages([struct.pack("<II", 3, 4)])
+    clock.handle_messages([b""])
+    clock.handle_messages([bytes(9)])
+    assert clock.now() == Time(3, 4)

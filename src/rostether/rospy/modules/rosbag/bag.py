@@ -2,11 +2,6 @@
 
 # ruff: noqa: F401
 from rostether.rospy.bag.bag import Bag
-from rostether.rospy.bag.exceptions import (
-    ROSBagException,
-    ROSBagFormatException,
-    ROSBagUnindexedException,
-)
 from rostether.rospy.bag.facts import (
     BagMessage,
     BagMessageWithConnectionHeader,
@@ -14,4 +9,9 @@ from rostether.rospy.bag.facts import (
     CompressionTuple,
     TopicTuple,
     TypesAndTopicsTuple,
+)
+from rostether.rospy.bag.types import (
+    ROSBagException,
+    ROSBagFormatException,
+    ROSBagUnindexedException,
 )

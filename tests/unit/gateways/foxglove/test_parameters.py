@@ -8,7 +8,7 @@ import pytest
 
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.client_messages import GivenParameter
-from rostether.gateways.foxglove.parameter_values import describe, given_value
+from rostether.gateways.foxglove.parameters import describe, given_value
 from rostether.graph.ports import ParamValue
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.gateways.websocket.encryption import server_encryption
+from rostether.gateways.websocket.server import server_encryption
 
 
 def test_without_a_certificate_nothing_is_encrypted() -> None:

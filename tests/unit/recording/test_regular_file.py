@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import RecordingError
-from rostether.recording.mapped_file import MappedFile
+from rostether.recording.regular_file import MappedFile
 
 
 def test_a_file_is_seen_and_let_go(tmp_path: Path) -> None:

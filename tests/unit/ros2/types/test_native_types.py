@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.native_values import NativeClasses
+from rostether.ros2.types.native_types import NativeClasses
 from rostether.serde.store import TypeStore
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.launch.log_folder import log_folder, ros_home
+from rostether.launch.command_line import log_folder, ros_home
 
 
 def test_folder_of_a_run_and_the_way_to_the_latest(tmp_path: Path) -> None:
