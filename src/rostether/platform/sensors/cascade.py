@@ -44,8 +44,10 @@ class CascadeDetector:
         except self._cv2.error:
             is_loaded = False
         if not is_loaded:
-            names = ", ".join(sorted(each.stem for each in bundled.parent.glob("haarcascade_front*.xml")))
-            raise ConfigError(f"{file}: is no cascade of OpenCV; it has some itself, such as {names} (.xml)")
+            raise ConfigError(
+                f"{file} is not a cascade file of OpenCV; some are in {bundled.parent}, such as "
+                "haarcascade_frontalface_default.xml"
+            )
 
     def detect(self, picture: bytes) -> tuple[list[Region], bytes]:
         """Return the regions in a JPEG picture, and the picture with a box around each.
@@ -83,4 +85,6 @@ def _opencv() -> Any:
         raise ConfigError(
             f"OpenCV {cv2.__version__} has no cascades; install version 4: {install_command('detection')}"
         )
+    # It prints a line of its own for each file that it cannot read.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     return cv2
