@@ -23,8 +23,8 @@ SPIN_TIMEOUT = -2
 _SYNC_PERIOD_MS = 2200
 # With _SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
 _MAX_UNANSWERED = 4
-# A gap of this length within a frame means that the rest was lost: longer than a network's pauses.
-_GAP_MS = 200
+# A gap of this length within a frame means that the rest was lost: longer than the pauses of a Wi-Fi network.
+_GAP_MS = 500
 # A host that looks for boards sends wrong version bytes, and so does noise; one answer to a burst is enough.
 _ANSWER_PAUSE_MS = 20
 # What came in within this time is handled at once; a line that never pauses must not stop the program.

@@ -125,7 +125,7 @@ def run(program: Path, library: Path, text: str = "", heap: str = "384k") -> str
     """Run a program to its end; return what it prints for a text on standard input."""
     command = [*INTERPRETER[:-1], f"heapsize={heap}", str(program)]
     done = subprocess.run(
-        command, env=_environment(library), input=text, capture_output=True, text=True, timeout=60
+        command, env=_environment(library), input=text, capture_output=True, text=True, timeout=150
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

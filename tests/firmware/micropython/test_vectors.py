@@ -11,6 +11,9 @@ from rostether.rosserial.frame_decoder import FrameDecoder, Frames
 from rostether.transports.memory import Direction
 from vectors import captures
 
+# Enough of each recording: decoding byte by byte takes time.
+LONGEST_STREAM = 5000
+
 
 def test_streams_have_the_frames_that_our_decoder_finds(library: Path) -> None:
     streams = [
@@ -21,7 +24,7 @@ def test_streams_have_the_frames_that_our_decoder_finds(library: Path) -> None:
     # Both sides of each session: a board's frames have the same layout.
     recorded = [captures.load(name) for name in captures.names() if name != "protocol1"]
     for chunks in (side for each in recorded for side in (each.of_host(), each.of_device())):
-        streams.append(b"".join(chunk.data for chunk in chunks))
+        streams.append(b"".join(chunk.data for chunk in chunks)[:LONGEST_STREAM])
         # One byte in a hundred is wrong, missing or made up.
         faults = LineFaults(FaultRates(0.004, 0.003, 0.003), seed=len(streams))
         streams.append(faults(streams[-1][:1000], Direction.FIRST_TO_SECOND))
@@ -29,7 +32,7 @@ def test_streams_have_the_frames_that_our_decoder_finds(library: Path) -> None:
     lines = run(PROGRAMS / "decode.py", library, text, heap="4m").splitlines()
     # Our decoder collects the frames of one topic.
     assert [sorted(line.split()) for line in lines] == [sorted(_frames(each)) for each in streams]
-    assert sum(len(line.split()) for line in lines) > 1000
+    assert sum(len(line.split()) for line in lines) > 700
 
 
 def _frames(data: bytes) -> list[str]:
