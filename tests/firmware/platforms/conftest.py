@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware.platforms.programs import NODE, compile_for_cortex_m, compile_for_stm32, compile_program
+from firmware.platforms.programs import NODE, compile_for_cortex_m, compile_program
 from rostether.codegen.arduino_library import write_library
 from rostether.msgdef.registry import Registry
 
@@ -36,12 +36,6 @@ def cortex_m_program(library: Path, tmp_path_factory: pytest.TempPathFactory) ->
     return compile_for_cortex_m(
         NODE / "embedded.cpp", library, tmp_path_factory.mktemp("cortexm") / "node.elf"
     )
-
-
-@pytest.fixture(scope="session")
-def stm32_program(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The node for an STM32, with platform/stm32_hal.h."""
-    return compile_for_stm32(NODE / "embedded.cpp", library, tmp_path_factory.mktemp("stm32") / "node.elf")
 
 
 @pytest.fixture(scope="session")

@@ -42,10 +42,18 @@ def compile_for_cortex_m(source: Path, library: Path, output: Path, *flags: str)
     )
 
 
-def compile_for_stm32(source: Path, library: Path, output: Path) -> Path:
-    """Compile a program for qemu's STM32F405, with the platform header of ST's HAL."""
-    kit = ("-DUSE_HAL_DRIVER", f"-I{STUBS}/stm32")
-    return _compile_for_core("cortex-m4", "stm32f405.ld", "stm32_hal.cpp", source, library, output, *kit)
+# The kits that are rewritten for an STM32F405: the file with their calls, and the flags of their programs.
+STM32_KITS = {
+    "ST's HAL": ("stm32_hal.cpp", ("-DUSE_HAL_DRIVER", f"-I{STUBS}/stm32")),
+    "Mbed 2": ("mbed_kit.cpp", ("-D__MBED__", f"-I{STUBS}/mbed2")),
+    "Mbed 6": ("mbed_kit.cpp", ("-D__MBED__", f"-I{STUBS}/mbed6", "-std=gnu++14")),
+}
+
+
+def compile_for_stm32(kit: str, source: Path, library: Path, output: Path) -> Path:
+    """Compile a program for qemu's STM32F405, with the platform header of one of STM32_KITS."""
+    calls, flags = STM32_KITS[kit]
+    return _compile_for_core("cortex-m4", "stm32f405.ld", calls, source, library, output, *flags)
 
 
 def _compile_for_core(

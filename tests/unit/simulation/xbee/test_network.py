@@ -110,7 +110,7 @@ async def radios(
 def test_eight_boards_with_losses_and_repeats_none_starved(
     model: Model, is_short: bool, mac_mode: int | None
 ) -> None:
-    seconds, rate_hz = 10, 5.0
+    seconds, rate_hz = 8, 5.0
 
     async def main() -> None:
         conditions = AirConditions(loss=0.05, repeat=0.02, delay_s=0.01)

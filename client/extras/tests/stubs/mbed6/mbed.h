@@ -1,4 +1,4 @@
-// What the library uses of Mbed OS 6.
+// What the library uses of Mbed OS 6. cortexm/mbed_kit.cpp has it for a simulated board.
 #ifndef STUB_MBED_H_
 #define STUB_MBED_H_
 
@@ -27,6 +27,9 @@ class Timer {
  public:
   void start();
   std::chrono::microseconds elapsed_time() const;
+
+ private:
+  uint32_t began_us_;
 };
 
 }  // namespace mbed
