@@ -83,7 +83,7 @@ class Terminal:
         self._environment = {
             name: value
             for name, value in os.environ.items()
-            if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST"))
+            if not name.startswith(("ROS", "RMW", "ZENOH", "PYTEST", "MAKE"))
         } | {
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
             "ROS_MASTER_URI": self._master,

@@ -229,7 +229,7 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
             board.count_from(1)
             await until(lambda: len(set(heard)) > 1, "messages after the garbage")
         # At once by what it has to do; a busy machine lets it do so later.
-        assert _cpu_s() - back_used_s < AT_ONCE_S
+        assert _cpu_s() - back_used_s < 2 * AT_ONCE_S
         assert time.monotonic() - back_s - late.total_s < 4 * AT_ONCE_S
         # Two seconds, and twice as much again for a busy machine: judged header by header it took eight.
         assert _cpu_s() - used_s < 6.0

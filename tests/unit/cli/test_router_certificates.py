@@ -87,7 +87,7 @@ def ours(name: str) -> dict[str, object]:
         (ours("laptop"), "", ""),
         (
             ours("stranger"),
-            "it refuses our certificate",
+            "it refuses the client certificate",
             "its certificate is not from the configured authority",
         ),
         (OURS, "it asks for a certificate", "it has no certificate"),
