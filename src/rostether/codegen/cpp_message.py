@@ -21,15 +21,10 @@ from rostether.codegen.cpp_names import (
     include_path,
     is_variable_array,
     name_members,
-)
-from rostether.codegen.cpp_types import (
-    element_type,
-    is_message,
-    scalar_type,
-    sequence_element_type,
-    zero,
+    qualified_class,
 )
 from rostether.codegen.reserved_words import is_macro
+from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _LINE_WIDTH = 110
@@ -43,6 +38,22 @@ _STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*
 _SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
 # Elements of eight bytes are not aligned in the receive buffer as their type would have it.
 _SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
+
+
+_PRIMITIVES = {
+    "bool": "bool",
+    # The two old names: byte is signed, char is not (whatever C says).
+    "byte": "int8_t",
+    "char": "uint8_t",
+    **{f"{sign}int{bits}": f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)},
+    "float32": "float",
+    "float64": "double",
+    "time": "ros::Time",
+    "duration": "ros::Duration",
+}
+_ELEMENTS = {"string": "char*"}
+_ELEMENTS_OF_SEQUENCES = {"int64": "ros::unaligned_int64", "uint64": "ros::unaligned_uint64"}
+_ZEROS = {"bool": "false", "string": '""', "time": "", "duration": ""}
 
 
 def message_header(spec: MessageSpec, md5sum: str, header_of: HeaderOf = str) -> str:
@@ -211,3 +222,28 @@ def _sequence(field: Field, name: str) -> FieldLines:
         (f"{name}_length{{0}}", f"{name}{{nullptr}}"),
         f"archive.{call}(self.{name}, self.{name}_length);",
     )
+
+
+def is_message(base: str) -> bool:
+    """Return whether a field's type is a message, not a primitive."""
+    return base not in PRIMITIVE_TYPES
+
+
+def scalar_type(base: str) -> str:
+    """Return the type of a single value."""
+    return "const char*" if base == "string" else _PRIMITIVES.get(base) or qualified_class(base)
+
+
+def element_type(base: str) -> str:
+    """Return the type of an element of an array of fixed length."""
+    return _ELEMENTS.get(base) or scalar_type(base)
+
+
+def sequence_element_type(base: str) -> str:
+    """Return the type of an element of an array of variable length, which lies where it was received."""
+    return _ELEMENTS_OF_SEQUENCES.get(base) or element_type(base)
+
+
+def zero(base: str) -> str:
+    """Return what a single value is initialized with, between braces."""
+    return "" if is_message(base) else _ZEROS.get(base, "0")

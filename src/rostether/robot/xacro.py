@@ -6,20 +6,31 @@ xacro evaluates expressions with Python, so it is used only for files that the u
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from rostether.bounded_yaml import load, safe_loader
 from rostether.errors import ConfigError, RobotModelError
+from rostether.expression.python_expression import PythonEvaluator
 from rostether.extras import install_command
 from rostether.mechanisms.text import fold_line
 from rostether.robot.urdf import parse_robot_xml
-from rostether.robot.xacro_bounds import bounded
 
 ASSIGNMENT = ":="
 
 _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
+
+
+# A large robot has about 100,000 elements; macros that call two others, 30 levels deep, make 10**9.
+MAX_ELEMENTS: Final = 1_000_000
+MAX_CHARACTERS: Final = 64 * 1024 * 1024
+
+_MISSING: Final = object()
+
+# A single character class that cannot be closed early.
+_SEPARATORS: Final = re.compile(r"\^?\]?(?:[^\]\\]|\\.)*", re.DOTALL)
 
 
 def is_xacro(data: bytes) -> bool:
@@ -112,3 +123,95 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
     place = next((str(each) for each in reversed(xacro.filestack or ()) if each), str(file))
     text = fold_line(str(error)) or type(cause).__name__
     return text if isinstance(cause, RobotModelError) else f"{place}: {text}"
+
+
+@contextmanager
+def bounded(xacro: Any, file: Path) -> Iterator[None]:
+    """Make xacro raise RobotModelError or OverflowError beyond the limits, while the context is open."""
+    counter, evaluate = _Counter(xacro, file), PythonEvaluator().evaluate
+    symbols, arguments = xacro._global_symbols, xacro.substitution_args
+    load_yaml = _load_yaml(xacro)
+    # Nested quantifiers would take exponential time for an unclosed quote.
+    macro_argument = re.compile(xacro.re_macro_arg.pattern.replace(r"""[^\s'\"]+)+""", r"""[^\s'\"])+"""))
+    replacements: list[tuple[dict[str, Any], str, Any]] = [
+        (vars(xacro), "eval_all", counter.eval_all),
+        (vars(xacro), "eval_text", counter.eval_text),
+        (vars(xacro), "re_macro_arg", macro_argument),
+        (vars(xacro), "safe_eval", evaluate),
+        (vars(arguments), "eval", evaluate),
+        (symbols, "load_yaml", load_yaml),
+        (symbols["xacro"], "load_yaml", load_yaml),
+        (symbols["xacro"], "tokenize", _tokenize(xacro.tokenize)),
+    ]
+    before = [(names, name, dict.get(names, name, _MISSING)) for names, name, _ in replacements]
+    try:
+        _assign(replacements)
+        yield
+    finally:
+        _assign(before)
+
+
+def _assign(values: list[tuple[dict[str, Any], str, Any]]) -> None:
+    for names, name, value in values:
+        # xacro's tables print a warning when a global name changes.
+        if value is _MISSING:
+            dict.pop(names, name, None)
+        else:
+            dict.__setitem__(names, name, value)
+
+
+class _Counter:
+    """Counts the elements that xacro makes, and the characters that it puts into them."""
+
+    def __init__(self, xacro: Any, file: Path) -> None:
+        self._eval_all, self._eval_text = xacro.eval_all, xacro.eval_text
+        self._file = file
+        self._elements = self._characters = 0
+
+    def eval_all(self, node: Any, macros: Any, symbols: Any) -> Any:
+        self._elements += 1
+        if self._elements > MAX_ELEMENTS:
+            raise RobotModelError(
+                f"{self._file} expands to more than {MAX_ELEMENTS} elements: simplify its macros"
+            )
+        return self._eval_all(node, macros, symbols)
+
+    def eval_text(self, text: Any, symbols: Any) -> Any:
+        result = self._eval_text(text, symbols)
+        if isinstance(result, str):
+            self._characters += len(result)
+        if self._characters > MAX_CHARACTERS:
+            raise RobotModelError(
+                f"{self._file} expands to more than {MAX_CHARACTERS} characters: shorten its properties"
+            )
+        return result
+
+
+def _load_yaml(xacro: Any) -> Callable[[str], Any]:
+    """Return xacro.load_yaml(), with a loader that bounds aliases, merges and numbers."""
+
+    def load_yaml(name: str) -> Any:
+        loader: Any = type("Loader", (safe_loader(),), {})
+        for unit in xacro.ConstructUnits:
+            loader.add_constructor(unit.value.tag, unit.constructor)
+        path = xacro.abs_filename_spec(name)
+        text = Path(path).read_text(encoding="utf-8")
+        xacro.filestack.append(path)
+        try:
+            return xacro.YamlListWrapper.wrap(load(text, loader))
+        finally:
+            xacro.filestack.pop()
+            xacro.all_includes.append(path)
+
+    return load_yaml
+
+
+def _tokenize(tokenize: Callable[..., Any]) -> Callable[..., Any]:
+    """Return xacro.tokenize(), which makes a regular expression of the separators."""
+
+    def checked(text: Any, sep: str = ",; ", skip_empty: bool = True) -> Any:
+        if not _SEPARATORS.fullmatch(sep):
+            raise ValueError(f"the separators {sep!r} have a ] that is not their first character")
+        return tokenize(text, sep, skip_empty)
+
+    return checked

@@ -112,7 +112,7 @@ def doubling(levels: int) -> str:
 
 
 def test_expansions_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.robot.xacro_bounds.MAX_ELEMENTS", 1000)
+    monkeypatch.setattr("rostether.robot.xacro.MAX_ELEMENTS", 1000)
     file = tmp_path / "robot.xacro"
     file.write_text(doubling(5))
     assert expand_xacro(file, {}, packages={}).count("<link/>") == 16
@@ -122,7 +122,7 @@ def test_expansions_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_properties_that_double_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.robot.xacro_bounds.MAX_CHARACTERS", 10_000)
+    monkeypatch.setattr("rostether.robot.xacro.MAX_CHARACTERS", 10_000)
     file = tmp_path / "robot.xacro"
     properties = "".join(
         f'<xacro:property name="p{level}" value="${{p{level - 1}}}${{p{level - 1}}}"/>'

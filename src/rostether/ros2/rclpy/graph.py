@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Mapping
-from typing import Unpack
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from typing import Any, Unpack
 
 from rostether.graph.ports import Level, OnMessages, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle
 from rostether.msgdef.interface import MessageType, ServiceType
-from rostether.ros2.endpoint_info import EndpointInfo
+from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.rclpy.endpoint_handles import Endpoints
-from rostether.ros2.rclpy.endpoint_list import list_endpoints
 from rostether.ros2.rclpy.installation import rclpy_distribution
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
 from rostether.ros2.rclpy.publication import Publication
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
-from rostether.ros2.rclpy.view import take_snapshot, watch_changes
+from rostether.ros2.rclpy.view import UNKNOWN_NODE, take_snapshot, watch_changes
 from rostether.rostime import Time
 
 
@@ -126,3 +125,64 @@ class RclpyGraph(Ros2Membership):
         finally:
             await self._own.thread.stop()
             self._on_close(self)
+
+
+def list_endpoints(node: Any) -> list[EndpointInfo]:
+    """Ask rclpy for everything, in the executor's thread."""
+    return [*_topic_ends(node), *_service_ends(node)]
+
+
+def _topic_ends(node: Any) -> Iterator[EndpointInfo]:
+    for topic, _ in node.get_topic_names_and_types():
+        for kind, ask in (
+            (EndpointKind.PUBLISHER, node.get_publishers_info_by_topic),
+            (EndpointKind.SUBSCRIPTION, node.get_subscriptions_info_by_topic),
+        ):
+            for info in ask(topic):
+                if info.node_name != UNKNOWN_NODE:
+                    yield EndpointInfo(
+                        _full_name(info.node_name, info.node_namespace),
+                        kind,
+                        topic,
+                        info.topic_type,
+                        str(getattr(info, "topic_type_hash", "")),
+                        bytes(info.endpoint_gid),
+                        _report(info.qos_profile),
+                    )
+
+
+def _service_ends(node: Any) -> Iterator[EndpointInfo]:
+    for name, namespace in node.get_node_names_and_namespaces():
+        if name == UNKNOWN_NODE:
+            continue
+        for kind, ask in (
+            (EndpointKind.SERVER, node.get_service_names_and_types_by_node),
+            (EndpointKind.CLIENT, node.get_client_names_and_types_by_node),
+        ):
+            for service, types in _ask(ask, name, namespace):
+                for type_name in types:
+                    yield EndpointInfo(_full_name(name, namespace), kind, service, type_name)
+
+
+def _ask(question: Callable[[str, str], Any], name: str, namespace: str) -> Any:
+    try:
+        return question(name, namespace)
+    except Exception:  # noqa: BLE001 - the node has gone since it was named; rclpy's error has several names
+        return ()
+
+
+def _report(profile: Any) -> QosReport:
+    return QosReport(
+        profile.reliability.name,
+        profile.durability.name,
+        profile.history.name,
+        profile.depth,
+        str(profile.lifespan),
+        str(profile.deadline),
+        profile.liveliness.name,
+        str(profile.liveliness_lease_duration),
+    )
+
+
+def _full_name(name: str, namespace: str) -> str:
+    return f"{namespace.rstrip('/')}/{name}"

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import ctypes
 import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
 _Item = TypeVar("_Item")
+
+
+_kept = threading.local()
 
 
 class Handover(Generic[_Item]):
@@ -76,3 +80,11 @@ class Handover(Generic[_Item]):
             self._queue.clear()
             self._size = 0
         self._deliver(items)
+
+
+def stay_known() -> None:
+    """Keep the calling thread's state; call it at the start of a callback that zenoh calls often."""
+    # Thread-local data ends with the state, so a new state has none.
+    if not hasattr(_kept, "is_kept"):
+        _kept.is_kept = True
+        ctypes.pythonapi.PyGILState_Ensure()

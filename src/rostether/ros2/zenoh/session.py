@@ -29,9 +29,8 @@ from rostether.ros2.zenoh.configuration import (
     peer_configuration,
     router_configuration,
 )
-from rostether.ros2.zenoh.foreign_threads import stay_known
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.handover import Handover
+from rostether.ros2.zenoh.handover import Handover, stay_known
 from rostether.ros2.zenoh.reachability import endpoints_of, find_faults, tls_of
 from rostether.ros2.zenoh.refusals import report_refusals
 from rostether.ros2.zenoh.tokens import Token, all_tokens

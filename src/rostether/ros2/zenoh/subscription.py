@@ -18,8 +18,7 @@ from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.foreign_threads import stay_known
-from rostether.ros2.zenoh.handover import Handover
+from rostether.ros2.zenoh.handover import Handover, stay_known
 from rostether.ros2.zenoh.learnt_types import Describe, LearntTypes
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.session import LiveToken
