@@ -20,7 +20,7 @@ MAX_TEXT_CHARS: Final = 64 << 20
 # Of one document, with aliases expanded; each takes 350 bytes. A colour image of 640 x 480 has 921,600.
 MAX_VALUES: Final = 1_000_000
 
-# Those that aliases and merges add. Files that people write repeat some hundred.
+# Those that aliases and merges add. Files that people write repeat about a hundred.
 MAX_ALIASED_VALUES: Final = 200_000
 
 # Each `<<` moves the rest of its mapping: 300,000 in one mapping take minutes.

@@ -49,12 +49,12 @@ class ActionServer : public Endpoint {
         published_ms_(0),
         status_(NO_GOAL) {}
 
-  // Whether a goal is under way.
+  // Whether a goal is in progress.
   bool isActive() const { return status_ == Status::ACTIVE || status_ == Status::PREEMPTING; }
-  // Whether the client has canceled the goal under way: end it by setPreempted.
+  // Whether the client has canceled the goal in progress: end it by setPreempted.
   bool isPreemptRequested() const { return status_ == Status::PREEMPTING; }
 
-  // Publishes how far the goal under way is. As Publisher::publish; 0 if there is no goal.
+  // Publishes how far the goal in progress is. As Publisher::publish; 0 if there is no goal.
   int publishFeedback(const Feedback& feedback) {
     if (!isActive()) return 0;
     ActionFeedback message;
@@ -64,7 +64,7 @@ class ActionServer : public Endpoint {
     return nh_->send(id_ + FEEDBACK, message);
   }
 
-  // Ends the goal under way with its result. As Publisher::publish; 0 if there is no goal.
+  // Ends the goal in progress with its result. As Publisher::publish; 0 if there is no goal.
   int setSucceeded(const Result& result = Result(), const char* text = "") { return end(Status::SUCCEEDED, result, text); }
   int setAborted(const Result& result = Result(), const char* text = "") { return end(Status::ABORTED, result, text); }
   int setPreempted(const Result& result = Result(), const char* text = "") { return end(Status::PREEMPTED, result, text); }

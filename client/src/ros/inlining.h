@@ -3,7 +3,7 @@
 #define ROS_INLINING_H_
 
 #define ROS_NOINLINE __attribute__((noinline))
-// A function of its own that knows its object only as `this`. With the object's address built in, as GCC does where there is
+// A separate function that knows its object only as `this`. With the object's address built in, as GCC does where there is
 // only one, each access takes an AVR four bytes of code instead of two.
 #if defined(__GNUC__) && !defined(__clang__)
 #define ROS_APART __attribute__((noinline, noclone))

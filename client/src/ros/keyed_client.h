@@ -108,7 +108,7 @@ class KeyedClient : public NetworkClient {
   }
   static bool isHex(int byte) { return (byte >= '0' && byte <= '9') || (byte >= 'a' && byte <= 'f'); }
 
-  // A nonce of its own for each hello: it need not be secret, but must not come twice.
+  // A new nonce for each hello: it need not be secret, but must not come twice.
   void makeNonce(const char* theirs, char* ours) {
     const uint32_t now_us = micros();
     HmacSha256 mac(key_);

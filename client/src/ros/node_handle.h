@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// A sketch with a Hardware of its own may include this header alone.
+// A sketch with its own Hardware may include this header alone.
 #include "ros/node_handle_base.h"
 #include "ros/parameters.h"
 #include "ros/publisher.h"

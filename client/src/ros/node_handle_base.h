@@ -172,10 +172,10 @@ class NodeHandleBase_ : public FrameWriter {
     finish();
   }
 
-  // For drivers: ends the spinOnce under way, so that what the message points to outlasts it until the next.
+  // For drivers: ends the spinOnce in progress, so that what the message points to outlasts it until the next.
   void pauseReading() { window_.hold(); }
 
-  // An endpoint for the duration of one exchange, on an id of its own choice; behind the others, so that of two on one
+  // An endpoint for the duration of one exchange, on an id that it chooses; after the others, so that of two on one
   // id the older is answered first.
   class Visit {
    public:

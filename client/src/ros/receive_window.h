@@ -169,7 +169,7 @@ class ReceiveWindow {
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
 
   // Bytes a frame that begins like this needs before more can be said of it, no more than there are if it is whole
-  // and undamaged, 0 if it is no frame.
+  // and undamaged, 0 if it is not a frame.
   ROS_APART uint16_t judge() {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;

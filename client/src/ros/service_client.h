@@ -13,7 +13,7 @@ class ServiceClient : public Endpoint {
  public:
   constexpr explicit ServiceClient(const char* service) : Endpoint(service, &drive), nh_(nullptr), response_(nullptr) {}
 
-  // True when the response came. False when no host is there, a call is under way already, or `timeout_ms` went by
+  // True when the response came. False when no host is there, a call is in progress already, or `timeout_ms` went by
   // (by default a little less than the time after which a host is taken for gone). Strings and arrays of the response
   // stay until the next spinOnce.
   bool call(const Request& request, Response& response, uint32_t timeout_ms = 10000) {

@@ -148,6 +148,6 @@ class SetupLines:
             self._summed_s = now_s
             self._notices.report(
                 Level.WARN,
-                f"the board announces its topics again and again; these lines are omitted ({self._left_out}"
+                f"the board announces its topics repeatedly; these lines are omitted ({self._left_out}"
                 " so far); check its power and cable, and that no other board has the same name",
             )

@@ -48,7 +48,7 @@ def node_base_name(
 
 
 def identify_peer(remote: str | None, proof: Proof = NO_PROOF) -> BoardIdentity:
-    """Return what can be known of a board that is no serial port; `remote` is its transport's."""
+    """Return what can be known of a board that is not a serial port; `remote` is its transport's."""
     return BoardIdentity(address=remote, psk=proof.psk, certificate=proof.certificate)
 
 

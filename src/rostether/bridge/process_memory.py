@@ -83,7 +83,7 @@ class BoardObjects:
 
 
 def give_back_memory() -> None:
-    """Return unused pages to the system, in some 10 ms for 100 MB; without glibc, do nothing."""
+    """Return unused pages to the system, in about 10 ms for 100 MB; without glibc, do nothing."""
     # Not at import: few processes need it.
     import ctypes
 

@@ -71,7 +71,7 @@ class Listen(Protocol):
 
 
 class Supervisor:
-    """Serves boards at many addresses at once; each board is a node of its own, made by `join`.
+    """Serves boards at many addresses at once; each board is a separate node, made by `join`.
 
     With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
     With `keeps_node` the one address's node, which has a `name=`, is there from the start and stays while no
@@ -133,7 +133,7 @@ class Supervisor:
         """Begin to serve; links that are not there yet are waited for, a node to keep before all else.
 
         Raises TransportOpenError for an address that cannot be listened on, InvalidNameError for a name= or
-        ns= that is no ROS name.
+        ns= that is not a ROS name.
         """
         for address in addresses:
             for name in (address.name, address.ns):

@@ -60,8 +60,8 @@ def write_library(
 ) -> WrittenLibrary:
     """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
 
-    Takes what `render_library` takes and raises what it raises, and CodegenError if something else stands
-    there or it cannot be written.
+    Takes what `render_library` takes and raises what it raises, and CodegenError if the path is in use or
+    cannot be written.
     """
     directory = directory.expanduser()
     check_parent(directory, LIBRARY_NAME)

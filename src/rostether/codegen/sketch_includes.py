@@ -12,7 +12,7 @@ from pathlib import Path
 from rostether.codegen.library_folder import is_ros_library
 from rostether.errors import ConfigError
 
-# A large firmware project has some hundred; a home directory must not be read whole.
+# A large firmware project has about a hundred; a home directory must not be read whole.
 MAX_FILES = 5_000
 
 # Pictures and sounds as C arrays can be long, and hold no includes.

@@ -13,7 +13,7 @@ from rostether.errors import ConfigError
 
 # A tile of a higher zoom level would show less than a hand's width.
 _MAX_ZOOM = 24
-# A picture of 256 x 256 pixels has some 20 kB.
+# A picture of 256 x 256 pixels has about 20 kB.
 _MAX_TILE_BYTES = 2 << 20
 _TYPES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg", "webp": "image/webp"}
 

@@ -28,7 +28,7 @@ MAX_FILE_BYTES = 1 << 30
 MAX_FOLDER_BYTES = 10 << 30
 MIN_FREE_BYTES = 1 << 30
 
-# Names of topics; a robot has some hundred.
+# Names of topics; a robot has about a hundred.
 MAX_TOPICS = 1000
 
 # The newest ones are listed.

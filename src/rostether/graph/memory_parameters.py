@@ -28,7 +28,7 @@ class MemoryParameters:
         return copy.deepcopy(value)
 
     def get_or_none(self, name: str) -> ParamValue:
-        """Return a value, or None where there is none."""
+        """Return a value, or None if there is none."""
         try:
             return self.get(name)
         except UnknownNameError:

@@ -21,7 +21,7 @@ M = TypeVar("M", bound=Message)
 # What waits for a loop that is busy: a second of the fastest sensor, and little memory.
 DEFAULT_QUEUE_MESSAGES = 1000
 
-# The same bound for large messages: some ten camera images.
+# The same bound for large messages: about ten camera images.
 MAX_QUEUE_BYTES = 64 << 20
 
 # Definitions come from peers; a program that listens to more types than this forgets the first.
@@ -141,7 +141,10 @@ class MessageStream(Generic[M]):
             await subscriber.close()
 
     async def __anext__(self) -> M:
-        """Return the next message; the first call subscribes, until `aclose`. Raises as the loop."""
+        """Return the next message; the first call subscribes, until `aclose`.
+
+        Raises the same errors as the loop.
+        """
         if self._generator is None:
             self._generator = self.__aiter__()
         return await anext(self._generator)

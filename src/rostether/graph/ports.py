@@ -261,7 +261,10 @@ class ListsClients(Protocol):
     """A `Graph` that lists the clients of services, as ROS 2 does; ROS 1 does not know them."""
 
     async def list_client(self, service: str, service_type: ServiceType) -> ServiceClient:
-        """Be listed as a client of a service, which need not be there. Raises as `Graph.advertise` does."""
+        """Be listed as a client of a service, which need not be there.
+
+        Raises the same errors as `Graph.advertise`.
+        """
 
 
 class JoinGraph(Protocol):

@@ -246,7 +246,7 @@ class TypedGraph(LogMethods):
         return self.store.codec(type_name).message_class(**fields)
 
     async def get_param(self, name: str, default: ParamValue = None) -> ParamValue:
-        """Return a parameter's value, or `default` where there is none and a default is given.
+        """Return a parameter's value, or `default` if there is none and a default is given.
 
         Raises UnknownNameError.
         """

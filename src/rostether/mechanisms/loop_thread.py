@@ -1,4 +1,4 @@
-"""An asyncio loop in a thread of its own, called from the program's threads."""
+"""An asyncio loop in its own thread, called from the program's threads."""
 
 from __future__ import annotations
 

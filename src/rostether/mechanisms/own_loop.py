@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 
 
 async def in_own_loop(work: Callable[[], Coroutine[Any, Any, Result]]) -> Result:
-    """Await `work()` on an event loop in a thread of its own; return or raise what it does.
+    """Await `work()` on an event loop in its own thread; return or raise what it does.
 
     When the caller is cancelled, so is the work, and the caller waits until it has ended.
     """

@@ -39,7 +39,7 @@ async def run_program(
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT if merge else asyncio.subprocess.PIPE,
             env=environ,
-            # A group of its own, so that a compiler's children can be ended with it.
+            # A separate process group, so that a compiler's children can be ended with it.
             start_new_session=True,
         )
     )

@@ -67,7 +67,7 @@ class XmlElement:
 def parse_xml(
     data: bytes, *, file: str, max_bytes: int, what: str, make_error: MakeError, encoding: str | None = None
 ) -> XmlElement:
-    """Return the outermost element of a document.
+    """Return the root element of a document.
 
     Raises what `make_error` returns: larger than `max_bytes` (so it is not `what`, such as "a launch file"),
     not XML, nested too deep, a DTD or an entity. Without an `encoding`, the document names its own.

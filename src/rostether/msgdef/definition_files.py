@@ -1,6 +1,6 @@
 """Where .msg, .srv and .action texts are: packages on disk, plain folders, and those we bring along.
 
-A package's definitions stand in its `msg`, `srv` and `action` folders or directly in its root. Outside of any
+A package's definitions are in its `msg`, `srv` and `action` folders or directly in its root. Outside of any
 package, `X/Foo.msg` and `X/msg/Foo.msg` are X/Foo. Folders are read when first asked for, not before.
 """
 

@@ -16,15 +16,18 @@ from rostether.msgdef.spec import MessageSpec
 SEPARATOR = "=" * 80
 _HEADING = "MSG: "
 
-# The longest in use are some 50 KB; peers send them.
+# The longest in use are about 50 KB; peers send them.
 MAX_FULL_TEXT_CHARACTERS = 1 << 20
 
-# The most in use are some 30.
+# The most in use are about 30.
 MAX_PARTS = 512
 
 
 def message_full_text(spec: MessageSpec, lookup: Lookup) -> str:
-    """Return the message's text followed by those of all messages below. Raises as `dependencies` does."""
+    """Return the message's text followed by those of all messages below.
+
+    Raises the same errors as `dependencies`.
+    """
     below = (
         f"{SEPARATOR}\n{_HEADING}{nested.full_name}\n{nested.text}" for nested in dependencies(spec, lookup)
     )

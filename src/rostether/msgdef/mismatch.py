@@ -22,7 +22,7 @@ from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
-# Some 10 us each, and every board waits meanwhile: 30 ms for a line, once.
+# About 10 us each, and every board waits meanwhile: 30 ms for a line, once.
 MAX_CANDIDATES = 3_000
 
 # Types of the user's packages to compare with; each is read from disk.

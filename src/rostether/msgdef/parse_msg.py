@@ -13,10 +13,10 @@ from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIV
 from rostether.msgdef.source_line import SourceLine
 from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
 
-# The longest in use are some 20 KB; definitions also come from peers.
+# The longest in use are about 20 KB; definitions also come from peers.
 MAX_TEXT_CHARACTERS = 1 << 18
 
-# Each becomes generated code; the longest in use have some hundred.
+# Each becomes generated code; the longest in use have about a hundred.
 MAX_FIELDS = 4096
 
 # A fixed array is part of every message, and no link carries more than 16 MB.

@@ -28,7 +28,7 @@ from rostether.packages.locate import package_folders, workspace_roots
 from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import ros_package_path
 
-# Peers' definitions must not fill memory; a large system has some hundred types.
+# Peers' definitions must not fill memory; a large system has about a hundred types.
 MAX_LEARNED_TYPES = 4096
 # Bundled for our examples; who has the robot has its package too, perhaps changed.
 ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
@@ -141,14 +141,20 @@ class Registry:
         return spec
 
     def message_type(self, name: str) -> MessageType:
-        """Return a message's md5sum and full text. Raises as `message`, for every type below it as well."""
+        """Return a message's md5sum and full text.
+
+        Raises the same errors as `message`, also for nested types.
+        """
         found = self._message_types.get(name)
         if found is None:
             found = self._message_types[name] = self._describe(self.message(name))
         return found
 
     def service_type(self, name: str) -> ServiceType:
-        """Return a service's md5sum and its halves. Raises as `service`, for every type below it as well."""
+        """Return a service's md5sum and its halves.
+
+        Raises the same errors as `service`, also for nested types.
+        """
         found = self._service_types.get(name)
         if found is None:
             spec = self.service(name)

@@ -21,7 +21,7 @@ SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
 
 _BUILD_FOLDER = "build"
 
-# Those of large packages have some 50 KB.
+# Those of large packages have about 50 KB.
 _MAX_CMAKE_BYTES = 1 << 20
 _COMPILED = (".cpp", ".cc", ".cxx", ".c")
 _EXECUTABLE = re.compile(r"\badd_executable\s*\(\s*([^\s)]+)\s*([^)]*)\)", re.IGNORECASE)

@@ -1,4 +1,4 @@
-"""Which package folders a command sees: ROS_PACKAGE_PATH, the workspace it stands in, what lies below.
+"""Which package folders a command sees: ROS_PACKAGE_PATH, the workspace around it, and the folders below.
 
 The order decides which of two packages of one name counts, as an overlay does with catkin:
 

@@ -18,7 +18,7 @@ MAX_FOLDERS = 20_000
 MAX_DEPTH = 12
 PACKAGE_FILE = "package.xml"
 ROSBUILD_FILE = "manifest.xml"
-# Here every program of the system has its folder: packages stand at the top, as Debian's rospkg has it.
+# Here every program of the system has its folder: packages are at the top level, as in Debian's rospkg.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
 

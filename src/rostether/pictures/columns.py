@@ -19,7 +19,7 @@ def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[
     """Yield columns by vertex, from wide to narrow.
 
     First every vertex is behind its farthest source, where edges that close a cycle are turned. Then it is
-    behind its nearest source, and then these columns are folded to and fro in fewer and fewer columns.
+    behind its nearest source, and then these columns are folded back and forth in fewer and fewer columns.
     """
     yield _longest_ways(keys, _without_cycles(keys, edges))
     depths = _shortest_ways(keys, edges)

@@ -61,7 +61,7 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     for ends in dict.fromkeys(ends for ends in edges if ends[0] != ends[1]):
         is_turned = ends not in columns.chains
         chain = columns.chains[ends[::-1] if is_turned else ends]
-        # Beside its counterpart, where there is one.
+        # Beside its counterpart, if there is one.
         down = _TURNED_SHIFT if is_turned else 0.0
         points = [(xs[key], ys[key] + down) for key in chain]
         points[0] = (points[0][0] + sizes[chain[0]][0] / 2, points[0][1])
@@ -118,7 +118,7 @@ class _Columns:
         return sum(widths) + gap * (len(self._rows) - 1), max(heights, default=0.0)
 
     def order(self) -> None:
-        """Order each column by the middle of its neighbours, to and fro; the best order seen is kept."""
+        """Order each column by the middle of its neighbours, back and forth; the best order seen is kept."""
         best, fewest = [list(row) for row in self._rows], self._crossings()
         for sweep in range(_ORDERING_SWEEPS):
             is_forward = sweep % 2 == 0

@@ -43,7 +43,7 @@ class Curve:
     name: str
     points: Sequence[Point]
     unit: str = ""
-    # On a scale of its own, at the right.
+    # On its own scale, at the right.
     is_right: bool = False
 
     @property

@@ -110,7 +110,7 @@ async def _ask_neighbors(
     able.sort(key=lambda robot: robot.place)
     ring = list(zip(able, [*able[1:], able[0]], strict=True))
     epoch_us = time.time_ns() // 1000
-    # Each pair has an epoch of its own: a robot counts the frames of an epoch.
+    # Each pair has its own epoch: a robot counts the frames of an epoch.
     reached = await asyncio.gather(
         *[_reaches(sender, *pair, epoch_us + index, report) for index, pair in enumerate(ring)]
     )

@@ -49,7 +49,7 @@ class Survey:
         return self._table.robots
 
     async def run(self, duration_s: float, *, until_answered: bool = False) -> None:
-        """Ask again and again for some time, and close the sockets. With `until_answered`, for one answer."""
+        """Ask repeatedly for some time, and close the sockets. With `until_answered`, for one answer."""
         end_s = time.monotonic() + duration_s
         try:
             while time.monotonic() < end_s and not (until_answered and self._answered.is_set()):

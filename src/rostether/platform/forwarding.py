@@ -29,7 +29,7 @@ def encode_forward(address: str, port: int, query: bytes) -> bytes:
 def decode_forward(payload: bytes, key: bytes) -> tuple[str, int, bytes]:
     """Return address, port and query. Raises RemoteProtocolError for anything that is not a query."""
     if len(payload) < _PLACE.size:
-        raise RemoteProtocolError(f"{len(payload)} bytes are no address and query to forward")
+        raise RemoteProtocolError(f"{len(payload)} bytes are not an address and a query to forward")
     packed, port = _PLACE.unpack_from(payload)
     query = payload[_PLACE.size :]
     # A robot sends nothing else for others: no command, and no bytes of their choice.

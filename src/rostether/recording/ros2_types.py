@@ -65,7 +65,7 @@ class RecordedDefinitions(Ros2Definitions):
         return found
 
     def text(self, name: str) -> str:
-        """Return a message's own text. Raises as `message`."""
+        """Return a message's own text. Raises the same errors as `message`."""
         return self._texts.get(name) or self._others.text(name)
 
     def service(self, name: str) -> Ros2Service:

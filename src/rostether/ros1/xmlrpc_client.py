@@ -92,7 +92,7 @@ class XmlRpcClient:
             ) from error
 
     async def call_status(self, method: str, *args: object, timeout_s: float | None = None) -> StatusTriplet:
-        """Call a ROS method and return its `(code, status message, value)`; raises as `call` does.
+        """Call a ROS method and return its `(code, status message, value)`; raises the same errors as `call`.
 
         Code 1 is success, 0 failure, -1 the caller's error; the value counts only with code 1.
         """
@@ -154,7 +154,7 @@ class XmlRpcClient:
 
 
 class _Connection(asyncio.Protocol):
-    """One TCP connection with at most one exchange under way."""
+    """One TCP connection with at most one exchange in progress."""
 
     def __init__(self, http: HttpClientSide, on_lost: Callable[[_Connection], None]) -> None:
         self._http = http

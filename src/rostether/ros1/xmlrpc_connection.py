@@ -55,7 +55,7 @@ class ServerConnection(asyncio.Protocol):
 
     @property
     def is_idle(self) -> bool:
-        """Whether no request is under way."""
+        """Whether no request is in progress."""
         return self._task is None and not self._is_congested and self._http.is_idle
 
     @property

@@ -103,7 +103,7 @@ class XmlRpcServer:
         self.port = port
 
     async def close(self) -> None:
-        """Stop listening and end every connection; answers under way are dropped. Idempotent."""
+        """Stop listening and end every connection; answers in progress are dropped. Idempotent."""
         if self._sweep is not None:
             self._sweep.cancel()
             self._sweep = None

@@ -9,7 +9,7 @@ stamps does. Each time answer sets its clock; until the next one the clock runs 
          |.'._.-'--'--'    |_.-'--'--'--'--'            what lies above the lower edge is delay: rejected
          +-----------------+-----------------------------+---> time
 
-A stamp is as late as the message was under way, never early, so the lower edge is the clock: its height is
+A stamp is as late as the message was in progress, never early, so the lower edge is the clock: its height is
 the offset, worst at the end, its slope the drift. Both ends of an interval are compared, and the median over
 many of them rejects the intervals that a busy line has spoilt. Stamps that are not near the host's time
 (zero, or time since boot) show nothing and are left out.
@@ -24,7 +24,7 @@ from rostether.mechanisms.median import median
 # A stamp further off is not the synchronised clock's: answers come every 2.5 s.
 SOUND_S = 5.0
 
-# Stamps from before the answer may still be under way for this long.
+# Stamps from before the answer may still be in progress for this long.
 FRESH_S = 0.1
 
 # Without an answer for longer a board unconfigures itself; an interval is cut here.

@@ -28,7 +28,7 @@ CHANGES = Allowance(50.0, 256)
 # Log lines: as many as fit a full line of 115200 baud; users cannot read more.
 LOGS = Allowance(500.0, 2000)
 
-# A board asks every 2.5 s, and once more for each probe and topic request.
+# A board asks every 2.5 s, and again for each probe and topic request.
 TIME_REQUESTS = Allowance(50.0, 50)
 
 # Parameters: a board asks for the next when it has the one before.

@@ -94,7 +94,7 @@ def encode_frame(topic_id: int, payload: bytes, version: int = 2) -> bytes:
 
 
 def encode_frames(topic_id: int, payloads: Iterable[bytes], version: int = 2) -> bytes:
-    """Return the frames of several payloads, joined. Raises as encode_frame."""
+    """Return the frames of several payloads, joined. Raises the same errors as encode_frame."""
     parts: list[bytes] = []
     for payload in payloads:
         head, base = _head(version, topic_id, len(payload))

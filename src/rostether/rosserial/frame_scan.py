@@ -4,9 +4,10 @@ Frames that follow each other under the same header (same topic, same length) ar
 header is judged once and `struct.iter_unpack` cuts the whole run at C speed. A header seen before costs one
 dictionary lookup.
 
-What is no frame is reported in stretches: one begins where a check fails and goes on to the next place where
-a frame may begin, so every byte of the buffer is in exactly one frame, one stretch or the unfinished rest.
-After a failed check the search goes on at the byte after the sync, because noise may hold a valid header.
+What is not a frame is reported in stretches: one begins where a check fails and goes on to the next place
+where a frame may begin, so every byte of the buffer is in exactly one frame, one stretch or the unfinished
+rest. After a failed check the search goes on at the byte after the sync, because noise may hold a valid
+header.
 """
 
 from __future__ import annotations
@@ -93,7 +94,7 @@ class FrameScanner:
     """Finds the frames of one protocol version, remembering headers from buffer to buffer.
 
     A header that claims more than `refused_above` has for its topic id, or, on an id that is not in there,
-    more than it has for None, is no frame.
+    more than it has for None, is not a frame.
     """
 
     def __init__(

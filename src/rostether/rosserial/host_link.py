@@ -158,7 +158,10 @@ class HostLink:
         return self._output.messages(topic_id, (payload,))
 
     def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
-        """Return the frames of several payloads, joined; all or nothing. Raises as encode_message."""
+        """Return the frames of several payloads, joined; all or nothing.
+
+        Raises the same errors as encode_message.
+        """
         return self._output.messages(topic_id, payloads)
 
     def answer_time(self, time: Time, now_s: float) -> None:

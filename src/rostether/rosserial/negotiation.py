@@ -171,7 +171,7 @@ class Negotiation:
         return request
 
     def note_damage(self, now_s: float) -> None:
-        """Learn that a damaged frame came: if the line had looked clean, ask once more if that was all."""
+        """Learn that a damaged frame came: if the line had looked clean, ask again if that was all."""
         self._answers.damaged(now_s)
         if self.phase is not Phase.SETTLED:
             self._completeness.is_lossy = True

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from rostether.errors import ConfigError
 
-# A certificate has some 2 KB; more is another file, given by mistake.
+# A certificate has about 2 KB; more is another file, given by mistake.
 MAX_CERTIFICATE_BYTES = 64 * 1024
 
 _NONE: Mapping[str, bytes] = MappingProxyType({})

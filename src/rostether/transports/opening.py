@@ -72,7 +72,9 @@ async def listen(
     entry: PeerEntry | None = None,
     web_boards: WebBoards | None = None,
 ) -> Listener:
-    """Listen where `address.listens`, calling back with each new link. Raises as `open_transport`.
+    """Listen where `address.listens`, calling back with each new link.
+
+    Raises the same errors as `open_transport`.
 
     At most `connections` at a time, and of one address at most `connections_per_host` (None: the default of
     the kind of link; what needs no connection counts all alike). `board_keys` are those of single boards.

@@ -93,7 +93,7 @@ class PeerTransport(Generic[PeerKey]):
         return 0 if self._lost else self._table.write_buffer_bytes(self.key)
 
     def is_replaceable(self, now_s: float) -> bool:
-        """Return whether it has been silent for so long that a new peer may take its place."""
+        """Return whether it has been silent for this time that a new peer may take its place."""
         limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
         return self.expires and now_s - self.heard_at_s >= limit_s
 

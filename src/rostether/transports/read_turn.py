@@ -15,7 +15,7 @@ FIRST_READ_BYTES = 2 * 1024
 # Announcements cost most, 2 µs a byte, and what is smaller than this is not worth the wake-up.
 MIN_READ_BYTES = 1024
 
-# What is left of a price after each read: half after 69. Hostile bytes cost much only now and then, and then
+# What is left of a price after each read: half after 69. Hostile bytes cost much only sometimes, but then
 # many at once; a pause of the garbage collector, which looks alike, is forgotten after 0.3 MB.
 FORGETTING = 0.99
 

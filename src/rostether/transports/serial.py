@@ -123,7 +123,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Queue bytes. Never blocks; after the pipe ended it does nothing."""
-        # Unplugged between two wake-ups: serialx says so here, and once more through connection_lost.
+        # Unplugged between two wake-ups: serialx says so here, and again through connection_lost.
         with contextlib.suppress(OSError, RuntimeError):
             super().write(data)
 

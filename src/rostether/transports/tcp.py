@@ -27,7 +27,7 @@ from rostether.transports.sockets import (
 from rostether.transports.stream import StreamTransport
 from rostether.transports.transport import Transport
 
-# Each connection is a session with its buffers, some 200 KB: a scanner must not exhaust our memory.
+# Each connection is a session with its buffers, about 200 KB: a scanner must not exhaust our memory.
 MAX_CONNECTIONS = 256
 # One host may run a hundred simulated boards, but must leave room for the boards of others.
 MAX_CONNECTIONS_PER_HOST = 128
@@ -40,7 +40,7 @@ _ACCEPTED_AT_ONCE = 64
 READ_BYTES = 128 * 1024
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
-# Linux has it; elsewhere acknowledgements are late only now and then.
+# Linux has it; elsewhere acknowledgements are late only sometimes.
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
 
 # By event loop. A loop reads one connection at a time, and each read is copied before the next.

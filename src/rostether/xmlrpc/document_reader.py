@@ -11,9 +11,9 @@ from rostether.xmlrpc.values import MAX_INT, MAX_NESTING, MIN_INT, DateTime, Fau
 
 # What reading, checking and storing them takes is a few tenths of a second; points and images go over topics.
 MAX_VALUES = 262_144
-# Bytes that are read at a time: some 2 ms.
+# Bytes that are read at a time: about 2 ms.
 STEP_BYTES = 16 * 1024
-# What ROS peers write between < and > has some 20 bytes, and expat reads it again with each step.
+# What ROS peers write between < and > has about 20 bytes, and expat reads it again with each step.
 MAX_TAG_BYTES = 64 * 1024
 
 

@@ -175,7 +175,7 @@ def dump_response(value: object) -> bytes:
 
 
 def response_steps(writer: DocumentWriter, value: object) -> Iterator[None]:
-    """Write a methodResponse document. Raises as `DocumentWriter.value_steps` does."""
+    """Write a methodResponse document. Raises the same errors as `DocumentWriter.value_steps`."""
     writer.write_text(f"{_PROLOG}<methodResponse><params><param>")
     yield from writer.value_steps(value)
     writer.write_text("</param></params></methodResponse>")

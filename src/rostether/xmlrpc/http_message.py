@@ -185,7 +185,7 @@ class HttpClientSide:
         return self._connection.our_state is h11.IDLE
 
     def send_request(self, body: bytes) -> bytes:
-        """Return the bytes of a POST. Raises LocalProtocolError while another exchange is under way."""
+        """Return the bytes of a POST. Raises LocalProtocolError while another exchange is in progress."""
         self._body.clear()
         self._chunk_count = 0
         self.answer_began = False

@@ -71,7 +71,7 @@ class ArduinoUdpHardware {
   uint16_t port_;
   uint16_t local_port_;
   uint16_t unsent_;  // bytes of the frame that are still to come
-  uint16_t packed_;  // bytes in the datagram under way
+  uint16_t packed_;  // bytes in the datagram in progress
   int unread_;       // bytes left of the datagram that came in
 };
 

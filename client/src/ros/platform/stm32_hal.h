@@ -102,7 +102,7 @@ class STM32Hardware {
   volatile uint16_t rhead;  // where the next byte goes, without DMA
   uint16_t twind;           // next to write
   volatile uint16_t tfind;  // first not sent
-  volatile uint16_t tcount;  // under way
+  volatile uint16_t tcount;  // in progress
 };
 
 #endif

@@ -29,7 +29,7 @@ def port_findings(facts: PortFacts) -> list[Finding]:
 
 
 def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
-    """Return why a port did not open; `failure` was raised from the system's error where there is one."""
+    """Return why a port did not open; `failure` was raised from the system's error if there is one."""
     reason = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
     code = reason.errno if isinstance(reason, OSError) else None
     if code in (errno.ENOENT, errno.ENXIO, errno.ENODEV):

@@ -22,7 +22,7 @@ from rostether.rosserial.events import (
     TopicWithdrawn,
 )
 
-# A search takes 3 s at most on a slow disk; a board sends some 6 KB/s on a serial line.
+# A search takes 3 s at most on a slow disk; a board sends about 6 KB/s on a serial line.
 MAX_HELD_BYTES = 1 << 20
 # A board has 256 endpoints at most, and announces each once.
 MAX_HELD_EVENTS = 1024
@@ -46,7 +46,7 @@ class HeldEvents:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether a search is under way."""
+        """Whether a search is in progress."""
         return self._wait is not None
 
     def hold_back(self, event: HostEvent) -> bool:

@@ -1,7 +1,7 @@
 """Limits how much is written to a serial line, so that urgent frames wait behind little data.
 
-The operating system would take seconds of a slow line's backlog at once, and a time answer would stand behind
-all of it. Here at most 20 ms of line time is on its way; the rest waits in the outbox, where order is ours.
+The operating system would take seconds of a slow line's backlog at once, and a time answer would wait for all
+of it. Here at most 20 ms of line time is on its way; the rest waits in the outbox, where order is ours.
 
 The baud rate alone does not give a line's speed: boards with USB of their own ignore it. So a port that
 holds nothing any more, before its line can have carried all, is taken to be twice as fast, and so on; one

@@ -66,7 +66,7 @@ async def run_opencr(
     has_other_options: bool,
     as_json: bool,
 ) -> None:
-    """Run a sketch until it ends, with words on standard input. Raises as `start_opencr`."""
+    """Run a sketch until it ends, with words on standard input. Raises the same errors as `start_opencr`."""
     board = await start_opencr(sketch, words, link_path, msg_paths, has_other_options=has_other_options)
     async with board:
         board.on_event = _show_json if as_json else _show

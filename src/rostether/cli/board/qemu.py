@@ -42,7 +42,7 @@ async def run_in_qemu(
 ) -> None:
     """Run an ELF file until it ends; its only command on standard input is `reset`.
 
-    Raises as `start_in_qemu`.
+    Raises the same errors as `start_in_qemu`.
     """
     async with await start_in_qemu(program, machine, link_path, has_words=has_words) as board:
         if as_json:

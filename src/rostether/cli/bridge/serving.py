@@ -69,7 +69,7 @@ def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) 
 def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:
     """Return a line for each listener on loopback that other machines would need.
 
-    `environment` is that of ROS 1, None where there is none.
+    `environment` is that of ROS 1, None if there is none.
     """
     listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
     wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}

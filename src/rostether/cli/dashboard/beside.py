@@ -59,7 +59,7 @@ class DashboardSettings:
 async def dashboard_beside(
     settings: DashboardSettings | None, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
 ) -> AsyncIterator[Dashboard | None]:
-    """Serve the dashboard if it is requested. Raises as `served_dashboard`."""
+    """Serve the dashboard if it is requested. Raises the same errors as `served_dashboard`."""
     if settings is None:
         yield None
         return

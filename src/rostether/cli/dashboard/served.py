@@ -49,7 +49,7 @@ _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
 
 @dataclass(frozen=True, slots=True)
 class Dashboard:
-    """A dashboard that is served; `url` is what to open, with the token where there is one."""
+    """A dashboard that is served; `url` is what to open, with the token if there is one."""
 
     gateway: FoxgloveGateway
     url: str

@@ -72,7 +72,7 @@ async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -
         except RostetherError as error:
             reporter.line(Level.WARN, f"Not on ROS 2: {error}")
             return None
-        # Without a router of its own it would be in a graph that runs already.
+        # Without its own router it would be in a graph that runs already.
         if not joins and not access.is_router:
             reporter.line(Level.INFO, "Not on ROS 2: another graph runs here; --join joins it")
             return None

@@ -158,7 +158,9 @@ async def joined_patiently(join: JoinGraph, name: str, report: Report) -> Graph:
 async def rosbridge_server(
     graph: Graph, on: GatewayGraph, settings: RosbridgeSettings, report: Report, wider: str
 ) -> AsyncIterator[RosbridgeServer]:
-    """Run a rosbridge server on a node, and report its address. Raises as `rosbridge_gateway`.
+    """Run a rosbridge server on a node, and report its address.
+
+    Raises the same errors as `rosbridge_gateway`.
 
     `wider` is what people type, with {port}, to let other machines connect.
     """
@@ -227,7 +229,7 @@ async def served_gateways(
     msg_paths: Sequence[Path],
     report: Report,
 ) -> AsyncIterator[None]:
-    """Run the requested gateways, if any. Raises as `rosbridge_gateway`."""
+    """Run the requested gateways, if any. Raises the same errors as `rosbridge_gateway`."""
     async with AsyncExitStack() as stack:
         if options.rosbridge is not None:
             graph = await stack.enter_async_context(gateway_graph(graphs, graph_options, msg_paths))
@@ -251,7 +253,10 @@ def serve_gateway(
     msg_paths: Sequence[Path],
     open_gateway: Callable[[ServedGraphs, Report], AbstractAsyncContextManager[Gateway]],
 ) -> None:
-    """Run a gateway on the graphs that the command line selects. Raises as `served_graphs`."""
+    """Run a gateway on the graphs that the command line selects.
+
+    Raises the same errors as `served_graphs`.
+    """
     environment = read_environment(graph)
 
     async def serve() -> None:

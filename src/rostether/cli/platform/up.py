@@ -20,7 +20,7 @@ from rostether.errors import ConfigError
 if TYPE_CHECKING:
     from rostether.platform.boot.robot_file import Part
 
-# If the part `core` does not answer for so long, the other parts start without it.
+# If the part `core` does not answer for this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
 ADDRESS_PERIOD_S = 0.5
 # Commands that would start this one again, or change what starts at boot.
@@ -52,7 +52,7 @@ def up(file: Path, check: bool) -> None:
         write_line(f"{file}: {', '.join(part.name for part in robot.parts)}")
         return
     if not hasattr(os, "killpg"):
-        raise ConfigError("rostether up needs Linux or macOS; start each part in a terminal of its own")
+        raise ConfigError("rostether up needs Linux or macOS; start each part in its own terminal")
     width = max(len(part.name) for part in robot.parts)
     environ = {**os.environ, **robot.environment}
     interface = environ.get(INTERFACE_VARIABLE, "")

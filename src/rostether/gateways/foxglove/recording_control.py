@@ -86,7 +86,7 @@ class RecordingReports:
         changes = True
         while changes:
             await asyncio.sleep(PERIOD_S)
-            # Report once more after the end.
+            # Report again after the end.
             changes = self._changes
             try:
                 state = await self.control.state()

@@ -154,7 +154,10 @@ class Ros2Definitions:
         return found
 
     def text(self, name: str) -> str:
-        """Return the original text of a message, by `package/msg/Name`. Raises as `message`."""
+        """Return the original text of a message, by `package/msg/Name`.
+
+        Raises the same errors as `message`.
+        """
         text = self.file_text(name) if split_name(name)[1] is Kind.MESSAGE else None
         return message_text(self.message(name)) if text is None else text
 

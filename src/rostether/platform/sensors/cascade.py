@@ -52,7 +52,7 @@ class CascadeDetector:
     def detect(self, picture: bytes) -> tuple[list[Region], bytes]:
         """Return the regions in a JPEG picture, and the picture with a box around each.
 
-        Raises BoardError for data that is no picture.
+        Raises BoardError for data that is not a picture.
         """
         import numpy as np
 
@@ -85,6 +85,6 @@ def _opencv() -> Any:
         raise ConfigError(
             f"OpenCV {cv2.__version__} has no cascades; install version 4: {install_command('detection')}"
         )
-    # It prints a line of its own for each file that it cannot read.
+    # It prints its own line for each file that it cannot read.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     return cv2

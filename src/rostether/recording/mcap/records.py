@@ -3,7 +3,7 @@
     file     magic  header  (schema | channel | chunk  message index...)...  data end  summary  footer  magic
     record   u8 kind | u64 length | content
     chunk    its records are a sequence of schemas, channels and messages, possibly compressed
-    summary  schemas and channels once more, statistics, chunk indexes, and where each kind of them begins
+    summary  schemas and channels again, statistics, chunk indexes, and where each kind of them begins
 
 All integers are little-endian; texts have a u32 length before them. Source: mcap.dev/spec
 """

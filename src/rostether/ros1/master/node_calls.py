@@ -148,7 +148,7 @@ class NodeCallQueue:
                 continue
             outbox.refusals = 0
             backoff.reset()
-            # News may have replaced the arguments while the call was under way.
+            # News may have replaced the arguments while the call was in progress.
             if outbox.pending.get(what) is arguments:
                 del outbox.pending[what]
         outbox.task = None

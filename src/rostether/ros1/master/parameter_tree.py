@@ -19,7 +19,7 @@ from rostether.xmlrpc.values import MAX_NESTING, DateTime, XmlRpcValue
 # Answers and notices wrap a value once or twice more; XML-RPC documents end at MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
 # What one XML-RPC document carries, so that `getParam /` can be answered, and some more; namespaces count
-# too. Freeing all of them takes some 20 ms.
+# too. Freeing all of them takes about 20 ms.
 MAX_TREE_VALUES = MAX_VALUES + 1024
 # What a value takes in memory beside its text, roughly.
 _BYTES_PER_VALUE = 64
@@ -138,7 +138,7 @@ class ParameterTree:
         return space
 
     def _weigh_replaced_steps(self, parts: list[str]) -> Generator[None, None, _Weight]:
-        """Weigh what a new value at `parts` replaces: the old one, or a value above that is no namespace."""
+        """Weigh what a new value at `parts` replaces: the old value, or a plain value above it."""
         for _ in range(_WEIGHINGS_IN_STEPS):
             changes = self._changes
             weight = yield from _weigh_steps(self._replaced_by(parts), MAX_DEPTH)

@@ -19,10 +19,10 @@ MAX_REGISTRATIONS = 100_000
 MAX_MEMBERS = 4096
 # /rosout has a publisher in each node.
 MAX_NODES = MAX_MEMBERS
-# When a node goes, all its registrations are removed at once, in some 15 ms.
+# When a node goes, all its registrations are removed at once, in about 15 ms.
 MAX_OF_ONE_NODE = 16_384
-# A change of a whole namespace is sent to all that watch a parameter in it, in some 15 ms. A roscpp node that
-# is refused asks for the value each time instead.
+# A change of a whole namespace is sent to all that watch a parameter in it, in about 15 ms. A roscpp node
+# that is refused asks for the value each time instead.
 MAX_WATCHES = 4096
 # Types outlive their topics, for tools that ask later; no more of them than there can be topics.
 MAX_TOPIC_TYPES = MAX_REGISTRATIONS

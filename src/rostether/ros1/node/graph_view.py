@@ -1,6 +1,6 @@
 """The whole graph as the master reports it, now and at each change.
 
-A ROS 1 master has no subscription to changes: it is asked again and again.
+A ROS 1 master has no subscription to changes: it is asked repeatedly.
 """
 
 from __future__ import annotations

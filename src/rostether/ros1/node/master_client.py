@@ -181,7 +181,10 @@ class _Connections:
             await self._client.close()
 
     async def call_status(self, method: str, *args: object) -> StatusTriplet:
-        """Call a method. Raises as XmlRpcClient does, MasterUnreachableError also when none becomes free."""
+        """Call a method.
+
+        Raises the same errors as XmlRpcClient, MasterUnreachableError also when none becomes free.
+        """
         try:
             async with asyncio.timeout(DEFAULT_TIMEOUT_S):
                 await self._turns.acquire()

@@ -70,7 +70,7 @@ class Registrations:
         self._on_replaced = on_replaced
         # The type's name for each; a service has none at the master.
         self._wanted: dict[tuple[Kind, str], str] = {}
-        # No longer wanted, but the master may still have them: a removal was cancelled, or is under way.
+        # No longer wanted, but the master may still have them: a removal was cancelled, or is in progress.
         self._left_over: set[tuple[Kind, str]] = set()
         self._locks: WeakValueDictionary[tuple[Kind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False

@@ -151,7 +151,7 @@ class Subscription:
             call_contained(self._what, self._on_messages, payloads)
 
     def _leaving_out(self, node_name: str, take: OnMessages) -> OnMessages:
-        # A publisher that is left out stays connected: it would be asked again and again.
+        # A publisher that is left out stays connected: it would be asked repeatedly.
         def take_wanted(payloads: Sequence[bytes]) -> None:
             if node_name not in self._skip_nodes:
                 take(payloads)

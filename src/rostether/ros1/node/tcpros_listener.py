@@ -71,7 +71,7 @@ class TcprosListener:
                 return
 
     async def close(self) -> None:
-        """Stop listening and give up handshakes under way. Idempotent."""
+        """Stop listening and give up handshakes in progress. Idempotent."""
         self.port = 0
         servers, self._servers = self._servers, []
         for server in servers:

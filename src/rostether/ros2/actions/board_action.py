@@ -88,7 +88,7 @@ class BoardAction:
             await server.close()
 
     def take_feedback(self, payloads: Sequence[bytes]) -> None:
-        """Publish the feedback of goals under way."""
+        """Publish the feedback of goals in progress."""
         if self._server is None:
             return
         for payload in payloads:

@@ -52,7 +52,7 @@ class BoardJoin:
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> Graph:
-        """Join as `node_name`. Raises as `JoinGraph`."""
+        """Join as `node_name`. Raises the same errors as `JoinGraph`."""
         graph = await self._join(node_name, namespace=namespace, remappings=remappings)
         return cast(Graph, _BoardGraph(graph, self))
 

@@ -132,7 +132,10 @@ class GoalCall:
             await subscriber.close()
 
     async def cancel(self) -> None:
-        """Ask the server to cancel the goal; `run` returns its status. Raises as `Graph.call_service`."""
+        """Ask the server to cancel the goal; `run` returns its status.
+
+        Raises the same errors as `Graph.call_service`.
+        """
         request = self.goal_id + STAMP.pack(0, 0)
         await self._graph.call_service(f"{self._action}/{CANCEL_SERVICE}", self._types.cancel, request)
 

@@ -104,11 +104,11 @@ class NativeRegistry(Registry):
         return spec
 
     def message_type(self, name: str) -> MessageType:
-        """Return a message's type in ROS 1's form. Raises as `message`."""
+        """Return a message's type in ROS 1's form. Raises the same errors as `message`."""
         return super().message_type(short_name(name))
 
     def service_type(self, name: str) -> ServiceType:
-        """Return a service's type in ROS 1's form. Raises as `service`."""
+        """Return a service's type in ROS 1's form. Raises the same errors as `service`."""
         return super().service_type(short_name(name))
 
     def packages(self) -> list[str]:

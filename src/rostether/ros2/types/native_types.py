@@ -24,7 +24,7 @@ class NativeTypes(Ros2Types):
         self._native_service_supports: dict[str, ServiceSupport] = {}
 
     def message(self, message_type: MessageType) -> MessageSupport:
-        """Return a message type's support in ROS 2. Raises as `Ros2Types.message`."""
+        """Return a message type's support in ROS 2. Raises the same errors as `Ros2Types.message`."""
         name = message_type.name
         support = self._native_supports.get(name)
         try:
@@ -37,7 +37,7 @@ class NativeTypes(Ros2Types):
         return super().message(message_type)
 
     def service(self, service_type: ServiceType) -> ServiceSupport:
-        """Return a service type's support in ROS 2. Raises as `Ros2Types.service`."""
+        """Return a service type's support in ROS 2. Raises the same errors as `Ros2Types.service`."""
         name = service_type.name
         support = self._native_service_supports.get(name)
         try:

@@ -44,20 +44,20 @@ class PairedDefinitions:
         return derived
 
     def text(self, name: str) -> str:
-        """Return a message's text by `package/msg/Name`. Raises as `message`."""
+        """Return a message's text by `package/msg/Name`. Raises the same errors as `message`."""
         return (
             self._definitions.text(name) if self._definitions.has(name) else message_text(self.message(name))
         )
 
     def counterpart(self, ros1_name: str) -> Ros2Message:
-        """Return the ROS 2 form of a ROS 1 message `package/Name`. Raises as `message`."""
+        """Return the ROS 2 form of a ROS 1 message `package/Name`. Raises the same errors as `message`."""
         name = ros2_message_name(ros1_name)
         if self._definitions.has(name):
             return self._definitions.message(name)
         return derive(self._registry.message(ros1_name), self._registry)
 
     def service_counterpart(self, service_type: ServiceType) -> Ros2Service:
-        """Return the ROS 2 form of a ROS 1 service. Raises as `message`."""
+        """Return the ROS 2 form of a ROS 1 service. Raises the same errors as `message`."""
         name = ros2_service_name(service_type.name)
         if self._definitions.has(name):
             return self._definitions.service(name)

@@ -89,7 +89,7 @@ class Ros2Types:
         return support
 
     def service(self, service_type: ServiceType) -> ServiceSupport:
-        """Return the support of a ROS 1 service type. Raises as `message`."""
+        """Return the support of a ROS 1 service type. Raises the same errors as `message`."""
         key = (service_type.name, service_type.md5sum)
         support = self._services.get(key)
         if support is None:
@@ -115,7 +115,7 @@ class Ros2Types:
         return support
 
     def received(self, name: str, type_hash: str) -> MessageSupport:
-        """Return a ROS 2 message by its publisher's definition. Raises as `by_name`."""
+        """Return a ROS 2 message by its publisher's definition. Raises the same errors as `by_name`."""
         return self.by_name(name)
 
     def service_by_name(self, name: str) -> ServiceSupport:
@@ -143,7 +143,7 @@ class Ros2Types:
     def full_text(self, message_type: MessageType) -> str:
         """Return the ROS 2 definition text of a message type and of its nested types, as in ROS 2 bags.
 
-        Raises as `message`.
+        Raises the same errors as `message`.
         """
         source = self._texts(message_type)
         return full_text(source.message(self.message(message_type).name), source)

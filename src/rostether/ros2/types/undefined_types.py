@@ -38,7 +38,7 @@ class UndefinedTypes(NativeTypes):
         return support
 
     def message(self, message_type: MessageType) -> MessageSupport:
-        """Return a message type's support in ROS 2. Raises as `Ros2Types.message`."""
+        """Return a message type's support in ROS 2. Raises the same errors as `Ros2Types.message`."""
         if message_type.md5sum == ANY_MD5SUM and message_type.name in self._undefined:
             return self._undefined[message_type.name]
         return super().message(message_type)

@@ -38,11 +38,11 @@ class SystemAnswers:
         return message_details(self._registry, short_type(name))
 
     async def request(self, name: str) -> list[dict[str, Any]]:
-        """Return a service's request and all types in it. Raises as `message`."""
+        """Return a service's request and all types in it. Raises the same errors as `message`."""
         return message_details(self._registry, self._registry.service(short_type(name)).request.full_name)
 
     async def response(self, name: str) -> list[dict[str, Any]]:
-        """Return a service's response and all types in it. Raises as `message`."""
+        """Return a service's response and all types in it. Raises the same errors as `message`."""
         return message_details(self._registry, self._registry.service(short_type(name)).response.full_name)
 
     async def time(self) -> dict[str, int]:
