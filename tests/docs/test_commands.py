@@ -150,7 +150,9 @@ class Terminal:
         text = output.read_text(errors="replace").replace(str(self._home), "/home/me")
         # A clone in / has the name of a folder that is in other paths too.
         text = re.sub(rf"(?<![\w/.-]){re.escape(str(REPOSITORY))}(?![\w.-])", "/home/me/rostether", text)
-        text = text.replace(self._master, "http://localhost:11311").replace(socket.gethostname(), "robot")
+        text = text.replace(self._master, "http://localhost:11311")
+        # As a whole word: the name of this machine may be part of another.
+        text = re.sub(rf"(?<![^\W_]){re.escape(socket.gethostname())}(?![^\W_])", "robot", text)
         text = text.replace(self._master.replace("localhost", "127.0.0.1"), "http://127.0.0.1:11311")
         for pattern, neutral in NEUTRAL.items():
             text = re.sub(pattern, neutral, text)
