@@ -150,7 +150,7 @@ class JointGraph:
         return await self._first_of(lambda graph: graph.get_param(name), RostetherError)
 
     async def set_param(self, name: str, value: ParamValue) -> None:
-        """Set a parameter in the first graph that has it, else in the first that takes it."""
+        """Set a parameter in the first graph that has it, else in the first that accepts it."""
         having = [graph for graph in self._graphs if await _answers(graph.has_param(name))]
 
         async def set_it(graph: Graph) -> None:

@@ -1,4 +1,4 @@
-"""A ROS graph inside one process, without sockets: what tests and previews join instead of a master."""
+"""A ROS graph inside one process, without sockets: tests and previews join it instead of a master."""
 
 from __future__ import annotations
 

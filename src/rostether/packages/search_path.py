@@ -46,7 +46,7 @@ def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
     return [Path(part) for part in environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if part]
 
 
-# Called for two packages of one name below one root: the name, the folder in use, and the other.
+# Called for two packages with the same name below one root: the name, the folder in use, and the other one.
 OnNamesake = Callable[[str, Path, Path], object]
 
 

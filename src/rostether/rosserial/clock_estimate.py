@@ -36,7 +36,7 @@ MIN_SPAN_S = 0.8
 # Two and a half minutes: a crystal's drift changes with temperature, more slowly than this.
 INTERVALS = 60
 
-# A median of fewer does not reject one that was spoilt.
+# A median of fewer samples does not reject a bad one.
 MIN_INTERVALS = 3
 
 # If the least delayed stamp of an end is later than that of the interval by this, the whole end was delayed.

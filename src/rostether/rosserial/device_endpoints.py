@@ -1,4 +1,4 @@
-"""What a device declares: numbered as the established library numbers, announced in its order.
+"""The endpoints of a device, numbered and announced in the order of the established library.
 
 Subscribers count from 100, publishers from 100 + the number of subscribers there is room for. A service
 takes a place of each: it publishes on one half and listens on the other.

@@ -47,7 +47,7 @@ class DiscardReason(Enum):
     TOO_MANY = "announcement over the limit of endpoints"
 
 
-# The reasons that mean that the line damages frames.
+# The reasons that show that the line damages frames.
 DAMAGE = frozenset({DiscardReason.LENGTH_CHECKSUM, DiscardReason.PAYLOAD_CHECKSUM, DiscardReason.PACKET})
 
 

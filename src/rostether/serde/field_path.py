@@ -20,7 +20,7 @@ class FieldPath:
     """A path that is known to exist in a message type; `type` is that of its last field."""
 
     def __init__(self, codec: Codec, text: str) -> None:
-        """Read a path; further slashes do not matter. Raises ConfigError if the type has no such field."""
+        """Read a path; repeated slashes do not matter. Raises ConfigError if the type has no such field."""
         parts = [part for part in text.split("/") if part] or [""]
         self.text = "/".join(parts)
         self._steps: list[tuple[str, int | slice | None]] = []

@@ -13,7 +13,7 @@ from rostether.transports.board_keys import Proof
 from rostether.transports.capture import FIRST_LINK
 from rostether.transports.transport import Receiver, Transport
 
-# An hour of a full line at 115200 baud, which compresses to what can be sent; and no disk gets full.
+# An hour of a full line at 115200 baud: small enough to send when compressed, and to fit on any disk.
 DEFAULT_LIMIT_BYTES = 100 << 20
 
 # A kill loses no more than this; more often would cost a system call for each chunk.

@@ -285,7 +285,7 @@ class PeerTable(Generic[PeerKey]):
             )
 
     def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
-        """Make a peer's transport and announce it; one that is known beforehand need not expire."""
+        """Create a peer's transport and announce it; a peer from the address need not expire."""
         peer = PeerTransport(self, key, self._show(key), self._host_of(key), expires=expires)
         self._peers[key] = peer
         if expires and self._sweep_timer is None:

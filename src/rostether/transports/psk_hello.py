@@ -93,7 +93,7 @@ class ListenerHello:
 
 
 class ConnectorHello:
-    """The half of who connected: `receive` until it returns."""
+    """The side of the peer that connects: call `receive` until it returns a result."""
 
     def __init__(self, key: bytes, nonce: bytes | None = None) -> None:
         self._key = key

@@ -32,7 +32,7 @@ def place_link(link: Path, terminal: str) -> None:
 
 
 def remove_link(link: Path, terminal: str) -> None:
-    """Remove the link unless it leads to another terminal by now."""
+    """Remove the link unless it now points to another terminal."""
     with contextlib.suppress(OSError):
         if str(link.readlink()) == terminal:
             link.unlink()

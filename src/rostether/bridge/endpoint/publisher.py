@@ -18,7 +18,7 @@ from rostether.serde.layout import Layout
 
 # Messages kept until the topic is advertised: a master answers in milliseconds, a flood fills this in 20.
 HELD_BYTES = 256 * 1024
-# Each held message costs this much beside its payload.
+# The overhead of each held message, besides its payload.
 MESSAGE_OVERHEAD_BYTES = 64
 _SYNC = bytes((SYNC,))
 # Header.seq, the first field of a message that begins with a Header.

@@ -9,7 +9,7 @@ from rostether.rosserial.events import DiscardReason, FrameDiscarded
 # A line of a sketch's own Serial.print.
 SHOWN_BYTES = 60
 
-# Enough to judge by, and for the lines that a crashed ESP prints before it starts again.
+# Enough for a verdict, and for the lines that a crashed ESP prints before it restarts.
 KEPT_BYTES = 512
 
 # Random bytes form shorter runs by chance: 3 of 8 byte values are printable.

@@ -31,7 +31,7 @@ def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
 
 def reported_lines(board: BoardStatus, master_uri: str) -> Iterator[str]:
     """Yield lines for users about a board that a running bridge reports."""
-    yield f"{board.name}, on a bridge that runs at {master_uri}"
+    yield f"{board.name}, on a running bridge at {master_uri}"
     for finding in board.findings:
         yield f"  {finding}"
     since = "" if board.connected_s is None else f" for {board.connected_s:.0f} s"

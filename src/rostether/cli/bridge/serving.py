@@ -91,7 +91,7 @@ def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address])
 
 
 def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[str]:
-    """Return a line when `connections` boards for each listener, as --limit wants, need too many open files.
+    """Return a warning if `connections` boards for each listener (--limit) need too many open files.
 
     `connections` is None without --limit; listeners then accept fewer boards.
     """

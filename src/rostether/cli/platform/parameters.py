@@ -27,7 +27,7 @@ class Parameters:
         self._node = node
 
     async def value(self, default: ParamValue, *names: str) -> ParamValue:
-        """Return the first parameter that is set of several spellings of its name."""
+        """Return the first set parameter among several spellings of its name."""
         for name in names:
             for full_name in (f"~{name}", f"{self._node}/{name}"):
                 if await self._graph.raw.has_param(full_name):

@@ -37,7 +37,7 @@ class ChosenTopic:
 
 
 def resolve_with_field(text: str, environment: RosEnvironment) -> str:
-    """Return the full form of a topic with a field behind it. Raises InvalidNameError."""
+    """Return the full form of a topic followed by a field. Raises InvalidNameError."""
     name, bracket, indices = text.partition("[")
     return resolve(name, environment) + bracket + indices
 

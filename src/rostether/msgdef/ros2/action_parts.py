@@ -71,7 +71,7 @@ def action_parts(action: Ros2Action) -> ActionParts:
 
 
 def action_of_part(name: str) -> str:
-    """Return the name of the action that a part is of: `Fibonacci_Goal` -> `Fibonacci`; a name is itself."""
+    """Return the action that a part belongs to: `Fibonacci_Goal` -> `Fibonacci`; other names stay."""
     for suffix in _SUFFIXES:
         if name.endswith(suffix):
             return name.removesuffix(suffix)

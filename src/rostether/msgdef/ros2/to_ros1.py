@@ -20,7 +20,7 @@ _BASES = {"byte": "uint8", "char": "uint8", "wstring": "string"}
 
 
 class MessageSource(Protocol):
-    """What finds the messages below a type, as `Ros2Definitions` does."""
+    """Finds the nested messages of a type, like `Ros2Definitions`."""
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`."""

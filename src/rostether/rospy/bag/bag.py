@@ -278,7 +278,7 @@ class Bag:
 
     @contextmanager
     def _facts(self) -> Iterator[RecordingReader]:
-        """Give what tells about the bag, also when it is closed, as rosbag's does."""
+        """Return the facts about the bag, also after it is closed, like rosbag."""
         if self._reader is not None:
             yield self._reader
             return

@@ -107,7 +107,7 @@ def encode_at(command: str, value: bytes = b"", *, frame_id: int) -> bytes:
 
 
 def parse_report(data: bytes) -> Report | None:
-    """Return what a frame from the radio says; None for other kinds and for those that are too short."""
+    """Return the content of a frame from the radio; None for other kinds and for short frames."""
     kind = data[0] if data else None
     match kind:
         case 0x80 if len(data) >= 11:

@@ -70,7 +70,7 @@ async def test_one_table_and_objects_without_a_terminal(
         monkeypatch.setenv("ROS_MASTER_URI", environ["ROS_MASTER_URI"])
         assert await _doctor(None, None, (), as_json=False) == 0
         lines = capsys.readouterr().out.splitlines()
-        assert lines[0] == f"/arm, on a bridge that runs at {environ['ROS_MASTER_URI']}"
+        assert lines[0] == f"/arm, on a running bridge at {environ['ROS_MASTER_URI']}"
         assert "    publisher chatter [std_msgs/String], " in lines[2]
         assert lines[3] == "  no problem found"
         assert await _doctor(None, None, (), as_json=True) == 0
