@@ -114,7 +114,7 @@ def param() -> None:
         "filter": VerbEntry(
             "rostether.cli.bag.filter:bag_filter", "Keep the messages that match an expression."
         ),
-        "cut": VerbEntry("rostether.cli.bag.filter:bag_cut", "Keep what was recorded at a time."),
+        "cut": VerbEntry("rostether.cli.bag.cut:bag_cut", "Keep what was recorded at a time."),
         "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Convert between formats."),
         "compress": VerbEntry("rostether.cli.bag.repack:bag_compress", "Compress recordings."),
         "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Decompress recordings."),

@@ -37,7 +37,8 @@ from rostether.cli.bridge.options import (
     unchosen_lines,
 )
 from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, read_web_boards, shortage_lines
-from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside, dashboard_option
+from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
+from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.gateway.gateways import served_gateways
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.shell.library_logs import show_debug_records

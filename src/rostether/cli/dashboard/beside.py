@@ -10,11 +10,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.gateway.node import NodeWords
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, is_place
-from rostether.cli.shell.option_group import OptionalValueOption
+from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,15 +21,6 @@ if TYPE_CHECKING:
     from rostether.cli.dashboard.view import View
     from rostether.cli.gateway.gateways import Report
     from rostether.transports.web_boards import WebBoards
-
-dashboard_option = click.option(
-    "--dashboard",
-    cls=OptionalValueOption,
-    alone=DEFAULT_PLACE,
-    is_value=is_place,
-    metavar="[HOST:PORT]",
-    help="Serve the dashboard, a page for browsers (127.0.0.1:8765).",
-)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,7 @@ import errno
 import io
 import socket
 import sys
-import webbrowser
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -216,18 +215,3 @@ def qr_code(text: str) -> str:
     lines = io.StringIO()
     segno.make(text, micro=False, error="l").terminal(lines, compact=True, border=2)
     return lines.getvalue().rstrip("\n")
-
-
-async def open_browser(url: str) -> None:
-    """Open an address in the user's browser, if there is one."""
-    # A browser that does not start is not an error: the terminal shows the address.
-    await asyncio.gather(asyncio.to_thread(webbrowser.open, url), return_exceptions=True)
-
-
-def has_browser(environ: Mapping[str, str]) -> bool:
-    """Return whether a window can open: a text browser in this terminal would hide the output."""
-    if not sys.stdout.isatty():
-        return False
-    if sys.platform in ("darwin", "win32"):
-        return "SSH_CONNECTION" not in environ
-    return bool(environ.get("DISPLAY") or environ.get("WAYLAND_DISPLAY"))

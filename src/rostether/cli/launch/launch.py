@@ -2,35 +2,24 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros1_access import joining_ros1, no_master
-from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master
-from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside, dashboard_option
-from rostether.cli.dashboard.served import has_browser, open_browser
+from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
 from rostether.cli.launch.launch_options import LaunchOptions, launch_options, roslaunch_options
-from rostether.cli.launch.loaded_launch import LoadedLaunch
-from rostether.cli.shell.failures import print_error
-from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
-from rostether.errors import MasterUnreachableError
-from rostether.graph.ports import Level
-from rostether.launch.node_process import StopLimits
-from rostether.launch.plan import Output
-from rostether.launch.runner import RunOptions, run_plan
-from rostether.ros1.environment import RosEnvironment
 
-# The interval of checks while waiting for a master.
-_WAIT_S = 0.2
+if TYPE_CHECKING:
+    from rostether.cli.launch.loaded_launch import LoadedLaunch
+    from rostether.ros1.environment import RosEnvironment
 
 
 def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
@@ -77,6 +66,7 @@ def launch(
     """
     from rostether.cli.access.ros1_access import read_environment
     from rostether.cli.dashboard.beside import DashboardSettings
+    from rostether.cli.launch.launch_run import MasterSettings, run_launch, run_options
     from rostether.cli.launch.listing import summary_lines
     from rostether.cli.launch.loaded_launch import load
     from rostether.cli.shell.running import run
@@ -135,61 +125,3 @@ def _written_pid(file: Path | None) -> Iterator[None]:
 def _print(lines: Iterable[str]) -> None:
     for line in lines:
         write_line(line)
-
-
-@dataclass(frozen=True, slots=True)
-class MasterSettings:
-    """The master of the nodes; `is_chosen` if an option named it, `waits` if none may be started."""
-
-    environment: RosEnvironment
-    is_chosen: bool
-    port: int | None
-    waits: bool
-
-
-async def run_launch(
-    loaded: LoadedLaunch, master: MasterSettings, options: RunOptions, dashboard: DashboardSettings | None
-) -> None:
-    """Run the nodes until all have ended. Raises click's Exit if a required one failed."""
-    if master.waits and not await master_answers(master.environment):
-        write_line(f"Waiting for the ROS master at {master.environment.master_uri}")
-        while not await master_answers(master.environment):  # noqa: ASYNC110 - there is no event
-            await asyncio.sleep(_WAIT_S)
-    async with used_master(master.environment, is_chosen=master.is_chosen, port=master.port) as used:
-        write_line(used.line)
-        graphs = ServedGraphs(joining_ros1(used.environment), used.environment, ())
-        try:
-            async with dashboard_beside(dashboard, graphs, loaded.package_folders, _report) as served:
-                if served is not None and has_browser(os.environ):
-                    for url in served.view_urls:
-                        await open_browser(url)
-                succeeded = await run_plan(
-                    loaded.plan,
-                    master_uri=used.environment.master_uri,
-                    environ=loaded.environ,
-                    locate=loaded.locate,
-                    report=_report,
-                    options=replace(options, stays=used.is_ours or dashboard is not None),
-                )
-        except MasterUnreachableError as error:
-            raise no_master(used.environment, error) from error
-    if not succeeded:
-        raise click.exceptions.Exit(1)
-
-
-def run_options(options: LaunchOptions) -> RunOptions:
-    """Return how to run the nodes."""
-    return RunOptions(
-        output=Output.SCREEN if options.screen else Output.LOG if options.to_log else None,
-        all_required=options.required,
-        stop_limits=StopLimits(options.sigint_timeout, options.sigterm_timeout),
-    )
-
-
-def _report(level: int, text: str) -> None:
-    if level >= Level.ERROR:
-        print_error(text)
-    elif level >= Level.WARN:
-        warn(f"warning: {text}")
-    else:
-        write_line(text)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import click
 
-from rostether.cli.dashboard.served import has_browser
+from rostether.cli.dashboard.browser import has_browser
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import complete_package_folders, complete_programs, packages_here
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes, view_command

@@ -1,4 +1,4 @@
-"""`rostether plot` and `role rqt-plot`: values of topics over time, live or in a picture."""
+"""`rostether plot`: values of topics over time, live in the terminal or into a picture, as rqt_plot shows."""
 
 from __future__ import annotations
 
@@ -16,21 +16,15 @@ import click
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option, refuse_ros1_only
-from rostether.cli.launch.run import become
-from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.plot.curves import expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotSession, SessionSettings
 from rostether.cli.shell.option_group import option_group
-from rostether.cli.shell.output import warn
 from rostether.cli.shell.picture_files import picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
-from rostether.cli.topic.meter import shown_messages
-from rostether.errors import ConfigError, DefinitionError
-from rostether.msgdef.primitives import INTEGER_RANGES
+from rostether.cli.topic.misfit_notice import shown_messages
 
 if TYPE_CHECKING:
-    from rostether.msgdef.registry import Registry
     from rostether.serde.codec import Codec
 
 # The same as the number of curves, see `plot_curves`.
@@ -38,12 +32,6 @@ MAX_ARGUMENTS = 28
 
 # The length that fits above a picture.
 MAX_TITLE_CHARACTERS = 90
-
-
-# More curves cannot be distinguished.
-MAX_FIELDS = 8
-_NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
-_NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,48 +209,3 @@ async def _plot_ros2(
                     session.add_message(name, message, path)
 
         await session.run(follow, targets)
-
-
-@click.command(
-    "rqt-plot",
-    cls=Verb,
-    context_settings={"ignore_unknown_options": True},
-    examples="""
-    rostether role rqt-plot
-    rostether role rqt-plot /ultrasound/range
-    """,
-)
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[TOPIC/FIELD]...")
-@graph_options(master="", ros=False)
-def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
-    """Plot the given fields, or the first numeric fields that are published."""
-    fields = list(arguments)
-    if not fields:
-        fields = run(_published(graph))
-        if not fields:
-            raise ConfigError("no topic with numbers is published; `rostether topic list` shows all topics")
-        warn(f"rostether plot {' '.join(fields)}")
-    become(our_command("plot", *fields), os.environ)
-
-
-async def _published(graph: GraphOptions) -> list[str]:
-    from rostether.cli.access.ros1_access import master_client, read_environment
-    from rostether.msgdef.registry import Registry
-
-    async with master_client(read_environment(graph)) as client:
-        publishers, _, _ = await client.system_state()
-        types = dict(await client.topic_types())
-    registry = Registry.from_environment()
-    found: list[str] = []
-    for topic in sorted(publishers.keys() - set(_NOBODYS)):
-        found += [f"{topic}/{name}" for name in number_fields(types.get(topic, "*"), registry)]
-    return found[:MAX_FIELDS]
-
-
-def number_fields(type_name: str, registry: Registry) -> list[str]:
-    """Return the names of a message's own single numbers, without those of its header; none if unknown."""
-    try:
-        fields = registry.message(type_name).fields
-    except DefinitionError:
-        return []
-    return [each.name for each in fields if str(each.type) in _NUMBERS]

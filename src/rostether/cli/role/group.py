@@ -92,7 +92,7 @@ ROLES = {
     "tf2-web-republisher": VerbEntry(
         "rostether.cli.role.robot:tf2_web_republisher", "Send web pages the transforms they ask for."
     ),
-    "rqt-plot": VerbEntry("rostether.cli.plot.plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
+    "rqt-plot": VerbEntry("rostether.cli.plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
 }
 
 

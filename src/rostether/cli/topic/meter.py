@@ -6,27 +6,18 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from contextlib import aclosing, asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import wait_for_topic
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_MESSAGE
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator
-
-    from rostether.errors import SerializationError
-    from rostether.graph.message_stream import MessageStream
-
 REPORT_PERIOD_S = 1.0
-
-
-# A publisher with a wrong definition sends hundreds a second, and all have the same fault.
-NOTICE_PERIOD_S = 10.0
 
 
 class TopicMeter:
@@ -147,35 +138,3 @@ async def ros2_meter(
             meter.encoders[each.topic] = support.converter.to_cdr
         async with aclosing(meter):
             yield meter
-
-
-@asynccontextmanager
-async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGenerator[Any, None]]:
-    """Give a stream's messages; those that cannot be decoded are counted on stderr.
-
-    The first is reported with its reason, later ones every 10 s and when the stream is left.
-    """
-    reported_count = 0
-    next_s = 0.0
-    reason = ""
-
-    def report() -> None:
-        nonlocal reported_count
-        reported_count = stream.misfit_count
-        many = "1 message does" if reported_count == 1 else f"{reported_count} messages do"
-        warn(f"WARNING: {stream.topic}: {many} not fit the type and cannot be shown: {reason}")
-
-    def take(error: SerializationError) -> None:
-        nonlocal next_s, reason
-        reason = str(error)
-        if (now_s := asyncio.get_running_loop().time()) >= next_s:
-            next_s = now_s + NOTICE_PERIOD_S
-            report()
-
-    stream.on_misfit = take
-    async with aclosing(aiter(stream)) as messages:
-        try:
-            yield messages
-        finally:
-            if stream.misfit_count > reported_count:
-                report()

@@ -11,7 +11,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.shell.output import paint_keys, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.topic.meter import shown_messages
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.cli.topic.topics import EchoOptions
 from rostether.errors import GraphError, SerializationError

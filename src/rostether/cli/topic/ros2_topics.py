@@ -17,7 +17,7 @@ from rostether.cli.access.ros2_tool_node import tool_node
 from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import paint_keys, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.topic.meter import shown_messages
+from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros2_chosen_topic import ChosenTopic, choose_topic
 from rostether.cli.topic.ros2_message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.cli.topic.ros2_typed_values import ValueForm

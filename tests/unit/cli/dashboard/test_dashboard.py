@@ -15,7 +15,7 @@ from interop.ros1_peers import free_port
 from programs import Peer, started
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard import beside, served
+from rostether.cli.dashboard import beside, browser, served
 from rostether.cli.dashboard.served import page_url
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
@@ -243,17 +243,17 @@ async def test_a_browser_that_does_not_start_is_no_error(monkeypatch: pytest.Mon
         raise OSError("no browser")
 
     monkeypatch.setattr("webbrowser.open", fails)
-    await served.open_browser("http://127.0.0.1:1")
+    await browser.open_browser("http://127.0.0.1:1")
 
 
 def test_a_browser_opens_only_where_windows_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     monkeypatch.setattr("sys.platform", "linux")
-    assert served.has_browser({"DISPLAY": ":0"})
-    assert served.has_browser({"WAYLAND_DISPLAY": "wayland-0"})
-    assert not served.has_browser({})
+    assert browser.has_browser({"DISPLAY": ":0"})
+    assert browser.has_browser({"WAYLAND_DISPLAY": "wayland-0"})
+    assert not browser.has_browser({})
     monkeypatch.setattr("sys.platform", "darwin")
-    assert served.has_browser({})
-    assert not served.has_browser({"SSH_CONNECTION": "1.2.3.4"})
+    assert browser.has_browser({})
+    assert not browser.has_browser({"SSH_CONNECTION": "1.2.3.4"})
     monkeypatch.setattr("sys.stdout.isatty", lambda: False)
-    assert not served.has_browser({"DISPLAY": ":0"})
+    assert not browser.has_browser({"DISPLAY": ":0"})

@@ -1,0 +1,78 @@
+"""`rostether bag cut`: writes a span of time out of many recordings to one."""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.bag.figures import time_text
+from rostether.cli.bag.record import DURATION
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError
+from rostether.rostime import NS_PER_S
+
+if TYPE_CHECKING:
+    from rostether.recording.recorded import Connection
+
+
+@click.command(
+    "cut",
+    cls=Verb,
+    examples="""
+    rostether bag cut recordings -o seen.bag --from 14:02
+    rostether bag cut recordings -o seen.bag --from 14:02:30 --duration 10s --topic "/sensors/Robot3/*"
+    rostether bag cut monday.bag tuesday.bag -o night.bag --from 23:55 --duration 10m
+    """,
+)
+@click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECORDING...")
+@click.option(
+    "-o",
+    "--output",
+    "target",
+    required=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="The .bag, .mcap or .db3 file, or folder.",
+)
+@click.option(
+    "--from",
+    "start",
+    required=True,
+    metavar="TIME",
+    help="The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the last one recorded.",
+)
+@click.option(
+    "--duration", type=DURATION, default=60.0, metavar="TIME", help="How much, e.g. 30, 30s, 5m or 2h (1m)."
+)
+@click.option(
+    "-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this topic; * matches anything."
+)
+def bag_cut(
+    sources: tuple[Path, ...], target: Path, start: str, duration: float, topics: tuple[str, ...]
+) -> None:
+    """Write what was recorded at a time to a new recording.
+
+    A RECORDING is a file, a ROS 2 bag, or a folder of them; a file that is being recorded works too.
+    """
+    from rostether.recording.cutting import Cutting, find_recordings, moment_ns
+
+    cutting = Cutting(find_recordings(sources))
+    for why in cutting.unreadable.values():
+        warn(f"left out: {why}")
+    first_ns, last_ns = cutting.span_ns
+    start_ns = moment_ns(start, last_ns)
+
+    def is_wanted(connection: Connection) -> bool:
+        return not topics or any(fnmatchcase(connection.topic, each) for each in topics)
+
+    count, recordings = cutting.write(target, is_wanted, start_ns, start_ns + int(duration * NS_PER_S))
+    if not count:
+        raise ConfigError(
+            f"nothing was recorded at {time_text(start_ns)}; the recordings reach from {time_text(first_ns)} "
+            f"to {time_text(last_ns)}"
+        )
+    write_line(f"{target}: {count} messages from {recordings} recordings, from {time_text(start_ns)}")

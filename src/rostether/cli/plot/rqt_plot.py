@@ -1,0 +1,70 @@
+"""rqt_plot as a role: without arguments, it plots the published numbers instead of an empty window."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import click
+
+from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.launch.run import become
+from rostether.cli.launch.served_nodes import our_command
+from rostether.cli.shell.output import warn
+from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import Verb
+from rostether.errors import ConfigError, DefinitionError
+from rostether.msgdef.primitives import INTEGER_RANGES
+
+if TYPE_CHECKING:
+    from rostether.msgdef.registry import Registry
+
+# More curves cannot be distinguished.
+MAX_FIELDS = 8
+_NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
+_NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
+
+
+@click.command(
+    "rqt-plot",
+    cls=Verb,
+    context_settings={"ignore_unknown_options": True},
+    examples="""
+    rostether role rqt-plot
+    rostether role rqt-plot /ultrasound/range
+    """,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[TOPIC/FIELD]...")
+@graph_options(master="", ros=False)
+def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
+    """Plot the given fields, or the first numeric fields that are published."""
+    fields = list(arguments)
+    if not fields:
+        fields = run(_published(graph))
+        if not fields:
+            raise ConfigError("no topic with numbers is published; `rostether topic list` shows all topics")
+        warn(f"rostether plot {' '.join(fields)}")
+    become(our_command("plot", *fields), os.environ)
+
+
+async def _published(graph: GraphOptions) -> list[str]:
+    from rostether.cli.access.ros1_access import master_client, read_environment
+    from rostether.msgdef.registry import Registry
+
+    async with master_client(read_environment(graph)) as client:
+        publishers, _, _ = await client.system_state()
+        types = dict(await client.topic_types())
+    registry = Registry.from_environment()
+    found: list[str] = []
+    for topic in sorted(publishers.keys() - set(_NOBODYS)):
+        found += [f"{topic}/{name}" for name in number_fields(types.get(topic, "*"), registry)]
+    return found[:MAX_FIELDS]
+
+
+def number_fields(type_name: str, registry: Registry) -> list[str]:
+    """Return the names of a message's own single numbers, without those of its header; none if unknown."""
+    try:
+        fields = registry.message(type_name).fields
+    except DefinitionError:
+        return []
+    return [each.name for each in fields if str(each.type) in _NUMBERS]

@@ -1,0 +1,50 @@
+"""Reports messages that do not have their type's layout, on stderr, without one line for each."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import aclosing, asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+from rostether.cli.shell.output import warn
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncGenerator, AsyncIterator
+
+    from rostether.errors import SerializationError
+    from rostether.graph.message_stream import MessageStream
+
+# A publisher with a wrong definition sends hundreds a second, and all have the same fault.
+NOTICE_PERIOD_S = 10.0
+
+
+@asynccontextmanager
+async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGenerator[Any, None]]:
+    """Give a stream's messages; those that cannot be decoded are counted on stderr.
+
+    The first is reported with its reason, later ones every 10 s and when the stream is left.
+    """
+    reported_count = 0
+    next_s = 0.0
+    reason = ""
+
+    def report() -> None:
+        nonlocal reported_count
+        reported_count = stream.misfit_count
+        many = "1 message does" if reported_count == 1 else f"{reported_count} messages do"
+        warn(f"WARNING: {stream.topic}: {many} not fit the type and cannot be shown: {reason}")
+
+    def take(error: SerializationError) -> None:
+        nonlocal next_s, reason
+        reason = str(error)
+        if (now_s := asyncio.get_running_loop().time()) >= next_s:
+            next_s = now_s + NOTICE_PERIOD_S
+            report()
+
+    stream.on_misfit = take
+    async with aclosing(aiter(stream)) as messages:
+        try:
+            yield messages
+        finally:
+            if stream.misfit_count > reported_count:
+                report()
