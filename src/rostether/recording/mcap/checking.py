@@ -139,7 +139,7 @@ class _Check:
         found = self._found.chunks.pop(index.position, None)
         if found is None:
             self.report(
-                f"its summary names a chunk at byte {index.position}, if there is none, or lists it twice"
+                f"its summary names a chunk at byte {index.position}, but there is none, or it lists it twice"
             )
             return
         chunk = found.chunk

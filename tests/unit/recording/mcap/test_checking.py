@@ -121,7 +121,7 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
         (OP_MESSAGE_INDEX, 6, 0, "does not list the messages of channel 1"),
         (OP_MESSAGE_INDEX, 0, 0, "does not list the messages"),
         (OP_CHUNK_INDEX, 0, 1, "wrongly"),
-        (OP_CHUNK_INDEX, 16, 0, "where there is none"),
+        (OP_CHUNK_INDEX, 16, 0, "but there is none"),
         (OP_CHUNK_INDEX, 24, 0, "wrongly"),
         (OP_STATISTICS, 8, 0, "schemas, but there are 2"),
         (OP_STATISTICS, 10, 0, "channels, but there are 3"),
