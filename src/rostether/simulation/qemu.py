@@ -57,7 +57,7 @@ class QemuBoard:
     async def start(
         cls, program: Path, *, machine: str = DEFAULT_MACHINE, link_path: Path | None = None
     ) -> Self:
-        """Start an ELF file on one of the MACHINES; `link_path` becomes a link to its terminal.
+        """Start an ELF file on one of the machines of qemu; `link_path` becomes a link to its terminal.
 
         Raises BoardError if qemu does not run it, TransportOpenError if `link_path` is in use.
         """
@@ -69,7 +69,8 @@ class QemuBoard:
         # The kernel ends qemu if this process is killed; without setpriv only `close` ends it.
         setpriv = shutil.which("setpriv")
         guard = [setpriv, "--pdeathsig", "KILL"] if setpriv else []
-        _, serial = MACHINES[machine]
+        # qemu names a machine that it does not know.
+        _, serial = MACHINES.get(machine, MACHINES[DEFAULT_MACHINE])
         options = ["-machine", machine, "-display", "none", *serial, "-monitor", "stdio"]
         process = await asyncio.create_subprocess_exec(
             *guard,

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 ONCE_S = 3.0
 # For messages from files and pipes, as rostopic.
 FILE_RATE_HZ = 10.0
+# Every graph has them, so a topic with a similar name is no typing error.
+LOG_TOPICS = ("/rosout", "/rosout_agg")
 # Messages from files and pipes wait this long for a subscriber.
 SUBSCRIBER_TIMEOUT_S = 5.0
 
@@ -157,7 +159,8 @@ async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:
     """Refuse a type that the topic does not have: no subscriber would get the message."""
     topics = (await graph.snapshot()).topics
     known = topics.get(topic)
-    if known is None and (hint := did_you_mean(topic, (name for name in topics if topics[name].subscribers))):
+    subscribed = (name for name in topics if topics[name].subscribers and name not in LOG_TOPICS)
+    if known is None and (hint := did_you_mean(topic, subscribed)):
         warn(f"WARNING: no node subscribes to {topic}; {hint}")
     if known is None or known.type in (ANY_TYPE, codec.type_name):
         return
