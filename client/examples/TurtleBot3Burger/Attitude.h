@@ -1,4 +1,4 @@
-// How the robot lies in space: the gyroscope shows each movement, gravity corrects roll and pitch.
+// The robot's roll, pitch and yaw: the gyroscope shows each movement, gravity corrects roll and pitch.
 #ifndef ATTITUDE_H
 #define ATTITUDE_H
 
@@ -21,7 +21,7 @@ class Attitude {
     pitch += (rate.y * cr - rate.z * sr) * dt;
     if (yaw > PI) yaw -= TWO_PI;
     if (yaw < -PI) yaw += TWO_PI;
-    // While the robot speeds up, gravity is not all that the sensor feels.
+    // While the robot speeds up, the sensor measures more than gravity.
     const float trust = dt / (MEMORY_S + dt);
     roll += trust * (atan2(a.y, a.z) - roll);
     pitch += trust * (atan2(-a.x, sqrt(a.y * a.y + a.z * a.z)) - pitch);

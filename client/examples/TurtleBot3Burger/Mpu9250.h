@@ -30,7 +30,7 @@ class Mpu9250 {
     read(0x75, &name, 1);
     if (name != 0x71) return false;
     write(0x6b, 0x01);   // wake up
-    write(0x6a, 0x30);   // no I2C for us; it is the controller of the magnetometer's
+    write(0x6a, 0x30);   // only SPI to the board; the chip controls the magnetometer's I2C
     write(0x24, 0x0d);   // at 400 kHz
     write(0x19, 4);      // 200 measurements a second
     write(0x1a, 3);      // filters: 41 Hz

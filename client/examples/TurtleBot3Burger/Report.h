@@ -68,7 +68,7 @@ class Report {
     status.values = values_ + first_value_;
     first_value_ = value_count_;
   }
-  // With one decimal. Not all boards' printf knows %f.
+  // With one decimal. Not every board's printf supports %f.
   void addValue(const char* key, float value, const char* unit) {
     const long tenths = lround(value * 10);
     values_[value_count_].key = key;

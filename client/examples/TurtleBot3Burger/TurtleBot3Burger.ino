@@ -2,7 +2,7 @@
 //
 //   in   cmd_vel        geometry_msgs/Twist                drive; without a new one it stops after half a second
 //        motor_power    std_msgs/Bool                      false: the wheels are free
-//        reset          std_msgs/Empty                     here is x = y = 0; at rest, it calibrates the gyroscope too
+//        reset          std_msgs/Empty                     x = y = 0 is here; at rest, calibrates the gyroscope too
 //        sound          turtlebot3_msgs/Sound              a melody
 //   out  imu, magnetic_field                               200 times a second
 //        odom, joint_states, tf, sensor_state,

@@ -41,7 +41,7 @@ typedef bool boolean;
 #define bit(number) (1UL << (number))
 #define lowByte(word) ((uint8_t)((word) & 0xff))
 #define highByte(word) ((uint8_t)((word) >> 8))
-// Macros of the core that sketches and libraries must survive.
+// Macros of the core, which sketches and libraries must not collide with.
 #define OK 0x0000
 #define SERIAL 0
 #define DISPLAY 1

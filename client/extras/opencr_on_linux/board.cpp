@@ -101,7 +101,7 @@ static void readPins() {
   }
 }
 
-static void tell(const char* text, int size) {
+static void report(const char* text, int size) {
   pins.write(reinterpret_cast<const uint8_t*>(text), static_cast<size_t>(size));
 }
 
@@ -111,17 +111,17 @@ void digitalWrite(int pin, int level) {
   if (pin == BDPIN_SPI_CS_IMU && level == LOW) imu_chip.select();
   const bool has_changed = levels[pin] != level;
   levels[pin] = level;
-  // What changes with each measurement is nothing to look at.
+  // Pins that change with each measurement would flood the simulation.
   if (!has_changed || pin == BDPIN_SPI_CS_IMU || pin == BDPIN_GPIO_1 || pin == 44) return;
   char text[32];
-  tell(text, snprintf(text, sizeof text, "pin %d %d\n", pin, level));
+  report(text, snprintf(text, sizeof text, "pin %d %d\n", pin, level));
 }
 int digitalRead(int pin) { return pin >= 0 && pin < PINS_COUNT ? levels[pin] : LOW; }
 int analogRead(int pin) { return pin >= 0 && pin < PINS_COUNT ? voltages[pin < 6 ? A0 + pin : pin] : 0; }
 
 void tone(int, unsigned int hertz, unsigned long length_ms) {
   char text[64];
-  tell(text, snprintf(text, sizeof text, "tone %u %lu\n", hertz, length_ms));
+  report(text, snprintf(text, sizeof text, "tone %u %lu\n", hertz, length_ms));
 }
 void noTone(int pin) { tone(pin, 0, 0); }
 
@@ -160,7 +160,7 @@ int main() {
   for (;;) {
     loop();
     readPins();
-    // Otherwise it would take a whole processor.
+    // Otherwise the loop would use a whole processor.
     struct pollfd waited[] = {{Serial.descriptor(), POLLIN, 0}, {pins.descriptor(), POLLIN, 0}};
     if (Serial.available() > 0) continue;
     poll(waited, 2, 1);

@@ -2,7 +2,7 @@
 
 
 class Message:
-    """A message, or half of a service. Its class has `_type`, `_md5sum`, `serialize` and `deserialize`."""
+    """A message, a request or a response. Its class has `_type`, `_md5sum`, `serialize` and `deserialize`."""
 
     def __eq__(self, other):
         return type(self) is type(other) and self.__dict__ == other.__dict__

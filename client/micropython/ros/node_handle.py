@@ -48,13 +48,13 @@ class NodeHandle:
     A hardware has `read(view, at)`, which reads what is there into a memoryview from `at` on, without
     waiting, and returns the number of bytes; and `write(view)`, which returns how many bytes were accepted.
     One that connects again by itself has `relinked()`: whether the link was lost or made since the last call.
-    One with `interrupt()` is told of a Ctrl-C between two frames.
+    One with `interrupt()` gets a call for a Ctrl-C between two frames.
     """
 
     def __init__(self, hardware=None, input_size=512, output_size=512):
         self._hardware = hardware
         self._relinked = self._interrupt = None
-        # A time must fit.
+        # The buffer must hold a time.
         self._window = ReceiveWindow(max(input_size, 16))
         self._writer = Writer(output_size + OVERHEAD_BYTES)
         self._endpoints = []
@@ -90,7 +90,7 @@ class NodeHandle:
         return self._connected
 
     def dropped(self):
-        """Return how many frames were damaged or unknown, or did not get out."""
+        """Return how many frames were damaged or unknown, or could not be sent."""
         return self._window.dropped
 
     def now(self):
@@ -173,7 +173,7 @@ class NodeHandle:
         return waiting[0]
 
     def spinOnce(self):
-        """Read what came in, and run the callbacks for it.
+        """Read received bytes, and run the callbacks for them.
 
         Returns SPIN_OK; SPIN_ERR if the host asked for the topics; SPIN_TIMEOUT if the line never paused.
         """
@@ -228,7 +228,7 @@ class NodeHandle:
         return self._finish(topic_id)
 
     def announce(self, role, topic_id, topic, message_class):
-        """For endpoints: announce one, or one half of a service. `role` is the announcement's topic id."""
+        """For endpoints: announce a topic, a service's requests or its responses, as topic id `role`."""
         writer = self._begin()
         writer.number("H", topic_id)
         writer.string(topic)
@@ -305,7 +305,7 @@ class NodeHandle:
             self._due |= _INTRODUCTION_DUE
 
     def _keep_in_touch(self, now_ms):
-        """Do what the host waits for: several equal requests are answered once. Else ask for the time."""
+        """Answer the host's requests, equal ones once. Without requests, ask for the time."""
         due = self._due
         self._due = 0
         if self._window.read_foreign() and not self._connected:

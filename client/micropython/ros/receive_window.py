@@ -13,8 +13,8 @@ _CTRL_C = 3
 class ReceiveWindow:
     """Finds frames, and opens the payload of the last one in `reader`.
 
-    If a check fails, the first byte is dropped and the rest is checked again: a good frame may be behind or
-    inside a bad one.
+    If a check fails, the first byte is dropped and the rest is checked again: a valid frame may follow or be
+    inside a damaged one.
     """
 
     def __init__(self, largest_payload):
@@ -91,7 +91,7 @@ class ReceiveWindow:
         self._begin += 1
 
     def forget(self):
-        """Drop all bytes: they came in on another link."""
+        """Drop all bytes: they arrived on another link."""
         self._begin = self._end
 
     def read_foreign(self):

@@ -6,7 +6,7 @@ from ros.ticks import ticks_diff, ticks_ms
 
 
 async def spin(node_handle, pause_s=0.002):
-    """Spin for ever, beside other tasks."""
+    """Spin forever, beside other tasks."""
     while True:
         node_handle.spinOnce()
         await sleep(pause_s)

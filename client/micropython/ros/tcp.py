@@ -1,4 +1,4 @@
-"""A TCP connection to the host, made again whenever it is lost."""
+"""A TCP connection to the host, restored whenever it is lost."""
 
 from ros.ticks import ticks_diff, ticks_ms
 

@@ -61,7 +61,7 @@ class Bus {
     return ask(id, bytes, size);
   }
 
-  // Restarts a servo, which clears its hardware error. It is deaf for about 0.2 s.
+  // Restarts a servo, which clears its hardware error. It does not answer for about 0.2 s.
   Result reboot(uint8_t id) {
     writer_.begin(id, REBOOT);
     return ask(id, 0, 0);
@@ -97,7 +97,7 @@ class Bus {
  private:
   bool send() {
     if (!writer_.finish()) return false;
-    // A late answer to an earlier request must not be taken for that to this one.
+    // A late answer to an earlier request must not count as the answer to this one.
     while (port_.read() >= 0) {
     }
     reader_.restart();

@@ -143,7 +143,7 @@ class PacketReader {
       left_ = byte;
     } else if (index == 6) {
       left_ |= static_cast<size_t>(byte) << 8;
-      // Instruction and CRC are the least. Stuffing can add a third.
+      // The shortest packet has an instruction and a CRC. Stuffing can add a third.
       if (left_ < 3 || left_ > 3 + CAPACITY + CAPACITY / 3 + 1) return drop();
       left_ -= 2;
     } else if (index == 7) {

@@ -19,7 +19,7 @@ from rostether.mechanisms.program import run_program
 
 _COMPILER = "g++"
 _INCLUDE = re.compile(rb'^\s*#\s*include\s*[<"]([\w/.]+)[>"]', re.MULTILINE)
-# Servos that a program simulates answer late on a busy machine.
+# Simulated servos answer late on a busy machine.
 FLAGS = (
     *("-std=gnu++11", "-O1", "-Wall", "-Wextra"),
     *("-DARDUINO=10819", "-D__OPENCR__", "-DDYNAMIXEL_TIMEOUT_US=200000"),

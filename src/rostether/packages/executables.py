@@ -82,7 +82,7 @@ def _is_script(file: Path) -> bool:
 
 
 def library_folders(package: str, folder: Path | None, environ: Mapping[str, str]) -> Iterator[Path]:
-    """Yield the folders that may hold what was built of a package, the most specific first."""
+    """Yield the folders that may contain the build results of a package, the most specific first."""
     if folder is not None:
         workspace = workspace_of(folder)
         if workspace is not None:

@@ -53,7 +53,7 @@ async def examine(
 ) -> Examination:
     """Measure for about five seconds, and listen for a querier for at least `listen_s`.
 
-    Raises ConfigError for an address that is wrong.
+    Raises ConfigError for an invalid address.
     """
     address = settings.address
     found = Examination(address.is_multicast)

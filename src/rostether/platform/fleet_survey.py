@@ -16,14 +16,16 @@ from rostether.platform.robot_table import Place, Robot, RobotTable, SocketAddre
 
 @dataclass(frozen=True, slots=True)
 class ClockOffset:
-    """How far a robot's clock is ahead of this machine's; `error_s` is half of the way there and back."""
+    """How far a robot's clock is ahead of this machine's; `error_s` is half of the round trip."""
 
     offset_s: float
     error_s: float
 
 
 class Survey:
-    """Queries to one group or machine, and the robots that answered them. Raises ConfigError for an address.
+    """Queries to one group or machine, and the robots that answered them.
+
+    Raises ConfigError for an invalid address.
 
     Unlike `FleetSender`, it never adds unicast, so that the loss is that of `address`.
     """
@@ -72,6 +74,6 @@ class Survey:
             clock = ClockOffset(offset_us / 1e6, (received_us - sent_us) / 2e6)
             place = Place(status.robot_id, address[0])
             known = self.clocks.get(place)
-            # The shortest way there and back gives the best value.
+            # The shortest round trip gives the best value.
             if known is None or clock.error_s < known.error_s:
                 self.clocks[place] = clock

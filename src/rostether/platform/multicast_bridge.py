@@ -34,8 +34,7 @@ class BridgeSettings:
 
     `framed` is None for bare datagrams. A framed bridge whose topic is silent for `input_timeout_s` sends a
     stop; 0 repeats the last message until a new one arrives. `unicast` are addresses of robots that get every
-    frame by
-    unicast too.
+    frame by unicast too.
     """
 
     topic: str = "multicast_topic"

@@ -49,8 +49,7 @@ class ReceiverNodeSettings:
     """The parameters of the receiver.
 
     `sources` are the networks that may send, besides this machine; with a key, an empty list allows all.
-    `framed` is
-    None for bare datagrams.
+    `framed` is None for bare datagrams.
     """
 
     type_name: str
@@ -216,7 +215,7 @@ class _Receiver:
         except RemoteProtocolError as error:
             self._refuse(f"a query from {host}: {error}")
             return
-        # The other robot may have an address of another kind, or none that this machine knows a way to.
+        # The other robot may have an address of another kind, or one that this machine has no route to.
         with contextlib.suppress(OSError):
             self._own.sendto(query, (address, port))
 

@@ -1,5 +1,5 @@
 // OpenCR, the board of the TurtleBot3: an Arduino whose Serial is its USB port, with memory for larger messages.
-// USB takes any baud rate.
+// USB accepts any baud rate.
 #ifndef ROS_PLATFORM_OPENCR_H_
 #define ROS_PLATFORM_OPENCR_H_
 

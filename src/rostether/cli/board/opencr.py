@@ -26,7 +26,7 @@ async def start_opencr(
     *,
     has_other_options: bool,
 ) -> OpenCrBoard:
-    """Build a sketch and start it. `words` are given to the board at its start.
+    """Build a sketch and start it. The board gets `words` at its start.
 
     Raises ConfigError for words that the board does not have, FirmwareError for a sketch that cannot be
     built, BoardError.

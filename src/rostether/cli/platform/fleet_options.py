@@ -40,7 +40,7 @@ _OPTIONS = (
         "interfaces",
         multiple=True,
         metavar="NAME",
-        help="Send by this network interface, e.g. wlan0; may be repeated.",
+        help="Send on this network interface, e.g. wlan0; may be repeated.",
     ),
     click.option(
         "--ttl",

@@ -36,7 +36,7 @@ _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metav
 @_arguments
 @ROS2_CHOICE
 def multicast_topic_bridge(arguments: tuple[str, ...], ros2: str | None) -> None:
-    """Send the newest message of a topic to a multicast group, one message a datagram.
+    """Send the newest message of a topic to a multicast group, one message per datagram.
 
     Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
     (1000 Hz; 0 sends at once), ~interface (names or addresses), ~ttl (1). With ~framed true, robots check who

@@ -36,7 +36,9 @@ def xbee_network(arguments: tuple[str, ...]) -> None:
 def network_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
     """Return the link address from the arguments. Raises ConfigError."""
     if len(rest) < 2:
-        raise ConfigError("write the port of the XBee radio and the address of each board: /dev/ttyUSB0 1 2")
+        raise ConfigError(
+            "give the port of the XBee radio and the address of each board, for example /dev/ttyUSB0 1 2"
+        )
     port, *ids = rest
     name = node_name.removeprefix(namespace.rstrip("/") + "/")
     return f"xbee:{port}?peers={','.join(ids)}&name={name}" + (f"&ns={namespace}" if namespace != "/" else "")

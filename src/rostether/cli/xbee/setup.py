@@ -108,11 +108,11 @@ def xbee_setup(
     """Set up the XBee radio on PORT, and write the settings to its flash.
 
     ADDRESS is the radio's own 16-bit address, from 1 for boards. A board's radio without one, and every
-    DigiMesh radio, needs --to instead. All other settings become those of the factory. The radio is found at
-    any usual speed, also in API mode.
+    DigiMesh radio, needs --to instead. All other settings get their factory values. The radio is found at any
+    usual speed, also in API mode.
     """
     if coordinator and coordinator_address is not None:
-        raise click.UsageError("--to is for the radios of boards; give it without --coordinator")
+        raise click.UsageError("--to is for the radios of boards; give --to or --coordinator, not both")
     if not coordinator and address is None and coordinator_address is None:
         raise click.UsageError("give the board's ADDRESS, for instance 1, or --coordinator")
     check_typed_port(SerialAddress(port), list_serial_ports)

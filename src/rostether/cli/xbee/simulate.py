@@ -203,5 +203,5 @@ def _show_totals(network: XbeeNetwork, boards: list[CountingBoard]) -> None:
     counts = network.air.counts
     write_line(
         f"The air carried {counts.packets} packets in {counts.transmissions} transmissions; "
-        f"{counts.lost_packets} got lost, {counts.repeated_packets} came twice"
+        f"{counts.lost_packets} were lost, {counts.repeated_packets} arrived twice"
     )

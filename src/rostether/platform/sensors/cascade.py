@@ -30,7 +30,7 @@ class Region:
 class CascadeDetector:
     """One cascade file (XML of OpenCV). A name without a folder may be one that comes with OpenCV.
 
-    Raises ConfigError for a file that is no cascade, and if OpenCV is not installed.
+    Raises ConfigError for a file that is not a cascade, and if OpenCV is not installed.
     """
 
     def __init__(self, file: Path) -> None:

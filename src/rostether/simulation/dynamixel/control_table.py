@@ -1,7 +1,7 @@
 """The control table of a DYNAMIXEL XL430-W250: its registers, their limits and factory values.
 
-Source: ROBOTIS e-Manual, XL430-W250. Registers of position and PWM control that a wheel does not need exist,
-and have no effect.
+Source: ROBOTIS e-Manual, XL430-W250. The registers of position and PWM control exist without an effect: a
+wheel does not need them.
 """
 
 from __future__ import annotations

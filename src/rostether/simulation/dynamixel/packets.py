@@ -21,7 +21,7 @@ _PREFIX_BYTES = len(HEADER) + 3
 
 
 class Instruction(IntEnum):
-    """What a packet asks for."""
+    """What a packet requests."""
 
     PING = 0x01
     READ = 0x02
@@ -116,7 +116,7 @@ class PacketReader:
         return packets
 
     def _find_header(self) -> bool:
-        """Remove what comes before a header; whether id and length are there too."""
+        """Remove the bytes before a header; return whether id and length have arrived too."""
         start = self._buffer.find(HEADER)
         if start < 0:
             # The last bytes can be the beginning of a header.
@@ -127,5 +127,5 @@ class PacketReader:
 
     def _drop(self) -> None:
         self.damaged += 1
-        # A true packet can begin inside.
+        # A valid packet can begin inside.
         del self._buffer[0]

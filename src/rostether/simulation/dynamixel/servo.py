@@ -25,7 +25,7 @@ WATCHDOG_UNIT_S = 0.02
 REBOOT_S = 0.2
 _GOALS = ("goal_pwm", "goal_velocity", "goal_position")
 
-# An XL430 without load is at 6 rad/s within 0.1 s.
+# An XL430 without load reaches 6 rad/s within 0.1 s.
 ACCELERATION_RAD_S2 = 60.0
 
 
@@ -49,13 +49,13 @@ class Servo:
         return self["id"]
 
     def __getitem__(self, name: str) -> int:
-        """Return a register by its name; those with measurements are as of the last `advance`."""
+        """Return a register by its name; measurements are those of the last `advance`."""
         register = BY_NAME[name]
         data = self._table[register.address : register.address + register.size]
         return int.from_bytes(data, "little", signed=register.signed)
 
     def is_deaf(self, now_s: float) -> bool:
-        """Whether it restarts, and receives nothing."""
+        """Whether it is restarting, and receives nothing."""
         return now_s < self._deaf_until_s
 
     def set_voltage(self, volts: float) -> None:
@@ -82,11 +82,11 @@ class Servo:
         self._move(now_s)
 
     def heard(self, now_s: float) -> None:
-        """Restart the watchdog: a packet came."""
+        """Restart the watchdog: a packet arrived."""
         self._heard_s = now_s
 
     def handle(self, instruction: int, parameters: bytes, now_s: float) -> tuple[int, bytes]:
-        """Do an instruction to this servo alone; returns error and data of the status packet."""
+        """Execute an instruction to this servo alone; return error and data of the status packet."""
         error, data = self._handle(instruction, parameters, now_s)
         return error | (ALERT if self["hardware_error_status"] else 0), data
 
@@ -97,7 +97,7 @@ class Servo:
         return ServoError.NONE, bytes(self._table[address : address + size])
 
     def write(self, address: int, data: bytes) -> int:
-        """Write whole registers, all or none; returns the error."""
+        """Write whole registers, all or none; return the error."""
         changes: list[tuple[Register, int]] = []
         position = 0
         while position < len(data):

@@ -106,7 +106,7 @@ class OpenCrBoard:
                 theirs.callback(other.close)
                 ours[name].setblocking(False)
                 descriptors[name] = other.fileno()
-            # The program finds them before it runs.
+            # These lines wait for the program when it starts.
             _send(ours["OPENCR_PINS"], _battery_line(12.0) + _feel_line(base))
             try:
                 process = await asyncio.create_subprocess_exec(
@@ -116,7 +116,7 @@ class OpenCrBoard:
                     stderr=asyncio.subprocess.PIPE,
                     pass_fds=tuple(descriptors.values()),
                     env={**os.environ, **{name: str(fd) for name, fd in descriptors.items()}},
-                    # Ctrl-C is for us; the program ends when its pins are closed.
+                    # Ctrl-C ends this process; the program ends when its pins are closed.
                     start_new_session=True,
                 )
             except OSError as error:

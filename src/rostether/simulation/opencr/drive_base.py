@@ -15,7 +15,7 @@ WHEEL_SEPARATION_M = 0.160
 LEFT_ID, RIGHT_ID = 1, 2
 # The field of the simulated Earth, in tesla.
 NORTH_T, UP_T = 20e-6, -44e-6
-# While the wheels change their speed, the way in a step is nearly an arc.
+# While the wheels change their speed, the path of a step is nearly an arc.
 _STEP_S = 0.005
 # After a long pause the steps are longer, so that they take no longer than 20 ms to compute.
 _MAX_STEPS = 200

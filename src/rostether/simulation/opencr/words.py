@@ -1,4 +1,4 @@
-"""Words that control a simulated OpenCR and what surrounds it, as lines of text."""
+"""Words that control a simulated OpenCR and its surroundings, as lines of text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_RANGE_M = 4.0
 
 
 def obey(board: OpenCrBoard, line: str) -> BoardEvent | None:
-    """Do what a line asks; returns the answer if it has one. Raises ConfigError for an invalid line."""
+    """Execute a line; return the answer, if it has one. Raises ConfigError for an invalid line."""
     word, _, rest = line.strip().partition(" ")
     action = _ACTIONS.get(word)
     if action is None:

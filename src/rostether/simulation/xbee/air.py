@@ -33,7 +33,7 @@ class AirConditions:
     """`loss` is the probability that a transmission or its acknowledgement is lost, `repeat` that a packet
     comes twice.
 
-    `delay_s` is added to the way of each packet, `rssi_dbm` is its signal strength at the receiver.
+    `delay_s` delays each packet, `rssi_dbm` is its signal strength at the receiver.
     """
 
     loss: float = 0.0
@@ -44,7 +44,7 @@ class AirConditions:
 
 @dataclass(slots=True)
 class AirCounts:
-    """What happened so far; `lost_packets` are those whose last retry failed."""
+    """Counts since the start; `lost_packets` are those whose last retry failed."""
 
     packets: int = 0
     transmissions: int = 0
@@ -73,7 +73,7 @@ class Air:
         self._free_at_s = 0.0
 
     def add(self, radio: SimulatedRadio) -> None:
-        """Put a radio into the air."""
+        """Add a radio."""
         self._radios.append(radio)
 
     def send_from(self, radio: SimulatedRadio) -> None:

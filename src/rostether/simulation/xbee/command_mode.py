@@ -12,7 +12,7 @@ _MAX_LINE_BYTES = 256
 
 
 class CommandMode:
-    """One stay in command mode."""
+    """One session in command mode."""
 
     def __init__(self, registers: Registers) -> None:
         self.is_left = False
@@ -20,7 +20,7 @@ class CommandMode:
         self._line = bytearray()
 
     def receive(self, data: bytes) -> bytes:
-        """Return the answers to the lines that the bytes complete; each command has one, after the other."""
+        """Return the answers to the lines that the bytes complete, one for each command."""
         answers = bytearray()
         for byte in data:
             if byte != ord("\r"):

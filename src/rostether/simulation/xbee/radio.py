@@ -18,9 +18,9 @@ from rostether.simulation.xbee.registers import Registers
 from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
 
 BROADCAST = 0xFFFF
-# The serial receive buffer of series 1; what comes while it is full is lost without a report.
+# The serial receive buffer of series 1; bytes that arrive while it is full are lost without a report.
 BUFFER_BYTES = 202
-# In API mode, where one packet of 100 bytes nearly fills a half of that buffer.
+# The limit in API mode, where one packet of 100 bytes fills nearly half of that buffer.
 _BUFFERED_PACKETS = 3
 _SERIAL_OUT_BYTES = 16 * 1024
 
@@ -155,7 +155,7 @@ class SimulatedRadio:
         self._due_s = now_s + silence_s if self._text else None
 
     def _packetize(self) -> None:
-        """Make a packet of what waits; while one is in the air, the rest collects in the buffer."""
+        """Make a packet of the waiting bytes; while one is in the air, the rest collects in the buffer."""
         size = self.model.packet_bytes
         if self.outgoing or not (len(self._text) >= size or (self._is_due and self._text)):
             return

@@ -1,4 +1,4 @@
-"""Talks to an XBee radio on a serial port in its command mode: `+++`, then AT commands."""
+"""Controls an XBee radio on a serial port in its command mode: `+++`, then AT commands."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class CommandLine:
             return False
 
     async def read(self, name: str) -> int | None:
-        """Return a register, None if the radio has no such one. Raises TransportError."""
+        """Return a register, None if the radio does not have it. Raises TransportError."""
         answer = await self._ask(name)
         try:
             return int(answer, 16)

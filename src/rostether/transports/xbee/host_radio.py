@@ -1,4 +1,4 @@
-"""What is known of the radio at the host: asked by AT commands when its port opens. Sans I/O."""
+"""The state of the radio at the host, read by AT commands when its port opens. Sans I/O."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from rostether.transports.xbee.packets import (
 )
 from rostether.transports.xbee.send_queue import Packet
 
-# A packet of a mesh has no signal strength, so the radio is asked for it, but not for each packet.
+# A packet of a mesh has no signal strength, so the radio is asked for it, at most this often for each board.
 SIGNAL_PERIOD_S = 5.0
 
 _API_MODE = 2
 _FRAME_ID = 1
-# The answer to the last one completes them.
+# API mode, hops and bytes in a packet. The answer to the last one completes them.
 _QUESTIONS = ("AP", "NH", "NP")
 
 
@@ -32,7 +32,7 @@ class HostRadio:
         self._asked_signal_s = float("-inf")
 
     def questions(self) -> bytes:
-        """Return the frames that ask the radio what it is."""
+        """Return the frames that ask the radio for its mode and limits."""
         return b"".join(encode_at(command, frame_id=_FRAME_ID) for command in _QUESTIONS)
 
     def signal_question(self, now_s: float, board_count: int) -> bytes:

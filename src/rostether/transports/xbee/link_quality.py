@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from rostether.transports.xbee.packets import TransmitStatus, status_text
 
-# The last packets, of which a finding tells the lost share: some seconds of a busy link, and enough that one
-# lost packet is not much.
+# How many of the last packets a finding counts: some seconds of a busy link, and enough that one lost packet
+# has little weight.
 RECENT_PACKETS = 50
 
 
@@ -35,7 +35,7 @@ class LinkQuality:
             self.rssi_dbm = rssi_dbm
 
     def finished(self, status: TransmitStatus | None) -> None:
-        """Count a packet to the board; None if the radio never reported what became of it."""
+        """Count a packet to the board; None if the radio never reported its result."""
         is_lost = status is None or not status.is_delivered
         self.sent_packets += 1
         self.lost_packets += is_lost

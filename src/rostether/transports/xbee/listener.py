@@ -32,7 +32,7 @@ _LOG = logging.getLogger(__name__)
 
 # A radio answers within 0.1 s; nothing is sent before, because the kind of frame may depend on the answer.
 ANSWER_LIMIT_S = 1.0
-# A board that has lost its host says nothing, so all are asked; a person expects them in 2 s.
+# A board that has lost its host sends nothing, so all boards are called; users expect them within 2 s.
 CALL_PERIOD_S = 2.0
 
 # Eight boards get their last bytes, which ask them to stop, in a tenth of a second.

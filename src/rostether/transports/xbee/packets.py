@@ -1,4 +1,4 @@
-"""What an XBee radio and its host tell each other in frames, sans I/O.
+"""The frames that an XBee radio and its host exchange, sans I/O.
 
     host to radio
     00 | frame id | destination u64 BE | options | payload                     802.15.4, 64-bit address
@@ -24,7 +24,7 @@ from typing import NamedTuple, TypeAlias
 from rostether.transports.xbee.frame import encode_frame
 from rostether.transports.xbee.radio_address import is_long
 
-# The radio's limit of one packet, for series 1. Others tell theirs by NP.
+# The radio's limit of one packet, for series 1. Others report theirs by NP.
 MAX_PAYLOAD_BYTES = 100
 MESH_PAYLOAD_BYTES = 73
 
@@ -57,7 +57,7 @@ class RadioPacket(NamedTuple):
 
 
 class TransmitStatus(NamedTuple):
-    """What became of the packet with a frame id; `retries` is None if the radio does not count them."""
+    """The result of the packet with a frame id; `retries` is None if the radio does not count them."""
 
     frame_id: int
     status: int

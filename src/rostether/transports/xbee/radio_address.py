@@ -1,6 +1,6 @@
-"""Addresses of XBee radios: 16 bits that a person chooses (MY), or the 64 bits on the radio's label (SH, SL).
+"""Addresses of XBee radios: 16 bits that the user chooses (MY), or the 64 bits on the radio's label (SH, SL).
 
-Both are whole numbers here. A number above 16 bits is a 64-bit address: the makers' ones begin with 0013A2.
+Both are whole numbers here. A number above 16 bits is a 64-bit address: those of Digi begin with 0013A2.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import re
 
 # 0xfffe means "use the 64-bit address".
 MAX_SHORT_ADDRESS = 0xFFFD
-# All radios, also of 64 bits.
+# All radios, also those with 64-bit addresses.
 BROADCAST_ADDRESS = 0xFFFF
 _MAX_LONG_ADDRESS = 2**64 - 1
 
@@ -22,7 +22,7 @@ def is_long(address: int) -> bool:
 
 
 def parse_radio_address(text: str) -> int | None:
-    """Return an address, None if the text is none.
+    """Return an address, None if the text is not one.
 
     16 bits are decimal or 0x...; 64 bits are the 16 hexadecimal digits of a label.
     """

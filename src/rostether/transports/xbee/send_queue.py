@@ -4,8 +4,8 @@
                                           ^                                             │
                                           └───────── finished (transmit status) <───────┘
 
-A radio has room for two packets and drops more without a word, so at most two wait for their status. A board
-that does not acknowledge keeps the radio busy with retries; such boards share one place.
+A radio has room for two packets and drops more without a report, so at most two wait for their status. A
+board that does not acknowledge keeps the radio busy with retries; such boards share one place.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rostether.transports.xbee.packets import TransmitStatus
 Key = TypeVar("Key", bound=Hashable)
 
 WINDOW_PACKETS = 2
-# The longest frame that an Uno takes, 288 bytes: it must not wait for other boards between its packets.
+# The longest frame that an Uno accepts, 288 bytes: it must not wait for other boards between its packets.
 TURN_PACKETS = 3
 # Half a second of 57600 baud for each board; the outbox above queues messages in their order.
 QUEUE_LIMIT_BYTES = 4 * 1024
@@ -29,8 +29,8 @@ QUEUE_LIMIT_BYTES = 4 * 1024
 STATUS_LIMIT_S = 1.0
 
 _MAX_FRAME_ID = 255
-# Of boards that are gone, what waits is still sent (it asks them to stop), but forged senders cannot fill the
-# memory.
+# Bytes that wait for boards that are gone are still sent (they ask them to stop); forged senders must not
+# fill the memory.
 _MAX_BOARDS = 128
 
 
@@ -147,7 +147,7 @@ class SendQueue(Generic[Key]):
         return min(sent) + STATUS_LIMIT_S if sent else None
 
     def heard(self, key: Key) -> None:
-        """Note that a board sent something: it is there."""
+        """Note that a board sent something, so it is in range."""
         self._note(key, fails=False)
 
     def _note(self, key: Key, *, fails: bool) -> None:

@@ -27,7 +27,7 @@ OpenAt = Callable[[int], Awaitable[Transport]]
 
 @dataclass(frozen=True, slots=True)
 class RadioSettings:
-    """What a radio shall be: `address` has 16 bits, None for its own 64.
+    """The settings for a radio: `address` has 16 bits, None for its own 64.
 
     `coordinator_address` is where a board sends: 0, or the 64-bit address of the radio at the host.
     """
@@ -52,7 +52,7 @@ class RadioFound:
 
     @property
     def kind(self) -> str:
-        """The series and its protocol, for people."""
+        """The series and its protocol, as text for users."""
         series = "series 3" if self.hardware >> 8 >= _SERIES_3_HARDWARE else "series 1 or 2"
         return f"{series}, {'DigiMesh' if self.is_mesh else '802.15.4'}"
 
@@ -126,7 +126,7 @@ async def _program(line: CommandLine, commands: list[str]) -> list[str]:
             raise TransportError(
                 f"the XBee refuses AT{command}; check the value, or update its firmware with Digi's XCTU"
             )
-    # All is in the flash already; some radios answer this at their new speed.
+    # The flash already has all settings; some radios answer this at their new speed.
     with contextlib.suppress(TransportTimeoutError):
         await line.execute("CN")
     return commands

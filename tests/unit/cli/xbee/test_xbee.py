@@ -13,7 +13,7 @@ def test_the_link_of_a_network() -> None:
     names = {"node_name": "/lab/xbee_network", "namespace": "/lab"}
     link = network_link(["/dev/ttyUSB0", "1", "2"], {}, **names)
     assert link == "xbee:/dev/ttyUSB0?peers=1,2&name=xbee_network&ns=/lab"
-    with pytest.raises(ConfigError, match="the address of each board: /dev/ttyUSB0 1 2"):
+    with pytest.raises(ConfigError, match="the address of each board, for example /dev/ttyUSB0 1 2"):
         network_link(["/dev/ttyUSB0"], {}, **names)
 
 
