@@ -36,7 +36,7 @@ def first_error(error: BaseException) -> BaseException:
 
 
 class RostetherError(Exception):
-    """Root of all errors that rostether raises on purpose; its text is one line for a person."""
+    """Root of all errors that rostether raises on purpose; its text is one line for users."""
 
 
 class InvalidNameError(RostetherError, ValueError):

@@ -135,7 +135,7 @@ def _checked(name: str, value: Any, nesting: int) -> ParamValue:
 
 
 def looks_like_number(value: object) -> bool:
-    """Return whether YAML took for text what was meant as a number: `1e-3` lacks its dot."""
+    """Return whether YAML read a number as text: `1e-3` lacks its dot."""
     return isinstance(value, str) and _NEARLY_FLOAT.fullmatch(value) is not None
 
 

@@ -17,7 +17,7 @@ LineText: TypeAlias = str | Callable[[], str]
 
 
 class Reporter(Protocol):
-    """Takes the lines that the bridge has for people; a command line prints them."""
+    """Receives the bridge's reports to users; a command line prints them."""
 
     def line(self, level: Level, text: str, *, node: str = "") -> None:
         """Show one line; `node` is the board's node name, empty for the bridge itself."""

@@ -50,7 +50,7 @@ MAX_JOIN_WAIT_S = 2.0
 # A board sends data within 2 s after it connects; a silent connection takes a place that another board may
 # need.
 SPEECHLESS_S = 60.0
-# The time to tell the boards to stop; a hung board does not get the message.
+# The time to ask the boards to stop; a hung board does not read it.
 STOP_LIMIT_S = 0.8
 
 

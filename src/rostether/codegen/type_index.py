@@ -38,7 +38,7 @@ class TypeIndex:
         return message
 
     def specs(self, name: str) -> list[MessageSpec]:
-        """Return the message, or both halves of the service. Raises what the registry raises."""
+        """Return the message, or the service's request and response. Raises the errors of the registry."""
         if self.is_message(name):
             return [self.registry.message(name)]
         service = self.registry.service(name)

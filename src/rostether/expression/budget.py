@@ -101,7 +101,7 @@ class Budget:
     def call(
         self, function: Function, arguments: Sequence[Any], named: Mapping[str, Any] = _NONE_NAMED
     ) -> Any:
-        """Return what a function returns."""
+        """Call a function and return its result."""
         if function is len:
             return len(*arguments)
         self.spend(1)

@@ -94,7 +94,7 @@ class JointGraph:
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> JointPublisher:
-        """Advertise a topic in all graphs. Raises what they raise, when none takes it."""
+        """Advertise a topic in all graphs. Raises their errors if none accepts it."""
         name = self.resolve(topic)
         return await self._open(JointPublisher(name, message_type, latch=latch, queue_bytes=queue_bytes))
 

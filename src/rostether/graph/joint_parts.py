@@ -46,7 +46,7 @@ class JointParts(Generic[PartT]):
         self._tasks: set[asyncio.Task[None] | _Trial] = set()
 
     async def open(self, graphs: Sequence[Graph]) -> None:
-        """Open it in every graph, at least in one. Raises what the graphs raise, when none takes it."""
+        """Open it in every graph, at least in one. Raises the errors of the graphs if none accepts it."""
         trials = {self._run(self._try(graph)): graph for graph in graphs}
         try:
             await self._wait(trials)

@@ -12,7 +12,7 @@ from rostether.rostime import Time
 
 ROSOUT = "/rosout"
 
-# Log lines are for people; a longer one is data, and would fill the memory of viewers.
+# Log lines are read by users; a longer one is data, and would fill the memory of viewers.
 MAX_LOG_TEXT_BYTES = 32 << 10
 
 _SEPARATOR = "=" * 80

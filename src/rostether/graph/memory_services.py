@@ -64,7 +64,7 @@ class MemoryServiceServer:
     def _ended(self, task: asyncio.Task[bytes]) -> None:
         self._calls.discard(task)
         if not task.cancelled():
-            # A caller that has given up takes no late answer; an error in it is the handler's own affair.
+            # The caller has given up, so an error of the handler is ignored.
             task.exception()
 
     async def _answer(self, request: bytes) -> bytes:

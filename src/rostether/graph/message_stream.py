@@ -18,7 +18,7 @@ from rostether.serde.values import Message
 
 M = TypeVar("M", bound=Message)
 
-# What waits for a loop that is busy: a second of the fastest sensor, and little memory.
+# The queue for a busy loop: a second of the fastest sensor, and little memory.
 DEFAULT_QUEUE_MESSAGES = 1000
 
 # The same bound for large messages: about ten camera images.

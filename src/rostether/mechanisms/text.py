@@ -23,7 +23,7 @@ def escape_text(text: str) -> str:
 
 def escape_line(text: str, max_chars: int | None = None) -> str:
     """Return the text as one line, with line ends and tabs escaped; `...` ends one that was too long."""
-    # Escaping never shortens, so what is beyond the limit is not needed.
+    # Escaping never shortens a text, so characters beyond the limit are not needed.
     escaped = text if max_chars is None else text[: max_chars + 1]
     if not escaped.isprintable():
         escaped = escape_text(escaped).replace("\n", "\\n").replace("\t", "\\t")

@@ -1,4 +1,4 @@
-"""Waiting for a ROS master that does not answer yet: one line for people, then attempts until it does."""
+"""Waiting for a ROS master that does not answer yet: one line for users, then attempts until it does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a device means that announces a type with another md5sum than ours.
+"""Explains why a device announces a type with another md5sum than the known one.
 
 A device only sends the md5sum. Its definition is found by trying: the types we know, earlier versions that
 we bring along, then ours with one change (a field or constant less, another width, another order, with or

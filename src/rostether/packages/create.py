@@ -45,7 +45,7 @@ class NewPackage:
 
 @dataclass(frozen=True, slots=True)
 class CreatedPackage:
-    """What was written, in order, and what to think about."""
+    """The written files, in order, and the hints."""
 
     folder: Path
     files: list[Path]

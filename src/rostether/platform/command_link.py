@@ -144,7 +144,7 @@ class ReceiverSettings:
 class CommandReceiver:
     """One robot. It obeys one sender until the sender releases it or is silent for its time to live.
 
-    A sender's start is its epoch. After that it accepts a later epoch; a stop of a later epoch it accepts at
+    A sender's start is its epoch. After that it accepts a later epoch; it accepts a stop of a later epoch at
     once. It never accepts an earlier epoch, so replayed frames have no effect.
     """
 

@@ -28,7 +28,7 @@ SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
 
 
 class Place(NamedTuple):
-    """What tells two robots with one id apart: the id, and the host that answers."""
+    """Identifies a robot, even if two have one id: the id, and the host that answers."""
 
     robot_id: int
     host: str

@@ -44,7 +44,7 @@ class Connection:
 
     @property
     def shown_type(self) -> str:
-        """The type's name for people: ROS 2's in a recording of ROS 2."""
+        """The type's name for users: ROS 2's name in a recording of ROS 2."""
         return self.type.name if self.origin is None else self.origin.type_name
 
     @classmethod

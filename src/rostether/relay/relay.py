@@ -232,7 +232,7 @@ class Relay:
     async def _carry(self, wish: _Wish) -> None:
         reported = ""
         while True:
-            # Older relays first: what they start is not wanted from us any more, which ends this wait.
+            # Older relays go first; this task is cancelled if one of them carries the topic.
             await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
             relay = self._relays[wish] = (
                 ServiceRelay(wish.name, wish.source, wish.target, wish.chosen_type)

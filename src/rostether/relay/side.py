@@ -19,7 +19,7 @@ ForgetNode = Callable[[str], Awaitable[bool]]
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A graph with its name for people, and a function that finds the type of a service.
+    """A graph with its name for users, and a function that finds the type of a service.
 
     `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.
     """

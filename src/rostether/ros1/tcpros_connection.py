@@ -194,7 +194,7 @@ def set_keepalive(transport: asyncio.Transport) -> None:
 
 
 def limit_unsent(transport: asyncio.Transport) -> None:
-    """Keep what waits for a slow peer with us, where it can be counted and dropped."""
+    """Keep the data for a slow peer in this process, where it can be counted and dropped."""
     opened = transport.get_extra_info("socket")
     option = getattr(socket, "TCP_NOTSENT_LOWAT", None)
     if opened is not None and option is not None:

@@ -1,4 +1,4 @@
-"""The environment in which a script finds our rospy; only `run` and `launch` give it, to what they start."""
+"""The environment for scripts with rostether's rospy; only `run` and `launch` set it, for their programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a device announces, one packet at a time: judged, then kept in the table or among the refusals."""
+"""Checks a device's announcements, one packet each, and keeps them in the table or among the refusals."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Refusals:
         self.keys: set[EndpointKey] = set()
 
     def refuse(self, kind: int, info: TopicInfo, reason: str) -> list[AnnouncementRefused]:
-        """Take an announcement that is not believed; reported when it has come twice."""
+        """Refuse an announcement; it is reported when it has arrived twice."""
         announcement = kind, info
         if announcement not in self._reported and announcement not in self._once:
             self._once[announcement] = None

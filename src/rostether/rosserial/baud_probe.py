@@ -53,10 +53,10 @@ MIN_MESSAGES = 2
 # Rates closer than this read some of each other's frames: bits are sampled 0.8 bits too late at the most.
 NEAR_RATIO = 1.12
 
-# At such a rate: what follows the first frame has come by then.
+# At such a rate: the bytes after the first frame have arrived by then.
 CONFIRM_S = 0.1
 
-# At such a rate: how much of what came may be damaged. At the near one more than half is.
+# At such a rate: the highest damaged share of the received bytes. At the near rate more than half is damaged.
 MAX_DAMAGE = 0.25
 
 # Noise passes for this much text once in a million tries.

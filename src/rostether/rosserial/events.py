@@ -221,7 +221,7 @@ class ParameterReceived:
 
 @dataclass(frozen=True, slots=True)
 class ParameterTimedOut:
-    """No answer to `DeviceLink.request_parameter` came in time."""
+    """No answer to `DeviceLink.request_parameter` arrived in time."""
 
     name: str
 

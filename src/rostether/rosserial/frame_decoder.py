@@ -36,14 +36,15 @@ RECEIVING_S = 0.05
 MAX_LOOK_S = 1.0
 
 # This many valid frames in a row are traffic that a false header has covered; by chance one in 65,536 is
-# sound.
+# valid.
 TELLING_FRAMES = 3
 
 # Places where no frame begins after all, 2.5 to 6 µs each: a tenth of a CPU. At a megabaud no more than
-# 14,000 headers come in a second. Only a network brings more: it is read and counted, and its end looked at.
+# 14,000 headers arrive per second. Only a network delivers more: those bytes are counted, and only their end
+# is searched.
 VAIN_LOOKS_PER_S = 20_000
 
-# What a quiet line saves up: 64 KiB of nothing but headers, in which every frame is still found.
+# The most that a quiet line saves up: enough to find every frame in 64 KiB of headers alone.
 MAX_SAVED_LOOKS = 10_000
 
 

@@ -48,9 +48,9 @@ _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
 class Patience(Enum):
     """What to do about a frame whose end is not in the buffer."""
 
-    # It is the rest, and nothing behind it is looked at.
+    # Wait for its end, without a search in the bytes after it.
     WAIT = auto()
-    # Look behind it: if a sound frame follows, it was noise; else it is the rest.
+    # Search the bytes after it: if a valid frame follows, it was noise; else wait for its end.
     LOOK = auto()
     # It is noise; there is no rest.
     NONE = auto()

@@ -19,5 +19,5 @@ class HostLinkConfig:
     max_endpoints: int = 256
     # Returns the size of every message of a topic if its type has a fixed size, else None.
     fixed_size: Callable[[TopicInfo], int | None] | None = None
-    # What the log calls the device.
+    # The device's name in the log.
     name: str = "a board"

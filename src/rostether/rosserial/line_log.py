@@ -1,4 +1,4 @@
-"""The frames of a recorded line, in order, as text for people."""
+"""The frames of a recorded line, in order, as text."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class LineLog:
         yield from self._entries(time_s, from_device, _joined(decoded))
 
     def finish(self, time_s: float) -> Iterator[LineEntry]:
-        """Yield what is left of frames that never ended."""
+        """Yield the rest of frames that never ended."""
         for from_device, decoder in self._decoders.items():
             yield from self._entries(time_s, from_device, decoder.abandon(time_s))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class PayloadLimits:
-    """By topic id: the longest payload that makes sense, and the one above which a header is not a frame's.
+    """By topic id: the longest plausible payload, and the length above which a header is noise.
 
     `refused_above` has the limit of every other id under None.
     """

@@ -93,5 +93,5 @@ class AnswerGate:
         self._held_since_s = None
 
     def get_timer(self) -> float | None:
-        """Return when what waits may go at the latest."""
+        """Return the latest time to release the waiting frames."""
         return None if self._held_since_s is None else self._held_since_s + HOLD_LIMIT_S

@@ -14,10 +14,10 @@ from enum import Enum, auto
 
 from rostether.rosserial.topic_table import EndpointKey
 
-# The time request of an introduction is sent right behind the last announcement, also over networks.
+# The time request of an introduction is sent right after the last announcement, also over networks.
 CLOSING_S = 0.5
 
-# The first announcement of an answer comes right behind its time request; a board takes longer to start.
+# The first announcement of an answer arrives right after its time request; a board takes longer to start.
 OPENING_S = 0.25
 
 # A request is taken for lost when neither it nor an answer before it is younger than this.

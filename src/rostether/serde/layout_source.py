@@ -24,8 +24,8 @@ from rostether.serde.type_tree import Array, Node, Struct, Text
 Accepts = Callable[[bytes], bool]
 AcceptsAll = Callable[[Sequence[bytes]], bool]
 
-# How many lines a function grows to by nested structs inline; further ones become functions of their own, so
-# that a type holding a type twice, which holds one twice ..., does not double the source at each level.
+# The longest function with nested structs inline, in lines. Further structs get their own functions, so that
+# types that contain another type twice do not double the source at each level.
 _MAX_LINES: Final = 256
 
 # What reading a length past the end raises; garbage lengths may even add up to more than an offset holds.

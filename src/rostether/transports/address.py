@@ -158,5 +158,5 @@ Address: TypeAlias = (
 
 
 def show_endpoint(host: str, port: int) -> str:
-    """Write a host and port for people, IPv6 hosts in brackets."""
+    """Write a host and port as users know them, IPv6 hosts in brackets."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -69,7 +69,7 @@ class CaptureWriter:
         return recorded
 
     def note(self, link: int, side: str, data: bytes) -> None:
-        """Take what has just gone over a link."""
+        """Write data that has just gone over a link."""
         if self._file is None:
             return
         self._noted.append((self._clock(), link, side, data))
@@ -155,7 +155,7 @@ class RecordedTransport:
 
     @property
     def peer(self) -> str:
-        """Who is on the other side, for people."""
+        """The other side's name for users."""
         return self._inner.peer
 
     @property

@@ -59,7 +59,7 @@ class Greeting:
             self._context = listener_context(tls, self._certificates) if listens else connector_context(tls)
 
     async def exchange(self, transport: StreamTransport) -> Proof:
-        """Greet over a fresh transport, which afterwards is as fresh as before; return what the peer has.
+        """Greet over a fresh transport, which stays fresh; return the peer's proof.
 
         Raises TransportError or RemoteProtocolError, whose text names what the peer did.
         """

@@ -78,7 +78,7 @@ class MemoryTransport:
 
     @property
     def peer(self) -> str:
-        """Who is on the other side, for people."""
+        """The other side's name for users."""
         return self._peer
 
     @property

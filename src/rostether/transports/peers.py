@@ -79,7 +79,7 @@ class PeerTransport(Generic[PeerKey]):
 
     @property
     def peer(self) -> str:
-        """Who is on the other side, for people."""
+        """The other side's name for users."""
         return self._peer
 
     @property

@@ -92,7 +92,7 @@ class PtyTransport:
 
     @property
     def peer(self) -> str:
-        """Who is on the other side, for people."""
+        """The other side's name for users."""
         return f"pty {self._link}"
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 # What one connection may use at a time: with a hundred others a message still takes less than 10 ms.
 TURN_S = 0.002
 
-# What a connection that was quiet is read at first: a chunk of nothing but announcements costs 4 ms then.
+# The first chunk after a quiet time, in bytes: a chunk of announcements only costs 4 ms then.
 FIRST_READ_BYTES = 2 * 1024
 
 # Announcements cost most, 2 µs a byte, and what is smaller than this is not worth the wake-up.

@@ -14,7 +14,7 @@ from rostether.transports.transport import Receiver
 if TYPE_CHECKING:
     import ssl
 
-# A board that does not read must not hold up our own end: what has not left by then is lost.
+# A board that does not read must not delay the end of this process: data not sent by then is lost.
 FLUSH_LIMIT_S = 1.0
 # About 900 frames of 64 bytes: enough that the cost of a wake-up vanishes, little enough that the chunk of
 # one flooding board is worked off in a few milliseconds and others get their turn.
@@ -48,7 +48,7 @@ class StreamTransport(asyncio.BaseProtocol):
 
     @property
     def peer(self) -> str:
-        """Who is on the other side, for people."""
+        """The other side's name for users."""
         return self._peer
 
     @property

@@ -32,7 +32,7 @@ class Transport(Protocol):
 
     @property
     def peer(self) -> str:
-        """Who is on the other side, for people: `/dev/ttyACM0`, `tcp 192.168.1.7:51234`."""
+        """The other side's name for users: `/dev/ttyACM0`, `tcp 192.168.1.7:51234`."""
 
     @property
     def remote(self) -> str | None:

@@ -53,6 +53,6 @@ def _meant(path: str) -> str | None:
 
 
 def _there(ports: Sequence[_Port]) -> str:
-    # Those of the mainboard are there on every PC, and no board is behind them.
+    # Every PC has those of the mainboard, without a board at them.
     plugged_in = [each.path for each in ports if not each.path.startswith("/dev/ttyS")]
     return " or ".join(plugged_in[:3]) or "/dev/ttyACM0 or /dev/ttyUSB0 (none is plugged in now)"

@@ -95,7 +95,7 @@ class WebTransport:
 
     @property
     def peer(self) -> str:
-        """The board behind the page, for people."""
+        """The name for users of the board at the page."""
         return f"web {self.hello.name}" if self.hello is not None else "web"
 
     @property

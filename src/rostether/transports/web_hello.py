@@ -23,7 +23,7 @@ _MAX_BYTES = 1 << 53
 class WebHello:
     """A page's first message.
 
-    `name` is the board's, for people. `key` is a random text that stays the same while the page reconnects
+    `name` is the board's name for users. `key` is a random text that stays the same while the page reconnects
     this board. `baud` is the speed of its serial port.
     """
 

@@ -68,7 +68,7 @@ class HttpServerSide:
 
     @property
     def body_bytes(self) -> int:
-        """How much of the request's body has come."""
+        """How many bytes of the request's body have arrived."""
         return len(self._body)
 
     def data_to_send(self) -> bytes:

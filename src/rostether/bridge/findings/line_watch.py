@@ -77,7 +77,7 @@ class LineWatch:
 
     @property
     def was_alive(self) -> bool:
-        """Whether a frame has come that only a rosserial board sends."""
+        """Whether a frame has arrived that only a rosserial board sends."""
         return self._alive_s is not None
 
     def handle_event(self, event: HostEvent, now_s: float) -> None:  # noqa: C901 - one branch for each kind of event

@@ -13,7 +13,7 @@ from rostether.bridge.findings.finding import Code, Finding, warning
 from rostether.mechanisms.median import median
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, REQUEST_PERIOD_S
 
-# Where the board listens to topics or serves calls: at 57600 baud 64 bytes, its buffer, come in 11 ms.
+# Where the board listens to topics or serves calls: at 57600 baud its buffer of 64 bytes fills in 11 ms.
 SLOW_LISTENER_S = 0.1
 
 # A board that only publishes loses nothing; the library's own first example sleeps a second in loop().

@@ -18,7 +18,7 @@ def find_radio_loss(radio: LinkQuality | None) -> list[Finding]:
     return [
         warning(
             Code.RADIO_LOSS,
-            f"{loss:.0%} of the last {RECENT_PACKETS} radio packets to the board got lost "
+            f"{loss:.0%} of the last {RECENT_PACKETS} radio packets to the board were lost "
             f"({radio.last_status}{signal})",
             "move the radios closer together, or set all of them to another channel",
         )

@@ -29,7 +29,7 @@ PAUSED_QUEUE_FACTOR = 8
 TURN_BYTES = 4 * 1024
 # The size of one write; other boards are served between two writes.
 WRITE_BYTES = 256 * 1024
-# What comes after a pause this long is written at once; what comes sooner is gathered for one write a turn.
+# Data after a pause this long is written at once; sooner data is gathered for one write per turn.
 EAGER_AFTER_S = 0.0005
 EAGER_MESSAGES = 16
 # How often a paused source looks whether the board still takes bytes.

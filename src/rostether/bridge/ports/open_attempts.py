@@ -1,4 +1,4 @@
-"""What a kept link and a found port share: serving an open link, and opening one that refuses at first."""
+"""The common part of a kept link and a found port: opens a link, with retries, and serves it."""
 
 from __future__ import annotations
 

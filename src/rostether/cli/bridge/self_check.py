@@ -40,7 +40,7 @@ _BROWSERS = ("chromium", "google-chrome", "firefox", "xdg-open")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One optional part: its name, what it is for, what was found (empty: nothing), and the next step."""
+    """One optional part: its name, its purpose, what was found (empty: nothing), and the next step."""
 
     part: str
     purpose: str
@@ -100,7 +100,7 @@ def findings() -> Iterator[Finding]:
             "systemd",
             "start at boot",
             "runs" if works else "",
-            "nothing to do, unless `rostether up` shall start at boot: use a Linux with systemd",
+            "nothing to do, unless `rostether up` must start at boot: use a Linux with systemd",
         )
     yield _checked("multicast", "robots of a fleet", _find_multicast)
 

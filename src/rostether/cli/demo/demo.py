@@ -244,7 +244,7 @@ async def _watched(
 ) -> AsyncIterator[Callable[[], Coroutine[Any, Any, Publisher]]]:
     """Subscribe like any other node, so that the view has data from the graph.
 
-    Yields what advertises the LED's switch.
+    Yields a function that advertises the LED's switch.
     """
     from rostether.mechanisms.anonymous import anonymous_name
     from rostether.ros1.node.node import join_ros1

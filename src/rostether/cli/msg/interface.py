@@ -1,4 +1,4 @@
-"""`rostether interface`: ROS 2 definitions, in the words of `ros2 interface`."""
+"""`rostether interface`: ROS 2 definitions, with the subcommands of `ros2 interface`."""
 
 from __future__ import annotations
 

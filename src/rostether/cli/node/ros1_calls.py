@@ -1,4 +1,4 @@
-"""What the node commands ask the master and the nodes themselves."""
+"""The requests of the node commands to the master and to nodes."""
 
 from __future__ import annotations
 

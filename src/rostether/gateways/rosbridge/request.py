@@ -105,7 +105,7 @@ def read_request(data: str | bytes) -> Request:
 
 
 def _parsed(data: str | bytes) -> Any:
-    """Return parsed JSON; without garbage collection, because none of it is garbage yet."""
+    """Return parsed JSON, without garbage collection: parsing creates no garbage."""
     if len(data) < _LARGE_BYTES or not gc.isenabled():
         return json.loads(data)
     gc.disable()

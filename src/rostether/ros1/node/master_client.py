@@ -183,7 +183,7 @@ class _Connections:
     async def call_status(self, method: str, *args: object) -> StatusTriplet:
         """Call a method.
 
-        Raises the same errors as XmlRpcClient, MasterUnreachableError also when none becomes free.
+        Raises the same errors as XmlRpcClient, MasterUnreachableError also when no connection becomes free.
         """
         try:
             async with asyncio.timeout(DEFAULT_TIMEOUT_S):

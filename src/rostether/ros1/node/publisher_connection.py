@@ -52,7 +52,7 @@ class PublisherConnection(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Hand on what is complete."""
         if self._is_paused:
-            # What was read before the pause took hold, such as a message right behind the header.
+            # Data that was read before the pause took effect, such as a message right after the header.
             self._held.append(data)
             return
         record = self.record

@@ -68,7 +68,7 @@ class Registrations:
         self._on_publishers = on_publishers
         self._register_more = register_more
         self._on_replaced = on_replaced
-        # The type's name for each; a service has none at the master.
+        # The name of each one's type, empty for a service: the master does not store it.
         self._wanted: dict[tuple[Kind, str], str] = {}
         # No longer wanted, but the master may still have them: a removal was cancelled, or is in progress.
         self._left_over: set[tuple[Kind, str]] = set()

@@ -17,7 +17,7 @@ MAX_JOIN_S = 5.0
 
 
 class Shutdown:
-    """The state of the shutdown; hooks run once, first the program's, then ours."""
+    """The state of the shutdown; hooks run once, first the program's, then rospy's."""
 
     def __init__(self) -> None:
         self.event = threading.Event()

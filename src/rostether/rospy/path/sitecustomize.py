@@ -22,7 +22,7 @@ def _add_rospy(here: str) -> None:
         return
     facade = os.path.dirname(here)  # noqa: PTH120
     for folder in os.environ.get("ROSTETHER_IMPORT_PATH", "").split(os.pathsep):
-        # A script for another Python than ours: it finds us, and what we need, after all of its own.
+        # The script runs on another Python: its own packages come first, then rostether and its dependencies.
         if folder and folder not in sys.path:
             sys.path.append(folder)
     sys.path.append(os.path.join(facade, "modules"))  # noqa: PTH118

@@ -187,7 +187,7 @@ class ConvertingBody(ReadingBody):
             self._loop(element, count)
 
     def _copy_elements(self, count: str, size: int, alignment: int) -> None:
-        """Copy a sequence of blocks: before the first there is padding, but not if there is none."""
+        """Copy a sequence of blocks, with padding before the first; an empty sequence has no padding."""
         self.align_if(self.source_at, count, alignment)
         if self.target_at.padding(alignment) != 0:
             before = self.line("c", self.target_at.text())
@@ -228,7 +228,7 @@ class ConvertingBody(ReadingBody):
         self.target_at = self._offset(after, modulus, residue, aligned=self.to_cdr)
 
     def _loop_body(self, element: Node, before: str, after: str) -> tuple[ConvertingBody, int, int]:
-        """Return what converts one element, and what is known of where each of them begins in CDR.
+        """Return the code that converts one element, and what is known of the elements' offsets in CDR.
 
         That is what the first element's place and the end of every element have in common; the more of it is
         known the more is known of the ends, so that it is tried again.

@@ -137,7 +137,7 @@ class SimulatedBoard:
     async def wait_for(
         self, name: str, settled: Settled = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
     ) -> BoardEvent:
-        """Wait for the next event with a name. Raises BoardError if it does not come in time."""
+        """Wait for the next event with a name. Raises BoardError if it does not occur in time."""
         found: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
 
         def look(event: BoardEvent) -> None:

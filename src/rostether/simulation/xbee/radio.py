@@ -129,7 +129,7 @@ class SimulatedRadio:
         self._report(header + payload)
 
     def transmitted(self, packet: Transmission, status: int, retries: int) -> None:
-        """Report what became of a packet, if the host wants to know, and prepare the next one."""
+        """Report the result of a packet, if the host wants it, and prepare the next one."""
         self._packetize()
         if packet.frame_id == _NO_FRAME or not self.registers["AP"]:
             return

@@ -12,7 +12,7 @@ from rostether.transports.transport import Transport
 _BITS_PER_BYTE = 10
 # A faster host has to wait, as at a real port: half a second of the line would only make all bytes late.
 _BACKLOG_S = 0.05
-# The radio sends while bytes still come in, so they come in small pieces: 6 ms of 57600 baud.
+# The radio sends while bytes still arrive, so they arrive in small pieces: 6 ms of 57600 baud.
 _PIECE_BYTES = 32
 
 

@@ -117,7 +117,7 @@ class XbeeListener:
         return str(self._xbee_address)
 
     async def close(self) -> None:
-        """Send what waits, stop listening and end all its transports. Idempotent."""
+        """Send the waiting data, stop listening and end all its transports. Idempotent."""
         if not self._closed:
             self._closed = True
             self.peers.end_all(None)
@@ -189,7 +189,7 @@ class XbeeListener:
             return
 
     def _forget_radio(self) -> None:
-        """Start without any knowledge of the radio and of the boards' links."""
+        """Reset the state of the radio and of the boards' links."""
         self._decoder = XbeeFrameDecoder()
         self._radio = HostRadio()
         self._queue: SendQueue[int] = SendQueue(lambda: self._radio.packet_bytes)
