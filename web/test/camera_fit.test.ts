@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Box3, MathUtils, PerspectiveCamera, Vector3 } from "three";
+import { Box3, MathUtils, PerspectiveCamera, Sprite, Vector2, Vector3 } from "three";
 import { distanceToFit } from "../src/scene/camera_fit.ts";
+import { arrangeCaptions, type Caption } from "../src/scene/captions.ts";
 import { cellFor } from "../src/scene/ground.ts";
 
 const BOXES = {
@@ -29,6 +30,17 @@ for (const [name, box] of Object.entries(BOXES))
           }
       assert.ok(Math.abs(farthest - 0.8) < 1e-6, `${farthest}`);
     });
+
+test("a name behind the camera hides none in front of it", () => {
+  const camera = new PerspectiveCamera(50, 1, 0.01, 100);
+  const names = [5, -5, -7].map((z) => {
+    const name = Object.assign(new Sprite(), { widthPx: 80 });
+    name.position.z = z;
+    return name as unknown as Caption;
+  });
+  arrangeCaptions(names, camera, new Vector2(400, 400));
+  assert.deepEqual([names[1]?.visible, names[2]?.visible], [true, false]);
+});
 
 test("the ground's cells are 1, 2 or 5 times a power of ten", () => {
   assert.deepEqual(

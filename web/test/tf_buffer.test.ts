@@ -48,6 +48,15 @@ test("what cannot be looked up is said", () => {
   assert.match(String(tf.lookup("a", "b", 3)), /b is 2.0 s old/);
 });
 
+test("transforms that are not finite are ignored", () => {
+  const tf = new TfBuffer();
+  tf.insert("odom", "base", 1, turned(0, 1), false, 0);
+  tf.insert("odom", "base", 2, turned(0, Number.NaN), false, 0);
+  tf.insert("odom", "arm", 1, turned(Number.POSITIVE_INFINITY, 1), true, 0);
+  near(found(tf, "odom", "base").translation, [1, 0, 0]);
+  assert.match(String(tf.lookup("odom", "arm")), /Nothing publishes the frame arm/);
+});
+
 test("a loop of parents ends a lookup", () => {
   const tf = new TfBuffer();
   tf.insert("a", "b", 1, turned(0, 1), false, 0);

@@ -19,7 +19,9 @@ export class Caption extends Sprite {
   }
 }
 
-/** Give captions their size in a picture of this many pixels, and hide those that would cover an earlier one. */
+/** Give captions their size in a picture of this many pixels, and hide those that would cover an earlier one.
+ *
+ * What is behind the camera has a place in the picture too, but covers nothing. */
 export function arrangeCaptions(captions: Iterable<Caption>, camera: PerspectiveCamera, size: Vector2): void {
   const unitsPerPx = (2 * Math.tan((camera.fov * Math.PI) / 360)) / size.y;
   const shown: { at: Vector2; widthPx: number }[] = [];
@@ -33,6 +35,6 @@ export function arrangeCaptions(captions: Iterable<Caption>, camera: Perspective
         Math.abs(other.at.x - at.x) < (other.widthPx + caption.widthPx) / 2 &&
         Math.abs(other.at.y - at.y) < HEIGHT_PX,
     );
-    if (caption.visible) shown.push({ at, widthPx: caption.widthPx });
+    if (caption.visible && place.z <= 1) shown.push({ at, widthPx: caption.widthPx });
   }
 }

@@ -53,6 +53,8 @@ export class TfBuffer {
     const name = frameName(child);
     const above = frameName(parent);
     if (name === "" || above === "" || name === above) return;
+    // As tf2: a sensor without a measurement must not take all views with it.
+    if (![...transform.translation, ...transform.rotation].every(Number.isFinite)) return;
     let edge = this.edges.get(name);
     if (edge === undefined) {
       if (this.edges.size >= MAX_FRAMES) return;
