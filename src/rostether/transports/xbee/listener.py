@@ -25,7 +25,7 @@ from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.host_radio import HostRadio
 from rostether.transports.xbee.link_quality import LinkQuality
 from rostether.transports.xbee.packets import AtAnswer, RadioPacket, TransmitStatus, parse_report
-from rostether.transports.xbee.radio_address import BROADCAST_ADDRESS, show_radio_address
+from rostether.transports.xbee.radio_address import BROADCAST_ADDRESS, is_of_one_radio, show_radio_address
 from rostether.transports.xbee.send_queue import Finished, SendQueue
 
 _LOG = logging.getLogger(__name__)
@@ -212,6 +212,10 @@ class XbeeListener:
 
     def _packet_received(self, packet: RadioPacket) -> None:
         self._radio.has_answered = True
+        # A reply to the forged address of all radios would reach all boards. While the listener closes,
+        # nothing would end the transport of a new board.
+        if self._closed or not is_of_one_radio(packet.source):
+            return
         self.peers.receive(packet.source, packet.payload)
         # A board that was refused, because there are too many, leaves nothing behind.
         if (quality := self._qualities.get(packet.source)) is None:

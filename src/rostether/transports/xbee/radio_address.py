@@ -21,6 +21,11 @@ def is_long(address: int) -> bool:
     return address > BROADCAST_ADDRESS
 
 
+def is_of_one_radio(address: int) -> bool:
+    """Return whether it is the address of one radio, not of all or of none."""
+    return 0 <= address <= MAX_SHORT_ADDRESS or BROADCAST_ADDRESS < address < _MAX_LONG_ADDRESS
+
+
 def parse_radio_address(text: str) -> int | None:
     """Return an address, None if the text is not one.
 
@@ -28,7 +33,7 @@ def parse_radio_address(text: str) -> int | None:
     """
     if label := _LABEL.fullmatch(text.replace(" ", "")):
         address = int(label[1], 16)
-        return address if BROADCAST_ADDRESS < address < _MAX_LONG_ADDRESS else None
+        return address if is_long(address) and is_of_one_radio(address) else None
     try:
         address = int(text, 0) if len(text) <= len("0xffff") else -1
     except ValueError:

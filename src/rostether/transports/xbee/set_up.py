@@ -12,10 +12,10 @@ from rostether.transports.transport import Transport
 from rostether.transports.xbee.command_line import CommandLine
 from rostether.transports.xbee.radio_address import is_long
 
-# The rate of a new radio, then of one that was set up before, then the others in the manufacturer's list.
-SEARCHED_BAUDS = (9600, 57600, 115200, 38400, 19200)
 # The values of BD.
 BAUD_CODES = {1200: 0, 2400: 1, 4800: 2, 9600: 3, 19200: 4, 38400: 5, 57600: 6, 115200: 7}
+# The rate of a new radio, then of one that was set up before, then all others that a radio may have.
+SEARCHED_BAUDS = (9600, 57600, 115200, 38400, 19200, 4800, 2400, 1200)
 # A port that was just closed may still be busy for a moment.
 _REOPEN_S = 0.05
 

@@ -173,6 +173,28 @@ async def test_close_ends_everything_even_while_the_coordinator_is_away(
     assert len(coordinator.opened) == 1
 
 
+async def test_a_board_that_sends_while_it_closes_gets_no_transport(
+    coordinator: Coordinator, arrivals: Arrivals
+) -> None:
+    coordinator.status = 1
+    listener = await coordinator.start(arrivals, peers=(1,))
+    (await arrivals.next()).write(b"x" * 300)
+    await until(lambda: bool(coordinator.sent), "a packet")
+    closing = asyncio.create_task(listener.close())
+    await asyncio.sleep(0)
+    listener.data_received(rx_frame(2, b"late"))
+    await closing
+    assert (arrivals.count, len(listener.peers)) == (1, 0)
+
+
+async def test_a_forged_broadcast_address_is_no_board(
+    listener: XbeeListener, coordinator: Coordinator, arrivals: Arrivals
+) -> None:
+    everyone = encode_frame(b"\x80" + b"\xff" * 8 + b"\x28\x00x")
+    coordinator.radio.write(rx_frame(0xFFFF, b"x") + rx_frame(0xFFFE, b"x") + everyone + rx_frame(1, b"x"))
+    assert (await arrivals.next()).peer == "xbee 0x0001"
+
+
 async def test_a_mesh_has_its_own_frames_and_shorter_packets(
     coordinator: Coordinator, arrivals: Arrivals
 ) -> None:

@@ -11,7 +11,7 @@ from rostether.simulation.xbee.network import XbeeNetwork
 from rostether.simulation.xbee.radio import SimulatedRadio
 from rostether.transports.memory import memory_pair
 from rostether.transports.transport import Transport
-from rostether.transports.xbee.set_up import RadioFound, RadioSettings, set_up_radio
+from rostether.transports.xbee.set_up import BAUD_CODES, RadioFound, RadioSettings, set_up_radio
 from unit.bridge.virtual_time import run as run_on_virtual_time
 
 COORDINATOR = RadioSettings(0, is_coordinator=True)
@@ -55,6 +55,16 @@ def test_a_fresh_radio_becomes_a_coordinator_and_then_a_boards() -> None:
         # The settings survive a reset.
         bench.radio.registers.execute("FR", None)
         assert bench.registers("MY", "BD") == [0x2A, 6]
+
+    run_on_virtual_time(main())
+
+
+def test_a_radio_with_the_slowest_speed_is_found_again() -> None:
+    async def main() -> None:
+        bench = Bench()
+        await bench.set_up(RadioSettings(1, baud=min(BAUD_CODES)))
+        found, _ = await bench.set_up(COORDINATOR)
+        assert found.baud == min(BAUD_CODES)
 
     run_on_virtual_time(main())
 
