@@ -10,6 +10,8 @@ from rostether.errors import BoardError, ConfigError
 from rostether.extras import install_command
 from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
 
+# Where Debian and Raspberry Pi OS (package opencv-data) install the files that PyPI's OpenCV contains.
+_SYSTEM_FOLDER = Path("/usr/share/opencv4/haarcascades")
 # A picture of noise must not fill a message.
 MAX_REGIONS = 100
 
@@ -35,7 +37,10 @@ class CascadeDetector:
 
     def __init__(self, file: Path) -> None:
         self._cv2 = _opencv()
-        bundled = Path(self._cv2.data.haarcascades, file)
+        # The OpenCV of a Linux distribution has no module `data`.
+        data = getattr(self._cv2, "data", None)
+        folder = Path(data.haarcascades) if data is not None else _SYSTEM_FOLDER
+        bundled = folder / file
         path = bundled if not file.exists() and bundled.exists() else file
         self.name = path.stem
         self._classifier = self._cv2.CascadeClassifier()
@@ -45,7 +50,7 @@ class CascadeDetector:
             is_loaded = False
         if not is_loaded:
             raise ConfigError(
-                f"{file} is not a cascade file of OpenCV; some are in {bundled.parent}, such as "
+                f"{file} is not a cascade file of OpenCV; some are in {folder}, such as "
                 "haarcascade_frontalface_default.xml"
             )
 

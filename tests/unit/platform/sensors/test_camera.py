@@ -163,6 +163,15 @@ async def test_faces_are_found_and_drawn(tmp_path: Path, capfd: pytest.CaptureFi
     assert capfd.readouterr().err == ""
 
 
+def test_the_opencv_of_a_linux_distribution(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cv2 = pytest.importorskip("cv2")
+    file = Path(cv2.data.haarcascades, "haarcascade_eye.xml")
+    monkeypatch.delattr(cv2, "data")
+    assert CascadeDetector(file).name == "haarcascade_eye"
+    with pytest.raises(ConfigError, match="some are in /usr/share/opencv4/haarcascades, such as"):
+        CascadeDetector(tmp_path / "nothing.xml")
+
+
 async def test_what_is_no_camera(tmp_path: Path) -> None:
     pytest.importorskip("linuxpy")
     missing = V4l2Camera(tmp_path / "video0", PictureChange())
