@@ -171,11 +171,12 @@ def _has_group(name: str) -> bool:
 
 def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> str:
     from rostether.platform.boot.machine import Kind, Machine
+    from rostether.platform.boot.robot_file import check_interface
 
     if answers["given"] is not None:
-        text: str = answers["given"].read_text(encoding="utf-8")
-        _check(answers["given"])
-        return text
+        given: Path = answers["given"]
+        _check(given)
+        return given.read_text(encoding="utf-8")
     kept = _below(root, file)
     if not any(answers.values()) and kept.exists():
         _check(kept)
@@ -187,6 +188,8 @@ def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> st
         core = _ask("Address of the base station")
     if not answers["machine"] and not answers["address"] and not interface:
         interface = _ask_interface()
+    if interface:
+        check_interface(interface)
     parts = {}
     for each in answers["parts"]:
         key, separator, words = each.partition("=")

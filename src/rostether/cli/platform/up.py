@@ -56,6 +56,8 @@ def up(file: Path, check: bool) -> None:
     width = max(len(part.name) for part in robot.parts)
     environ = {**os.environ, **robot.environment}
     interface = environ.get(INTERFACE_VARIABLE, "")
+    if interface and not environ.get("ROS_IP") and sys.platform != "linux":
+        raise ConfigError(f"{file}: only Linux can choose the address by interface; add address = ")
     command = [sys.executable, "-m", "rostether"]
 
     def report(name: str, line: str) -> None:

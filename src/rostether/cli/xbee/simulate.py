@@ -127,6 +127,8 @@ def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tu
     """
     if options.link_path is None and options.fresh_path is None:
         raise click.UsageError("give --link, the serial port for `rostether serve`, or --fresh")
+    if sketch is not None and options.link_path is None:
+        raise click.UsageError("SKETCH is for the boards of a network; give --link, its serial port")
     run(_simulate(sketch, options, msg_paths), is_service=True)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shlex
 import tomllib
 from collections.abc import Collection, Mapping
@@ -55,6 +57,14 @@ def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
         raise ConfigError(f"{path}: {error}") from None
 
 
+def check_interface(name: str) -> None:
+    """Raise ConfigError for what cannot be the name of one network interface."""
+    # 15 bytes is the limit of Linux.
+    is_name = re.fullmatch(r"[^\s/,]+", name) is not None and len(os.fsencode(name)) <= 15
+    if not is_name or re.fullmatch(r"[\d.]+", name):
+        raise ConfigError(f"interface: {name!r:.80} is not the name of a network interface, such as wlan0")
+
+
 def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
     unknown = sorted(content.keys() - _TOP)
     if unknown:
@@ -67,6 +77,8 @@ def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
     for variable, key in _VARIABLES.items():
         if key in content:
             environment[variable] = _text(key, content[key])
+    if interface := environment.get(INTERFACE_VARIABLE):
+        check_interface(interface)
     parts = tuple(
         _part(each, words, commands) for each, words in _table("parts", content.get("parts", {})).items()
     )

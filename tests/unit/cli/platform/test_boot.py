@@ -70,6 +70,11 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     wrong.write_text("[parts]\na = 'rm x'\n")
     assert "parts.a must be a rostether command" in shell.failure("install", "--from", str(wrong), *place)
     assert "parts.a must be a rostether command" in shell.failure("up", str(wrong))
+    wrong.write_bytes(b"\xff")
+    assert f"cannot read {wrong}: 'utf-8' codec" in shell.failure("install", "--from", str(wrong), *place)
+    assert "'wlan0 eth0' is not the name of a network interface" in shell.failure(
+        "install", "--machine", "both", "--name", "r", "--interface", "wlan0 eth0", *place
+    )
     nested = tmp_path / "nested.toml"
     nested.write_text("[parts]\na = 'up robot.toml'\n")
     assert "parts.a must be a rostether command" in shell.failure("up", str(nested))

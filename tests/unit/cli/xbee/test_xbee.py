@@ -26,6 +26,7 @@ def test_the_link_of_a_network() -> None:
         (("setup", "/dev/x", "--to", "1"), "write the 16 hexadecimal digits on a radio's label"),
         (("setup", "/dev/x", "-C", "--to", "0013A20040A1B2C3"), "--to is for the radios of boards"),
         (("simulate",), "give --link, the serial port for `rostether serve`, or --fresh"),
+        (("simulate", "x.ino", "--fresh", "y"), "SKETCH is for the boards of a network; give --link"),
     ],
 )
 def test_wrong_arguments(shell: Shell, arguments: tuple[str, ...], text: str) -> None:

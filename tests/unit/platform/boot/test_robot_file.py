@@ -46,6 +46,8 @@ def test_a_robot(tmp_path: Path) -> None:
     [
         ("name = ", "is not TOML"),
         ("nmae = 'x'", "unknown key 'nmae'; known keys: address,"),
+        ("interface = 'wlan0,eth0'\n[parts]\na = 'core'", "interface: 'wlan0,eth0' is not the name of a"),
+        ("interface = '10.0.0.2'\n[parts]\na = 'core'", "is not the name of a network interface"),
         ("name = 3", "name must be one line of text in quotes"),
         ("", r"no parts; add a table \[parts\]"),
         ("parts = 3", r"parts must be a table"),
