@@ -53,7 +53,7 @@ def identify_peer(remote: str | None, proof: Proof = NO_PROOF) -> BoardIdentity:
 
 
 def hardware_id(address: Address, peer: str, identity: BoardIdentity) -> str:
-    """Return what stays the same when the board comes back; `peer` is the transport's."""
+    """Return the identity, which stays the same when the board reconnects; `peer` is the transport's."""
     if identity.address is not None:
         return f"{_protocol(address)} {identity.address}"
     return identity.own_serial_number or identity.usb_location or peer

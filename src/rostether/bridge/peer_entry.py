@@ -15,7 +15,7 @@ _ANSWERS = frozenset({*ids.ANNOUNCEMENTS, ids.PARAMETER})
 
 
 def holds_frame(data: bytes) -> bool:
-    """Return whether a sound frame of either protocol version is in `data`."""
+    """Return whether a valid frame of either protocol version is in `data`."""
     return bool(_frames_in(data))
 
 

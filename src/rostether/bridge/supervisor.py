@@ -165,7 +165,7 @@ class Supervisor:
         self._run(discovery.run())
 
     async def wait_done(self) -> None:
-        """Wait until nothing is served any more: closed, or every board's node was shut down from outside.
+        """Wait until no board is served: closed, or every board's node was shut down from outside.
 
         An address that is listened on always serves, but for the node to keep.
         """

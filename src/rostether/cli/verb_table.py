@@ -49,7 +49,7 @@ VERBS = {
     ),
     "up": VerbEntry("rostether.cli.platform.up:up", "Run all parts of a robot, from one file."),
     "install": VerbEntry("rostether.cli.platform.install:install", "Start a robot's parts at boot."),
-    "uninstall": VerbEntry("rostether.cli.platform.install:uninstall", "Start nothing at boot any more."),
+    "uninstall": VerbEntry("rostether.cli.platform.install:uninstall", "Stop starting parts at boot."),
     "status": VerbEntry(
         "rostether.cli.platform.install:status", "Show what starts at boot, and whether it runs."
     ),

@@ -100,7 +100,7 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
     except ConfigError as error:
         raise ConfigError(f"{source}: {error}") from None
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        # A line number says nothing of one line.
+        # A line number does not help in a text of one line.
         problem = error.msg if isinstance(error, SyntaxError) else error
         raise ConfigError(f"{source}: {expression!r} is not an expression ({problem})") from None
 

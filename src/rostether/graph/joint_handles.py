@@ -169,7 +169,7 @@ class JointServiceClient:
         self._type = service_type
 
     async def close(self) -> None:
-        """Be listed nowhere any more. Idempotent."""
+        """Remove it from all lists. Idempotent."""
         await self.parts.close()
 
     async def _open(self, graph: Graph) -> ServiceClient:

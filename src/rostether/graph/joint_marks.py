@@ -79,7 +79,7 @@ class MarkedNodes:
 
 
 def replace_names(names: set[str], new: set[str]) -> None:
-    """Change a set that other threads look into, so that what stays in it is in it all the time."""
+    """Change a set that other threads look into, so that elements that stay are never missing."""
     names |= new
     names &= new
 

@@ -1,4 +1,4 @@
-"""rosgraph_msgs/Log, written by hand: a node can log before anything that knows types has been loaded."""
+"""rosgraph_msgs/Log, written by hand: a node can log before the modules for types have been loaded."""
 
 from __future__ import annotations
 

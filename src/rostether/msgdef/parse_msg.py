@@ -1,4 +1,4 @@
-"""Reading a .msg text: one declaration a line, `type name` or `type NAME=value`, comments after `#`.
+"""Reading a .msg text: one declaration per line, `type name` or `type NAME=value`, comments after `#`.
 
 Accepts and refuses what genmsg does, with two exceptions that no client library could compile: a constant
 whose name holds a blank is refused, and an indented string constant gets its own name. Tabs separate words.

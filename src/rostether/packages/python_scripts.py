@@ -49,7 +49,7 @@ def explain_python2(script: Path) -> str:
 
 
 def is_module(file: Path) -> bool:
-    """Whether a file only defines: functions or classes, and nothing but definitions at its left margin."""
+    """Whether a file has only definitions at its left margin, including a function or class."""
     import ast
 
     try:
@@ -77,6 +77,6 @@ def _parse(data: bytes) -> ast.Module:
     import ast
 
     with warnings.catch_warnings():
-        # Of escapes that are no escapes, which run all the same.
+        # Warnings of invalid escapes, which do not stop a script.
         warnings.simplefilter("ignore")
         return ast.parse(data)

@@ -33,7 +33,7 @@ _COMPILED_SOURCES = re.compile(r".*\.(cpp|cc|cxx|c)")
 
 @dataclass(frozen=True, slots=True)
 class PackageContents:
-    """What one package has: nothing of it needs a build but `compiled_sources`."""
+    """The content of one package; only `compiled_sources` need a build."""
 
     description: PackageXml
     folder: Path

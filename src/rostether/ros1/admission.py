@@ -35,7 +35,7 @@ class Admission:
         if not peer or self._allow.allows_connection(peer[0], own[0] if own else ""):
             return True
         self._refusals.refuse(peer[0], "its address is not in --allow")
-        # uvloop's transports are no subclasses of asyncio's.
+        # uvloop's transports are not subclasses of asyncio's.
         abort: Callable[[], None] = transport.abort  # type: ignore[attr-defined]
         abort()
         return False

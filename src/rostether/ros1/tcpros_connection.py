@@ -20,7 +20,7 @@ CONNECT_TIMEOUT_S = 10.0
 # behind, and could not be dropped.
 UNSENT_BYTES = 128 << 10
 
-# A peer that reads takes what is left within milliseconds; one that does not is not waited for.
+# A peer that reads gets the rest within milliseconds; others are not waited for.
 CLOSE_GRACE_S = 1.0
 
 # Nearly all headers are below; larger ones are counted together, so that many cannot fill the memory.
@@ -71,7 +71,7 @@ class HandshakeProtocol(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Send our header first if it was us who connected."""
-        # uvloop's transports are no subclasses of asyncio's.
+        # uvloop's transports are not subclasses of asyncio's.
         self._transport = cast(asyncio.Transport, transport)
         peer = transport.get_extra_info("peername")
         self.host = peer[0] if peer else ""

@@ -50,7 +50,7 @@ QUIET_S = 4.0
 # Noise passes for one message on an unknown topic id once in 65,536 tries, and not for two.
 MIN_MESSAGES = 2
 
-# Rates closer than this read some of each other's frames: bits are sampled 0.8 bits too late at the most.
+# Rates closer than this read some of each other's frames: bits are sampled at most 0.8 bits too late.
 NEAR_RATIO = 1.12
 
 # At such a rate: the bytes after the first frame have arrived by then.

@@ -113,7 +113,7 @@ class FrameScanner:
         self._known.clear()
 
     def only_frame(self, buffer: bytes) -> tuple[int, bytes] | None:
-        """Return topic id and payload if the buffer is one sound frame with a header seen before.
+        """Return topic id and payload if the buffer is one valid frame with a header seen before.
 
         A quarter of the time of a scan, for boards that send one message at a time.
         """
@@ -244,7 +244,7 @@ def _run_layout(header_bytes: int, stride: int) -> Struct:
 
 
 def _cut_run(run: memoryview, header: bytes, known: _Known) -> list[bytes]:
-    """Return the payloads of the sound frames, all with the same header, that a buffer begins with."""
+    """Return the payloads of the valid frames, all with the same header, that a buffer begins with."""
     _, stride, summer, target = known
     good: list[bytes] = []
     for head, payload, check in _run_layout(len(header), stride).iter_unpack(run):

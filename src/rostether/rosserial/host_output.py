@@ -1,4 +1,4 @@
-"""What goes to a device: never what does not fit or was not announced, nothing that disturbs it at work."""
+"""The output to a device: only messages that fit and were announced, and nothing that disturbs its work."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class LinkStatistics:
         self.bytes_sent += size
 
     def count_round_trip(self, round_trip_s: float) -> None:
-        """Note how long a device took to answer a request that is answered at once."""
+        """Note the response time of a device for a request that needs no work."""
         self.last_round_trip_s = round_trip_s
         shortest = self.shortest_round_trip_s
         self.shortest_round_trip_s = round_trip_s if shortest is None else min(shortest, round_trip_s)

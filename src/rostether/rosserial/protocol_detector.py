@@ -1,6 +1,6 @@
 """Which protocol version a device speaks, found in its first frames.
 
-Both versions are read at once until one of them yields a frame that can be believed: version 2 checks the
+Both versions are read at once until one of them yields a plausible frame: version 2 checks the
 header on its own, so any of its frames will do; version 1 does not, so only a control packet that has its
 exact layout counts. What one version takes for noise may be the other's frame, so noise is reported once
 that is settled, or when it has waited long enough.
@@ -65,7 +65,7 @@ class ProtocolDetector:
         return decoded
 
     def abandon(self, now_s: float) -> list[Decoded]:
-        """Wait for nothing any longer; return what is left, as version 2 reads it."""
+        """Stop waiting; return the remaining events, as version 2 reads them."""
         return self._release() + self._candidates[2].abandon(now_s)
 
     def _sift(self, found: dict[int, list[Decoded]], now_s: float) -> list[Decoded]:

@@ -74,7 +74,7 @@ class AnswerGate:
         self._calls = max(self._calls - 1, 0)
 
     def forget_calls(self) -> None:
-        """Note that the device has been reset: it waits for nothing any more."""
+        """Note that the device has been reset: it waits for no answer now."""
         self._calls = 0
 
     def is_closed(self, now_s: float) -> bool:
@@ -89,7 +89,7 @@ class AnswerGate:
             self._held_since_s = now_s
 
     def release(self) -> None:
-        """Note that nothing waits any more."""
+        """Note that no frame waits."""
         self._held_since_s = None
 
     def get_timer(self) -> float | None:

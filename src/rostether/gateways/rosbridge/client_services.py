@@ -27,7 +27,7 @@ Send = Callable[[dict[str, Any], Wish], None]
 
 
 class ClientServices:
-    """What one client does with services. Methods raise RostetherError."""
+    """The services that one client calls or offers. Methods raise RostetherError."""
 
     def __init__(self, context: GatewayContext, send: Send) -> None:
         self._context = context

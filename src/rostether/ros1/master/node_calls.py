@@ -50,7 +50,7 @@ class _Outbox:
 
 
 class NodeCallQueue:
-    """Delivers a master's calls to nodes; calls `on_gone(api)` for a URI where no node listens any more.
+    """Delivers a master's calls to nodes; calls `on_gone(api)` for a URI where no node listens now.
 
     The answers of nodes are ignored: rospy denies watching a parameter that it is about to watch.
     """

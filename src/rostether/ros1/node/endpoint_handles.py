@@ -157,7 +157,7 @@ class Endpoints:
         )
         together = self._subscriptions.setdefault(topic, [])
         together.append(subscription)
-        # The master keeps one type a topic: rather the one we know than `*`.
+        # The master stores one type per topic: the known one is better than `*`.
         known = next((each.type.name for each in together if each.type.name != ANY_TYPE), ANY_TYPE)
         try:
             await self._registrations.add(Kind.SUBSCRIBER, topic, known)
