@@ -81,7 +81,7 @@ Report report;
 bool has_imu;
 bool was_connected;
 float forward, turn;  // commanded: m/s, rad/s
-uint32_t commanded_ms;
+uint32_t commanded_ms, remote_ms;
 uint32_t measured_us;
 uint8_t rounds;
 
@@ -238,8 +238,10 @@ void publishSlowly(const ros::Time& stamp) {
 }
 
 void drive() {
-  if (remote.update()) commanded_ms = millis();
-  if (millis() - commanded_ms > COMMAND_LIFE_MS) forward = turn = remote.forward = remote.turn = 0;
+  // Each has its own life: commands from the computer must not keep those of a lost remote control alive, nor the reverse.
+  if (remote.update()) remote_ms = millis();
+  if (millis() - commanded_ms > COMMAND_LIFE_MS) forward = turn = 0;
+  if (millis() - remote_ms > COMMAND_LIFE_MS) remote.forward = remote.turn = 0;
   wheels.drive(forward + remote.forward, turn + remote.turn);
   remote_twist.linear.x = remote.forward;
   remote_twist.angular.z = remote.turn;

@@ -84,6 +84,8 @@ class Wheels {
 
   // Sends the speeds of a command, in m/s and rad/s.
   void drive(float forward, float turn) {
+    // Servos would refuse it, and keep their last speed.
+    if (isnan(forward) || isnan(turn)) forward = turn = 0;
     forward = constrain(forward, -MAX_SPEED, MAX_SPEED);
     turn = constrain(turn, -MAX_TURN_RATE, MAX_TURN_RATE);
     const float side = turn * WHEEL_SEPARATION / 2;
@@ -144,7 +146,6 @@ class Wheels {
   void read(uint8_t index, const uint8_t* bytes) {
     Wheel& wheel = this->wheel(index);
     const uint8_t* block = bytes - dynamixel::TORQUE_ENABLE;
-    const bool had_torque = wheel.has_torque;
     const bool has_alarm = static_cast<int8_t>(block[dynamixel::BUS_WATCHDOG]) < 0;
     wheel.has_torque = block[dynamixel::TORQUE_ENABLE];
     wheel.hardware_error = block[dynamixel::HARDWARE_ERROR_STATUS];
@@ -153,11 +154,13 @@ class Wheels {
     wheel.ticks = dynamixel::toInt32(block + dynamixel::PRESENT_POSITION);
     wheel.volts = dynamixel::toInt16(block + dynamixel::PRESENT_INPUT_VOLTAGE) * 0.1f;
     wheel.celsius = block[dynamixel::PRESENT_TEMPERATURE];
+    // Its power was off for a moment, so it has lost its count of turns.
+    const bool has_restarted = block[dynamixel::BUS_WATCHDOG] == 0;
+    if (has_restarted) is_known_ = false;
     if (!wants_torque_) {
       if (wheel.has_torque) release(IDS[index]);
-    } else if ((!wheel.has_torque || has_alarm) && !wheel.hardware_error) {
-      // Its power was off for a moment, so it has lost its count of turns.
-      if (had_torque && !has_alarm) is_known_ = false;
+      if (has_restarted) note(bus_.write(IDS[index], dynamixel::BUS_WATCHDOG, WATCHDOG, 1));
+    } else if ((!wheel.has_torque || has_alarm || has_restarted) && !wheel.hardware_error) {
       prepare(IDS[index]);
     }
   }

@@ -19,6 +19,7 @@ from firmware.platforms.programs import EXAMPLES
 from rostether.errors import SketchError
 from rostether.firmware.opencr_build import build_for_linux
 from rostether.serde.values import Message
+from rostether.simulation.dynamixel.packets import Instruction
 from rostether.simulation.opencr.board import OpenCrBoard
 from rostether.simulation.opencr.pins import pin_number
 from waiting import until
@@ -177,6 +178,38 @@ async def test_it_senses(program: Path) -> None:
         assert board.tones[0] == (880, 100)
 
 
+async def test_each_lost_sender_stops_it(program: Path) -> None:
+    async with burger(program) as robot:
+        board = robot.board
+        commands = await robot.met.graph.publisher("/cmd_vel", TWIST)
+        assert await commands.wait_for_subscriber(PATIENCE_S)
+
+        def command(speed: float) -> None:
+            commands.publish(linear={"x": speed})
+
+        async def repeat(send: Callable[[], None], reached: Callable[[], bool]) -> None:
+            async with asyncio.timeout(PATIENCE_S):
+                while not reached():
+                    send()
+                    await asyncio.sleep(0.05)
+
+        def is_moving() -> bool:
+            return board.base.speed_m_s > 0.05
+
+        def stands_still() -> bool:
+            return board.base.speed_m_s == 0
+
+        # The remote control is lost, while a computer commands it to stand still.
+        await repeat(partial(board.hold_remote, 1), is_moving)
+        await repeat(partial(command, 0.0), stands_still)
+        # The computer is lost, while the remote control sends that no button is held.
+        await repeat(partial(command, 0.1), is_moving)
+        await repeat(partial(board.hold_remote, 0), stands_still)
+        # What is not a number is not a speed.
+        await repeat(partial(command, 0.1), is_moving)
+        await repeat(partial(command, math.nan), stands_still)
+
+
 async def test_torque_and_errors_of_the_servos(program: Path) -> None:
     # The left servo does not answer at first, and is prepared later.
     async with burger(program, lost=(0,)) as robot:
@@ -186,6 +219,18 @@ async def test_torque_and_errors_of_the_servos(program: Path) -> None:
         await robot.publish("/motor_power", "std_msgs/Bool", data=False)
         await robot.message("/sensor_state", STATE, lambda each: not each.torque)
         assert [servo["torque_enable"] for servo in base.servos.values()] == [0, 0]
+
+        # Pushed by hand, and then without power for a moment: a servo forgets its turns, and the robot has not moved.
+        servo = base.servos[2]
+        servo.motor.angle_rad = 30.0
+        pushed = (
+            await robot.message("/odom", ODOM, lambda each: each.pose.pose.orientation.z != 0)
+        ).pose.pose
+        servo.handle(Instruction.REBOOT, b"", asyncio.get_running_loop().time())
+        ticks = math.floor(30.0 % math.tau * 4096 / math.tau)
+        await robot.message("/sensor_state", STATE, lambda each: each.right_encoder == ticks)
+        assert (await robot.message("/odom", ODOM)).pose.pose == pushed
+        await until(lambda: servo["bus_watchdog"], "the watchdog after a restart")
 
         # Overloaded.
         base.servos[2].fail(0x20)
