@@ -95,10 +95,15 @@ class Bus {
   }
 
  private:
+  // A line that never pauses must not stop the program: more bytes than any driver keeps, and more than the request that is
+  // heard too, the answer and some noise.
+  static const uint16_t MOST_WAITING_BYTES = 4096;
+  static const size_t MOST_ANSWER_BYTES = 4 * PACKET_BYTES;
+
   bool send() {
     if (!writer_.finish()) return false;
     // A late answer to an earlier request must not count as the answer to this one.
-    while (port_.read() >= 0) {
+    for (uint16_t left = MOST_WAITING_BYTES; left > 0 && port_.read() >= 0; --left) {
     }
     reader_.restart();
     port_.write(writer_.bytes(), writer_.size());
@@ -110,12 +115,14 @@ class Bus {
   Result receive(uint8_t id, uint8_t* bytes, size_t size) {
     const uint16_t damaged = reader_.damaged();
     uint32_t heard_us = port_.microseconds();
+    size_t left = MOST_ANSWER_BYTES;
     while (port_.microseconds() - heard_us < timeout_us_) {
       const int byte = port_.read();
       if (byte < 0) {
         port_.idle();
         continue;
       }
+      if (left-- == 0) return DAMAGED;
       heard_us = port_.microseconds();
       if (!reader_.push(static_cast<uint8_t>(byte))) continue;
       // On one wire, the request itself may be heard too.

@@ -140,6 +140,23 @@ TEST(dynamixel, silence_ends_a_request) {
   EXPECT(bus.syncRead(132, 4, ids, bytes, 2) == dynamixel::NO_ANSWER);
 }
 
+TEST(dynamixel, a_line_that_never_pauses_ends_a_request) {
+  struct Noise {
+    uint32_t now_us = 0;
+    void write(const uint8_t*, size_t) {}
+    int read() {
+      now_us += 10;
+      return 0;
+    }
+    uint32_t microseconds() { return now_us; }
+    void idle() {}
+  } noise;
+  dynamixel::Bus<Noise> bus(noise);
+  uint16_t model;
+  EXPECT(bus.ping(1, model) == dynamixel::DAMAGED);
+  EXPECT(noise.now_us < 50000);
+}
+
 TEST(dynamixel, a_request_that_is_too_long_is_not_sent) {
   Line line;
   dynamixel::Bus<Line, 24> bus(line);
