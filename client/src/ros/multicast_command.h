@@ -103,7 +103,10 @@ class MulticastCommand {
     uint8_t* const frame = buffer.bytes;
     const int size = socket_.next(now_ms);
     if (size <= 0) return false;
-    if (static_cast<size_t>(size) > sizeof buffer) return true;
+    if (static_cast<size_t>(size) > sizeof buffer) {
+      socket_.skip(frame, sizeof buffer.bytes, static_cast<size_t>(size));
+      return true;
+    }
     socket_.udp().read(frame, static_cast<size_t>(size));
     const uint8_t demand = receiver_.receive(frame, static_cast<uint16_t>(size), now_ms);
     if (demand & CommandReceiver::OBEY) {

@@ -47,6 +47,15 @@ class MulticastSocket {
   }
   NetworkUdp& udp() { return udp_; }
 
+  // Reads a datagram that is too long for the buffer. An ESP32 would otherwise receive no other; an AVR's chips drop the rest.
+  void skip(uint8_t* buffer, uint16_t buffer_bytes, size_t size) {
+#if defined(__AVR__)
+    (void)buffer, (void)buffer_bytes, (void)size;
+#else
+    for (size_t read = 0; read < size; read += buffer_bytes) udp_.read(buffer, buffer_bytes);
+#endif
+  }
+
   // Opens the socket again if it is due, or if `expected` is: there should have been a datagram.
   ROS_APART void watch(uint16_t now_ms, bool expected) {
     const uint8_t now = ticks(now_ms);

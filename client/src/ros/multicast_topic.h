@@ -64,8 +64,11 @@ class MulticastTopic {
     } buffer;
     const int size = socket_.next(now_ms);
     if (size <= 0) return false;
-    if (static_cast<size_t>(size) > sizeof buffer.bytes) return true;
     const size_t length = static_cast<size_t>(size);
+    if (length > sizeof buffer.bytes) {
+      socket_.skip(buffer.bytes, sizeof buffer.bytes, length);
+      return true;
+    }
     socket_.udp().read(buffer.bytes, length);
     M message;
     if (message.deserialize(buffer.bytes, length, sizeof buffer.bytes) < 0) return true;

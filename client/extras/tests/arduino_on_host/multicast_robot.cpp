@@ -17,16 +17,18 @@ HardwareSerial Serial;
 EthernetClass Ethernet;
 static int deaf_after;
 
-// As the official Ethernet library's.
+// With the multicast of the official Ethernet library. As on an ESP32, a datagram must be read before the next one comes.
 class DeafUdp : public EthernetUDP {
  public:
   DeafUdp() : heard_(0) {}
   uint8_t beginMulticast(IPAddress group, uint16_t port) {
     heard_ = 0;
+    while (available() > 0) read();
     printf("open\n");
     return EthernetUDP::beginMulticast(group, port);
   }
   int parsePacket() {
+    if (available() > 0) return 0;
     const int size = EthernetUDP::parsePacket();
     return size > 0 && deaf_after && ++heard_ > deaf_after ? 0 : size;
   }
