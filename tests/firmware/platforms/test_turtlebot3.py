@@ -220,7 +220,7 @@ async def test_torque_and_errors_of_the_servos(program: Path) -> None:
         await robot.message("/sensor_state", STATE, lambda each: not each.torque)
         assert [servo["torque_enable"] for servo in base.servos.values()] == [0, 0]
 
-        # Pushed by hand, and then without power for a moment: a servo forgets its turns, and the robot has not moved.
+        # Pushed by hand, and then without power for a moment: the servo forgets its turns.
         servo = base.servos[2]
         servo.motor.angle_rad = 30.0
         pushed = (
