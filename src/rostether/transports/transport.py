@@ -12,7 +12,7 @@ from rostether.transports.board_keys import Proof
 
 
 class Receiver(Protocol):
-    """Who uses a transport implements this."""
+    """Implemented by the users of a transport."""
 
     def data_received(self, data: bytes) -> None:
         """Handle a chunk, in order, cut anywhere."""

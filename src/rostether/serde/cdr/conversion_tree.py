@@ -25,7 +25,7 @@ class Side(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Bytes that both sides have alike: nothing to pad inside once its first byte is aligned."""
+    """Bytes that are equal on both sides, without padding inside once the first byte is aligned."""
 
     size_bytes: int
     alignment: int

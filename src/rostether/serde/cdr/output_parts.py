@@ -33,7 +33,7 @@ class OutputParts:
         self._pieces.append(expression)
 
     def remove_final_nul(self) -> bool:
-        """Take back a constant that is one zero byte, if that came last."""
+        """Remove the last part if it is a constant of one zero byte."""
         if self._pieces and self._pieces[-1] == b"\0":
             self._pieces.pop()
             return True
