@@ -41,8 +41,8 @@ async def test_time_tf(kind: str) -> None:
             assert frame.transform.rotation.w == 1.0
             stamps.append(frame.header.stamp.to_s())
         assert stamps == sorted(set(stamps))
-        # The last came a moment ago, and the board's clock is the host's.
-        assert stamps[-1] == pytest.approx(now_s, abs=0.1)
+        # The board's clock is the host's, and a busy machine simulates the board late.
+        assert stamps[-1] == pytest.approx(now_s, abs=1.0)
 
 
 async def test_odom_drives_in_a_circle(kind: str) -> None:
