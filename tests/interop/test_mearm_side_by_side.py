@@ -56,6 +56,10 @@ class Recorder:
         wanted = struct.pack("<4h", *angles)
         await until(lambda: self.payloads["/servo_pose_server"][-1:] == [wanted], f"servos at {angles}")
 
+    async def joint_states(self, count: int) -> None:
+        """Wait until so many different joint states have come."""
+        await until(lambda: len(self.payloads["/joint_states"]) >= count, f"{count} joint states")
+
 
 async def run_nodes(peers: Ros1Peers, side: str) -> list[Any]:
     """Start both nodes; return what ends them."""
@@ -85,6 +89,7 @@ async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool],
             while not {"/select_position_set", "/set_servo_pose"} <= set((await graph.snapshot()).services):
                 await asyncio.sleep(0.05)
         await recorder.servos(0, 0, 0, 0)
+        await recorder.joint_states(1)
 
         async def ask(service: str, type_name: str, **request: Any) -> None:
             answer: Any = await graph.call(service, f"mearm_model/{type_name}", request, timeout_s=60)
@@ -92,6 +97,7 @@ async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool],
 
         await ask("/select_position_set", "MoveJoints", set_name="set3")
         await recorder.servos(-14, 0, 14, 29)
+        await recorder.joint_states(2)
         for refused in ("set2", "", "nothing/of/that", "\udcff"):
             await ask("/select_position_set", "MoveJoints", set_name=refused)
         await ask("/set_servo_pose", "MoveArm", position_id=2)
@@ -99,6 +105,7 @@ async def answers_and_messages(peers: Ros1Peers, side: str) -> tuple[list[bool],
         await ask("/set_servo_pose", "MoveArm", position_id=-1)
         await ask("/select_position_set", "MoveJoints", set_name="set1")
         await recorder.servos(0, 29, -29, 14)
+        await recorder.joint_states(3)
     finally:
         for node in nodes:
             await node.stop()

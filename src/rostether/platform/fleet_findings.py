@@ -111,10 +111,11 @@ def _clock_findings(clocks: Mapping[Place, ClockOffset]) -> list[FleetFinding]:
     """Compare the clocks of the robots and of this machine."""
     if not clocks:
         return []
-    offsets = {f"robot {place.robot_id} ({place.host})": clocks[place] for place in sorted(clocks)}
-    offsets["this machine"] = ClockOffset(0.0, 0.0)
-    ahead = max(offsets, key=lambda name: offsets[name].offset_s)
-    behind = min(offsets, key=lambda name: offsets[name].offset_s)
+    offsets = {"this machine": ClockOffset(0.0, 0.0)}
+    offsets |= {f"robot {place.robot_id} ({place.host})": clocks[place] for place in sorted(clocks)}
+    # Rounded, so that among equal clocks this machine is named.
+    ahead = max(offsets, key=lambda name: round(offsets[name].offset_s, 1))
+    behind = min(offsets, key=lambda name: round(offsets[name].offset_s, 1))
     difference_s = offsets[ahead].offset_s - offsets[behind].offset_s
     error_s = offsets[ahead].error_s + offsets[behind].error_s
     if difference_s - error_s <= _MAX_CLOCK_DIFFERENCE_S:

@@ -282,7 +282,7 @@ async def test_a_board_in_both_graphs_is_left_out(world: World) -> None:
         assert not relay.relays
         # What others publish there goes on, without the board's.
         talker = await world.one.advertise("/chat", STRING)
-        await until(lambda: talker.subscriber_count)
+        await until(lambda: world.carries("/chat", 1) and talker.subscriber_count)
         for publisher in (*mine, talker):
             publisher.publish_raw([string("hello" if publisher is talker else "board")])
         await until(lambda: len(inbox.payloads) == 2)

@@ -6,7 +6,7 @@ const HISTORY_S = 10;
 /** Broadcasts at 100 Hz fill a history; faster ones keep a shorter one. */
 const MAX_SAMPLES = 1000;
 /** More frames than any robot has; a flood of new names must not fill the memory. */
-const MAX_FRAMES = 4096;
+export const MAX_FRAMES = 4096;
 
 interface Sample {
   readonly timeS: number;

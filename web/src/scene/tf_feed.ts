@@ -1,33 +1,64 @@
 // Fills a tf buffer from /tf and /tf_static while a panel is visible.
 import type { PanelContext } from "../panels/panel.ts";
+import type { Feed } from "../store/feed.ts";
 import type { TransformStamped } from "./messages.ts";
-import { normalized } from "./rigid.ts";
-import { TfBuffer } from "./tf_buffer.ts";
+import { normalized, type Vec3 } from "./rigid.ts";
+import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
 
 export const TF_TYPES = ["tf2_msgs/TFMessage", "tf/tfMessage"];
+const STATIC_TOPIC = "/tf_static";
+
+// A static transform comes once for each subscription, and panels share one: each starts with those that came before.
+const staticTransforms = new WeakMap<Feed, Map<string, Received>>();
+
+interface Received {
+  readonly transform: TransformStamped;
+  readonly receivedMs: number;
+}
 
 /** Follow the frames; `onChange` runs after each message. The subscriptions end with the panel. */
 export function followTf(context: PanelContext, onChange: () => void): TfBuffer {
   const tf = new TfBuffer();
-  for (const topic of ["/tf", "/tf_static"]) {
-    const { feed } = context.subscribe(topic, (arrival) => {
-      const message = feed.lastMessage();
-      if (message === undefined || message instanceof Error) return;
-      for (const each of message.transforms as unknown as TransformStamped[]) {
-        const { translation: t, rotation: r } = each.transform;
-        tf.insert(
-          each.header.frame_id,
-          each.child_frame_id,
-          each.header.stamp.sec + each.header.stamp.nsec * 1e-9,
-          { translation: [t.x, t.y, t.z], rotation: normalized([r.x, r.y, r.z, r.w]) },
-          topic === "/tf_static",
-          arrival.receivedMs,
-        );
-      }
+  for (const { transform, receivedMs } of staticsOf(context.robot.feed(STATIC_TOPIC)).values())
+    insert(tf, transform, true, receivedMs);
+  for (const topic of ["/tf", STATIC_TOPIC]) {
+    const { feed } = context.subscribe(topic, ({ receivedMs }) => {
+      for (const each of lastTransforms(feed)) insert(tf, each, topic === STATIC_TOPIC, receivedMs);
       onChange();
     });
   }
   return tf;
+}
+
+function staticsOf(feed: Feed): Map<string, Received> {
+  const known = staticTransforms.get(feed) ?? new Map<string, Received>();
+  if (staticTransforms.has(feed)) return known;
+  staticTransforms.set(feed, known);
+  feed.listeners.add(({ receivedMs }) => {
+    for (const transform of lastTransforms(feed))
+      if (known.size < MAX_FRAMES || known.has(transform.child_frame_id))
+        known.set(transform.child_frame_id, { transform, receivedMs });
+  });
+  feed.topic.subscribe((topic) => {
+    if (topic === undefined) known.clear();
+  });
+  return known;
+}
+
+function lastTransforms(feed: Feed): readonly TransformStamped[] {
+  const message = feed.lastMessage();
+  if (message === undefined || message instanceof Error) return [];
+  return message.transforms as unknown as TransformStamped[];
+}
+
+function insert(tf: TfBuffer, each: TransformStamped, isStatic: boolean, receivedMs: number): void {
+  const { translation: t, rotation: r } = each.transform;
+  const stampS = each.header.stamp.sec + each.header.stamp.nsec * 1e-9;
+  const transform = {
+    translation: [t.x, t.y, t.z] as Vec3,
+    rotation: normalized([r.x, r.y, r.z, r.w]),
+  };
+  tf.insert(each.header.frame_id, each.child_frame_id, stampS, transform, isStatic, receivedMs);
 }
 
 /** The frame that a person most likely means by "the world": REP 105's names, else the largest tree's root. */
