@@ -142,7 +142,7 @@ def test_other_senders_are_refused_with_the_name_of_the_holder(robot: Path) -> N
         (13_200, other_type.command(b"x", 0.0)[0]),
         (14_500, other_type.stop(1.0)[0]),
         (15_900, untyped.release()),
-        # Who releases a robot cannot move it: nobody would stop it.
+        # A frame that releases the robot must not move it, because no sender would stop it.
         (17_000, CommandFrame(3, 5_000, 1, Flags.ARMED | Flags.RELEASE, kind=KIND).encode(KEY)),
     ]
     lines = actual(robot, series)

@@ -79,7 +79,7 @@ async def world() -> AsyncIterator[World]:
 
 
 async def listen(graph: Graph, topic: str, type_name: str) -> Inbox:
-    """Hear a topic from now on."""
+    """Subscribe to a topic."""
     inbox = Inbox()
     await graph.subscribe(topic, STORE.registry.message_type(type_name), inbox.take)
     return inbox

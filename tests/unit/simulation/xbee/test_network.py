@@ -173,7 +173,7 @@ def test_link_quality_is_on_diagnostics() -> None:
             assert values["last radio packet"] == "delivered"
             assert int(values["radio packets sent"]) > 2
             assert values["radio packets lost"] == "0"
-            # From now on the board hears nothing.
+            # The board receives nothing after this.
             site.radio_of(1).registers.execute("ID", 0x1234)
             site.radio_of(1).registers.apply()
             driver = await site.network.join("/driver")
