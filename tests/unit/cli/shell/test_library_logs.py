@@ -16,12 +16,13 @@ ASYNCIO = logging.getLogger("asyncio")
 
 
 @pytest.fixture(autouse=True)
-def _handlers_as_before() -> Iterator[None]:
+def _loggers_as_before() -> Iterator[None]:
     loggers = (logging.getLogger("rostether"), ASYNCIO)
-    before = [list(logger.handlers) for logger in loggers]
+    before = [(list(logger.handlers), logger.level) for logger in loggers]
     yield
-    for logger, handlers in zip(loggers, before, strict=True):
+    for logger, (handlers, level) in zip(loggers, before, strict=True):
         logger.handlers = handlers
+        logger.setLevel(level)
 
 
 def test_warning_goes_to_the_reporter() -> None:
@@ -90,10 +91,6 @@ def test_debug_records_show_on_request() -> None:
     shown: list[tuple[Level, str]] = []
     show_library_logs(lambda level, text: shown.append((level, text)))
     ROOM.debug("hidden")
-    level = ROOM.level
-    try:
-        show_debug_records()
-        ROOM.debug("presence ABSENT -> PRESENT")
-    finally:
-        ROOM.setLevel(level)
+    show_debug_records()
+    ROOM.debug("presence ABSENT -> PRESENT")
     assert shown == [(Level.DEBUG, "presence ABSENT -> PRESENT")]
