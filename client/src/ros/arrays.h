@@ -23,10 +23,39 @@ inline array_length presentLength(const void* array, array_length length) { retu
 typedef int64_t unaligned_int64 __attribute__((aligned(4)));
 typedef uint64_t unaligned_uint64 __attribute__((aligned(4)));
 
+// The elements of a float64[]. The established library has float* here on Arduino boards and double*
+// on others; sketches of both kinds assign their arrays to it unchanged.
+#if __SIZEOF_DOUBLE__ == 4
+
+// A double is a float here: this is the float* of the established library.
+class Float64Pointer {
+  // An array of the sketch may be one of double, which the compiler takes for another type.
+  typedef float Element __attribute__((__may_alias__));
+
+ public:
+  constexpr Float64Pointer() : address_(nullptr) {}
+  constexpr Float64Pointer(float* address) : address_(address) {}
+  // A template, so that NULL and 0 have one constructor to choose.
+  template <class Double, int = sizeof(static_cast<double*>(static_cast<Double*>(nullptr)))>
+  Float64Pointer(Double* address) : address_(reinterpret_cast<Element*>(address)) {}
+
+  operator Element*() const { return address_; }
+  void* address() const { return address_; }
+  size_t elementBytes() const { return sizeof(float); }
+
+ private:
+  Element* address_;
+};
+
+#else
+
 // One element of a float64[]: reads and writes through to wherever it is stored, float or double.
 class Float64Reference {
  public:
   Float64Reference(void* address, bool narrow) : address_(address), narrow_(narrow) {}
+  // From integers, which `~` is for. Without it, `constrain(array[0], -1, 1)` had the limits' type, and lost the fraction.
+  template <class Integer, int = sizeof(~Integer())>
+  Float64Reference(Integer) = delete;
 
   operator double() const {
     if (!narrow_) return loadDouble();
@@ -48,6 +77,9 @@ class Float64Reference {
   Float64Reference& operator+=(double value) { return *this = *this + value; }
   Float64Reference& operator-=(double value) { return *this = *this - value; }
   Float64Reference& operator*=(double value) { return *this = *this * value; }
+  Float64Reference& operator/=(double value) { return *this = *this / value; }
+  Float64Reference& operator++() { return *this += 1; }
+  Float64Reference& operator--() { return *this -= 1; }
 
  private:
   double loadDouble() const {
@@ -60,27 +92,31 @@ class Float64Reference {
   bool narrow_;
 };
 
-// The elements of a float64[]. The established library has float* here on Arduino boards and double*
-// on others; sketches of both kinds assign their arrays to it unchanged.
 class Float64Pointer {
  public:
   constexpr Float64Pointer() : address_(nullptr), narrow_(false) {}
-  constexpr Float64Pointer(decltype(nullptr)) : address_(nullptr), narrow_(false) {}
   constexpr Float64Pointer(double* address) : address_(address), narrow_(false) {}
-  constexpr Float64Pointer(float* address) : address_(address), narrow_(sizeof(float) != sizeof(double)) {}
+  // A template, so that NULL and 0 have one constructor to choose.
+  template <class Float, int = sizeof(static_cast<float*>(static_cast<Float*>(nullptr)))>
+  constexpr Float64Pointer(Float* address) : address_(address), narrow_(true) {}
 
-  Float64Reference operator[](size_t index) const {
-    return Float64Reference(static_cast<uint8_t*>(address_) + index * elementBytes(), narrow_);
-  }
-  Float64Reference operator*() const { return (*this)[0]; }
+  Float64Reference operator[](size_t index) { return Float64Reference(at(index), narrow_); }
+  // A plain value in a message that came in: what a macro such as `constrain` makes of it has its type.
+  double operator[](size_t index) const { return Float64Reference(at(index), narrow_); }
+  Float64Reference operator*() { return (*this)[0]; }
+  double operator*() const { return (*this)[0]; }
   explicit operator bool() const { return address_ != nullptr; }
   void* address() const { return address_; }
   size_t elementBytes() const { return narrow_ ? sizeof(float) : sizeof(double); }
 
  private:
+  void* at(size_t index) const { return static_cast<uint8_t*>(address_) + index * elementBytes(); }
+
   void* address_;
   bool narrow_;
 };
+
+#endif
 
 }  // namespace ros
 

@@ -31,6 +31,9 @@ class Endpoint {
   Endpoint* next_;
 };
 
+// What sketches for the established library call a subscriber of any type.
+typedef Endpoint Subscriber_;
+
 }  // namespace ros
 
 #endif

@@ -59,6 +59,30 @@ void setup() {
 }
 void loop() { nh.spinOnce(); }
 """,
+    # Elements of a float64[] have the type of a float, also in a macro; the array is a pointer.
+    "float64_array_as_a_pointer": """
+#include <ros.h>
+#include <sensor_msgs/JointState.h>
+ros::NodeHandle nh;
+template <class T> struct IsFloat { static const bool value = false; };
+template <> struct IsFloat<float> { static const bool value = true; };
+sensor_msgs::JointState last;
+float kept[2];
+void move(const sensor_msgs::JointState& msg) {
+  static_assert(IsFloat<decltype(constrain(msg.position[0], -1, 1))>::value, "not the limits' type");
+  static_assert(IsFloat<decltype(max(0, last.position[0]))>::value, "not the limit's type");
+  memcpy(kept, msg.position, sizeof kept);
+  for (float* each = msg.velocity; each < msg.velocity + msg.velocity_length; ++each) kept[0] += *each;
+  if (msg.effort == NULL) last.effort = NULL;
+  last.position = kept;
+  last.position[0]++;
+  last.position[1] /= 2;
+}
+ros::Subscriber_* sub = new ros::Subscriber<sensor_msgs::JointState>("joints", &move);
+void add(ros::Subscriber_& each) { nh.subscribe(each); }
+void setup() { nh.initNode(); add(*sub); }
+void loop() { nh.spinOnce(); }
+""",
 }
 
 

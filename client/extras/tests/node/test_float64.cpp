@@ -100,3 +100,16 @@ TEST(float64, random_doubles) {
     expectNarrow(bits);
   }
 }
+
+// A macro of Arduino's: its type is that of its operands together.
+#define CONSTRAIN(value, low, high) ((value) < (low) ? (low) : ((value) > (high) ? (high) : (value)))
+
+TEST(float64, an_element_that_came_in_is_a_double) {
+  double wide[] = {0.5, -3};
+  float narrow[] = {0.5f, -3};
+  const ros::Float64Pointer arrays[] = {wide, narrow};
+  for (const ros::Float64Pointer& array : arrays) {
+    EXPECT_EQUAL(CONSTRAIN(array[0], -1, 1), 0.5);
+    EXPECT_EQUAL(CONSTRAIN(array[1], -1, 1), -1.0);
+  }
+}
