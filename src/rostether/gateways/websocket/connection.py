@@ -7,20 +7,29 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from contextlib import aclosing
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Protocol
 
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.extensions.permessage_deflate import ServerPerMessageDeflateFactory
-from websockets.frames import CloseCode, Frame, Opcode
+from websockets.frames import CloseCode, Frame
 from websockets.http11 import Request, Response
 from websockets.protocol import OPEN
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
 from rostether.gateways.websocket.connection_limiter import peer_name
-from rostether.gateways.websocket.site import Reply, Site, refusal
+from rostether.gateways.websocket.message_assembler import MessageAssembler
+from rostether.gateways.websocket.plain_response import (
+    MAX_METHOD_BYTES,
+    asks_for_websocket,
+    download_chunks,
+    malformed_reply,
+    plain_response,
+)
+from rostether.gateways.websocket.site import Site, refusal
 
 if TYPE_CHECKING:
     from rostether.gateways.websocket.server import WebSocketServer
@@ -30,12 +39,6 @@ _CLOSE_S = 5.0
 
 # Long enough for a phone on a weak network to read the largest file of the page.
 _FILE_S = 30.0
-
-# The size of one read of a download.
-_CHUNK_BYTES = 256 << 10
-
-# HTTP methods are not longer.
-_METHOD_BYTES = 16
 
 _ORDERLY = (CloseCode.NORMAL_CLOSURE, CloseCode.GOING_AWAY, CloseCode.NO_STATUS_RCVD)
 
@@ -77,8 +80,7 @@ class Connection(asyncio.Protocol):
         self._loop = asyncio.get_running_loop()
         self._transport: asyncio.Transport | None = None
         self._user: ConnectionUser | None = None
-        self._parts: list[bytes] = []
-        self._is_text = False
+        self._assembler = MessageAssembler()
         self._is_reading = True
         self._is_shaken = False
         self._timer: asyncio.TimerHandle | None = None
@@ -129,7 +131,7 @@ class Connection(asyncio.Protocol):
             # One connection, one plain request; its body is read, so that the client gets the response.
             return
         if not self._is_shaken:
-            self._start = (self._start + data[:_METHOD_BYTES])[:_METHOD_BYTES]
+            self._start = (self._start + data[:MAX_METHOD_BYTES])[:MAX_METHOD_BYTES]
         self._websocket.receive_data(data)
         self._handle_events()
 
@@ -240,19 +242,12 @@ class Connection(asyncio.Protocol):
             self._set_timer(_CLOSE_S, self.abort)
 
     def _refuse_malformed(self) -> None:
-        """Answer a request that the library does not parse, such as one with a body."""
-        method = self._start.partition(b" ")[0]
-        if self._server.site is None or not method.isalpha() or not method.isupper():
-            return
-        if method in (b"GET", b"HEAD"):
-            reply = refusal(HTTPStatus.BAD_REQUEST, "the request is malformed, or has a body")
-        else:
-            reply = self._server.site.reply(method.decode(), "/", Headers())
-        self._answer(_response(reply), self._limits.handshake_s)
+        if self._server.site is not None and (reply := malformed_reply(self._server.site, self._start)):
+            self._answer(plain_response(reply), self._limits.handshake_s)
 
     def _handle_request(self, request: Request) -> None:
         self.path, self.headers = request.path, request.headers
-        if self._server.site is not None and not _asks_for_websocket(request):
+        if self._server.site is not None and not asks_for_websocket(request):
             self._serve_file(request)
             return
         refused = self._server.refusal(self, request)
@@ -285,7 +280,7 @@ class Connection(asyncio.Protocol):
             return
         else:
             reply = self._server.site.reply(method, request.path, request.headers)
-        self._answer(_response(reply), _FILE_S)
+        self._answer(plain_response(reply), _FILE_S)
 
     def _answer(self, response: Response, limit_s: float) -> None:
         """Answer a plain request, or refuse a WebSocket; then the client closes."""
@@ -296,39 +291,27 @@ class Connection(asyncio.Protocol):
         self._set_timer(limit_s, self.abort)
 
     async def _send_download(self, site: Site, path: str) -> None:
-        reply, file = await asyncio.to_thread(site.open_download, path)
         assert self._transport is not None
-        self._transport.write(_response(reply).serialize())
-        if file is not None:
-            with file:
-                while chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES):
-                    self._transport.write(chunk)
-                    # A client that reads nothing for this time has disconnected.
-                    self._set_timer(_FILE_S, self.abort)
-                    await self.has_room.wait()
-        self._set_timer(_FILE_S, self.abort)
+        # A canceled download closes its file.
+        async with aclosing(download_chunks(site, path)) as chunks:
+            async for chunk in chunks:
+                self._transport.write(chunk)
+                # A client that reads nothing for this time has disconnected.
+                self._set_timer(_FILE_S, self.abort)
+                await self.has_room.wait()
         # The transport sends written data first.
         self._transport.close()
 
     def _handle_frame(self, frame: Frame) -> None:
         self._unanswered_pings = 0
-        if frame.opcode in (Opcode.TEXT, Opcode.BINARY):
-            self._parts = [bytes(frame.data)]
-            self._is_text = frame.opcode is Opcode.TEXT
-        elif frame.opcode is Opcode.CONT:
-            self._parts.append(bytes(frame.data))
-        else:
-            return
-        if not frame.fin or not self.is_open or self._user is None:
-            return
-        data = self._parts[0] if len(self._parts) == 1 else b"".join(self._parts)
-        self._parts = []
         try:
-            message = data.decode() if self._is_text else data
+            message = self._assembler.receive_frame(frame)
         except UnicodeDecodeError as error:
-            self._websocket.fail(CloseCode.INVALID_DATA, f"{error.reason} at position {error.start}")
+            if self.is_open:
+                self._websocket.fail(CloseCode.INVALID_DATA, f"{error.reason} at position {error.start}")
             return
-        self._user.received(message)
+        if message is not None and self.is_open and self._user is not None:
+            self._user.received(message)
 
     def _write_protocol(self) -> None:
         if self._transport is None:
@@ -368,18 +351,6 @@ class Connection(asyncio.Protocol):
         if self._timer is not None:
             self._timer.cancel()
         self._timer = self._loop.call_later(delay_s, act)
-
-
-def _asks_for_websocket(request: Request) -> bool:
-    return any("websocket" in value.lower() for value in request.headers.get_all("Upgrade"))
-
-
-def _response(reply: Reply) -> Response:
-    headers = Headers(reply.headers)
-    if reply.status is not HTTPStatus.NOT_MODIFIED:
-        headers["Content-Length"] = str(reply.length)
-    headers["Connection"] = "close"
-    return Response(reply.status.value, reply.status.phrase, headers, reply.body)
 
 
 def _choose_subprotocol(protocol: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
