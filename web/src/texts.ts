@@ -139,6 +139,7 @@ export const texts = {
     definition: "Definition",
     message: "Message",
     elements: (count: number) => (count === 1 ? "1 element" : `${count} elements`),
+    characters: (count: number) => `${count} characters`,
     showMore: (count: number) => `Show ${count} more`,
     unreadable: "The message cannot be read",
     pause: "Pause",
@@ -206,6 +207,7 @@ export const texts = {
     plumbing: "Show /rosout and others of every node",
     smaller: "Smaller",
     larger: "Larger",
+    several: (start: string, count: number) => `${start} (${count} topics)`,
     tooMany: (most: number) =>
       `There are more than ${most} nodes and topics. Filter them by a part of their names.`,
     empty: "No node publishes or subscribes",

@@ -14,6 +14,7 @@ test("numbers are read as their type", () => {
   assert.equal(parseNumber("uint8", "255"), 255);
   assert.equal(parseNumber("int32", " -7 "), -7);
   assert.equal(parseNumber("uint16", "0x10"), 16);
+  assert.equal(parseNumber("int8", "-0x10"), -16);
   assert.equal(parseNumber("int64", "9007199254740993"), 9007199254740993n);
   assert.equal(parseNumber("float32", "1,5"), 1.5);
   assert.ok(Number.isNaN(parseNumber("float64", "nan")));
@@ -22,6 +23,7 @@ test("numbers are read as their type", () => {
     ["uint8", "256"],
     ["uint8", "-1"],
     ["int8", "1.5"],
+    ["int8", "-"],
     ["float64", "x"],
   ] as const)
     assert.equal(typeof parseNumber(type, text), "string", `${type} ${text}`);

@@ -30,6 +30,33 @@ test("wide numbers are stretched", () => {
   assert.deepEqual([toRgba(big)[0], toRgba(big)[4]], [0, 255]);
 });
 
+test("infinite and missing distances leave the others visible", () => {
+  const distances = new Uint8Array(
+    new Float32Array([Number.NaN, Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY, 1, 3]).buffer,
+  );
+  const pixels = toRgba(image("32FC1", 5, 1, [...distances]));
+  assert.deepEqual(
+    [0, 4, 8, 12, 16].map((at) => pixels[at]),
+    [0, 0, 255, 0, 255],
+  );
+});
+
+test("signed, double and 16 bit numbers", () => {
+  const signed = toRgba(image("16SC1", 2, 1, [0, 0xff, 0, 1]));
+  assert.deepEqual([signed[0], signed[4]], [0, 255]);
+  const doubles = toRgba(image("64FC1", 2, 1, [...new Uint8Array(new Float64Array([-5, 5]).buffer)]));
+  assert.deepEqual([doubles[0], doubles[4]], [0, 255]);
+  const deep = image("rgb16", 1, 1, [9, 1, 9, 2, 9, 3]);
+  assert.deepEqual([...toRgba(deep)], [1, 2, 3, 255]);
+  assert.deepEqual([...toRgba({ ...deep, is_bigendian: 1 })], [9, 9, 9, 255]);
+  const cells = image("bayer_rggb16", 2, 2, [0, 200, 0, 100, 0, 100, 0, 50]);
+  assert.deepEqual([...toRgba(cells).subarray(0, 4)], [200, 100, 50, 255]);
+  assert.throws(
+    () => toRgba(image("X".repeat(1e6), 1, 1, [1])),
+    (error: Error) => error.message.length < 200,
+  );
+});
+
 test("yuv422 in both orders", () => {
   const white = toRgba(image("yuv422", 2, 1, [128, 235, 128, 235]));
   assert.deepEqual([...white], [255, 255, 255, 255, 255, 255, 255, 255]);

@@ -26,7 +26,13 @@ Visualization Manager:
       Enabled: true
     - Class: rviz/MarkerArray
       Enabled: true
-      Marker Topic: /markers
+      Marker Topic: markers
+    - Class: rviz/Group
+      Displays:
+        - Class: rviz/Path
+          Enabled: true
+          Topic: /hidden
+      Enabled: false
   Global Options:
     Background Color: 48; 48; 48
     Fixed Frame: map
@@ -43,6 +49,7 @@ test("displays, topics and the fixed frame of RViz", () => {
       ["Path", true, "/plan"],
       ["Group", true, ""],
       ["MarkerArray", true, "/markers"],
+      ["Group", false, ""],
     ],
   );
 });

@@ -65,6 +65,16 @@ test("a gap breaks the line up to the next value", () => {
   assert.equal(broken.length, cells.lastIndexOf(null) - cells.indexOf(null) + 1);
 });
 
+test("values that are not finite break the line and leave the scale to the others", () => {
+  const buffer = new SeriesBuffer();
+  const values = [1, 2, Number.POSITIVE_INFINITY, 3, Number.NEGATIVE_INFINITY, 1e308];
+  for (const [second, value] of values.entries()) buffer.push(second / 10, value);
+  const cells = cellsOf(buffer, gridOf(0, 0.6, 60), false);
+  const drawn = cells.filter((each) => typeof each === "number");
+  assert.deepEqual([...new Set(drawn)], [1, 2, 3, 1e30]);
+  assert.ok(cells.includes(null));
+});
+
 test("a window that begins within a gap begins without a line", () => {
   const buffer = filled(100, 0.05, 0);
   buffer.push(30, 1);

@@ -180,7 +180,7 @@ function StampField({ value, label, onChange }: Omit<FieldProps, "node">) {
     input.setCustomValidity(Number.isFinite(seconds) ? "" : texts.forms.seconds);
     if (!Number.isFinite(seconds)) return;
     const whole = Math.floor(seconds);
-    onChange({ sec: whole, nsec: Math.round((seconds - whole) * 1e9) });
+    onChange({ sec: whole, nsec: Math.min(Math.round((seconds - whole) * 1e9), 999_999_999) });
   };
   const now = () => {
     const ms = Date.now();

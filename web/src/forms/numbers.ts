@@ -31,8 +31,9 @@ export function parseNumber(type: Primitive, text: string): number | bigint | st
     if (value !== undefined) return value;
     return Number.isFinite(Number(trimmed)) ? Number(trimmed) : texts.forms.number;
   }
-  if (!/^[+-]?(\d{1,20}|0x[0-9a-fA-F]{1,16})?$/.test(trimmed)) return texts.forms.integer;
-  const whole = BigInt(trimmed === "" ? "0" : trimmed.replace(/^\+/, ""));
+  const [, sign, digits] = /^([+-]?)(\d{1,20}|0x[0-9a-fA-F]{1,16})$/.exec(trimmed || "0") ?? [];
+  if (digits === undefined) return texts.forms.integer;
+  const whole = BigInt(digits) * (sign === "-" ? -1n : 1n);
   const [low, high] = limits;
   if (whole < low || whole > high) return texts.forms.range(String(low), String(high));
   return type.endsWith("64") ? whole : Number(whole);

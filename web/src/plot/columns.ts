@@ -29,6 +29,14 @@ export function gridTimes(grid: Grid): number[] {
   return times;
 }
 
+// uPlot has no axis for more, and one such value must not hide the others.
+const MAX_DRAWN = 1e30;
+
+/** What a chart draws of a value: NaN and infinite ones break the line (REP 117: nothing within range). */
+export function drawable(value: number): number {
+  return Number.isFinite(value) ? Math.max(-MAX_DRAWN, Math.min(MAX_DRAWN, value)) : Number.NaN;
+}
+
 /** The cells of a series on a grid. `isStepped`: between two values it has the earlier one. */
 export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): Cell[] {
   const cells: Cell[] = new Array(1 + 2 * grid.columns).fill(undefined);
@@ -36,9 +44,9 @@ export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): C
   const end = buffer.length;
   // The cell after which the line is broken; all up to the next value are null, since uPlot joins undefined ones.
   let brokenAt = -1;
-  if (first > 0 && first < end && Number.isNaN(buffer.value(first - 1))) brokenAt = 0;
+  if (first > 0 && first < end && Number.isNaN(drawable(buffer.value(first - 1)))) brokenAt = 0;
   else if (first > 0 && first < end) cells[0] = edgeValue(buffer, first, grid.fromS, isStepped);
-  else if (first > 0 && isStepped) cells[0] = finite(buffer.value(end - 1));
+  else if (first > 0 && isStepped) cells[0] = orBreak(drawable(buffer.value(end - 1)));
   const columnOf = (index: number) => Math.floor(buffer.time(index) / grid.stepS) - grid.firstColumn;
   let index = first;
   while (index < end) {
@@ -50,7 +58,7 @@ export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): C
     let breaks = false;
     let last = Number.NaN;
     for (; index < end && columnOf(index) === column; index++) {
-      const value = buffer.value(index);
+      const value = drawable(buffer.value(index));
       last = value;
       if (Number.isNaN(value)) {
         breaks = true;
@@ -80,14 +88,14 @@ export function cellsOf(buffer: SeriesBuffer, grid: Grid, isStepped: boolean): C
 }
 
 function edgeValue(buffer: SeriesBuffer, next: number, atS: number, isStepped: boolean): Cell {
-  const before = buffer.value(next - 1);
-  const after = buffer.value(next);
-  if (isStepped || Number.isNaN(before) || Number.isNaN(after)) return finite(before);
+  const before = drawable(buffer.value(next - 1));
+  const after = drawable(buffer.value(next));
+  if (isStepped || Number.isNaN(before) || Number.isNaN(after)) return orBreak(before);
   const span = buffer.time(next) - buffer.time(next - 1);
   const share = span > 0 ? (atS - buffer.time(next - 1)) / span : 1;
   return before + (after - before) * share;
 }
 
-function finite(value: number): Cell {
+function orBreak(value: number): Cell {
   return Number.isNaN(value) ? null : value;
 }

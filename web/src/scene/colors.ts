@@ -7,6 +7,16 @@ export function rainbow(share: number, out: Float32Array, at: number): void {
   out[at + 2] = clamp(1.5 - Math.abs(4 * s - 1));
 }
 
+/** A colour of a message, 0 to 1 as a screen shows it, as the amount of light that the scene works with. */
+export function toLinear(shown: number): number {
+  return shown <= 0.04045 ? shown / 12.92 : ((shown + 0.055) / 1.055) ** 2.4;
+}
+
+/** The same for colours of 8 bits. */
+export const LINEAR: ArrayLike<number> = Float32Array.from({ length: 256 }, (_, byte) =>
+  toLinear(byte / 255),
+);
+
 function clamp(value: number): number {
   return value < 0 ? 0 : Math.min(value, 1);
 }

@@ -15,7 +15,7 @@ import {
 } from "three";
 import { type DisplayContext, HeaderDisplay, setPose } from "./display.ts";
 import type { OccupancyGrid, Pose } from "./messages.ts";
-import { arrow, axes, emptyGroup } from "./shapes.ts";
+import { arrow, axes } from "./shapes.ts";
 
 /** A particle filter has some thousands of poses. */
 const MAX_POSES = 5000;
@@ -97,11 +97,12 @@ export class PathDisplay extends HeaderDisplay<{ poses: { pose: Pose }[] }> {
   protected draw({ poses }: { poses: { pose: Pose }[] }): void {
     const count = Math.min(poses.length, MAX_PATH_POINTS);
     const points = new Float32Array(count * 3);
+    let finite = 0;
     for (let i = 0; i < count; i++) {
       const { x, y, z } = (poses[i] as { pose: Pose }).pose.position;
-      points.set([x, y, z], i * 3);
+      if (Number.isFinite(x + y + z)) points.set([x, y, z], finite++ * 3);
     }
-    this.path.set(points, count);
+    this.path.set(points, finite);
   }
 }
 
@@ -120,6 +121,8 @@ export class OdometryDisplay extends HeaderDisplay<{ pose: { pose: Pose } }> {
 
   protected draw({ pose }: { pose: { pose: Pose } }): void {
     const { position, orientation } = pose.pose;
+    this.pointer.visible = Number.isFinite(position.x + position.y + position.z);
+    if (!this.pointer.visible) return;
     setPose(this.pointer, position, orientation);
     const at = this.count * 3;
     const [dx, dy] = [position.x - (this.points[at - 3] ?? 0), position.y - (this.points[at - 2] ?? 0)];
@@ -134,12 +137,33 @@ export class OdometryDisplay extends HeaderDisplay<{ pose: { pose: Pose } }> {
   }
 }
 
-/** nav_msgs/OccupancyGrid: free cells light, occupied ones dark, unknown ones grey-green as in RViz. */
+/** Free cells light, occupied ones dark, unknown ones grey-green as in RViz; red, green, blue and alpha of each. */
+const CELL_COLORS = new Uint32Array(
+  Uint8Array.from({ length: 256 * 4 }, (_, at) => {
+    const [cell, channel] = [at >> 2, at & 3];
+    if (channel === 3) return 255;
+    return cell <= 100 ? 205 - 1.8 * cell : ([105, 120, 110][channel] as number);
+  }).buffer,
+);
+/** A side of a picture that every graphics card takes. */
+const MAX_SIDE = 4096;
+
+/** nav_msgs/OccupancyGrid. */
 export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
+  private readonly holder = new Group();
+  private plane: Mesh<PlaneGeometry, MeshBasicMaterial> | undefined;
+  private texture: DataTexture | undefined;
+
+  constructor(context: DisplayContext) {
+    super(context);
+    this.group.add(this.holder);
+  }
+
   protected draw({ info, data }: OccupancyGrid): void {
     const { width, height, resolution, origin } = info;
-    emptyGroup(this.group);
-    if (width * height !== data.length || width * height > MAX_CELLS || width * height === 0) {
+    const isGiven = width * height === data.length && width * height <= MAX_CELLS && width * height > 0;
+    this.holder.visible = isGiven;
+    if (!isGiven) {
       this.context.report(
         width * height > MAX_CELLS
           ? `A map of ${width} x ${height} cells is too large for the page.`
@@ -148,28 +172,53 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
       return;
     }
     this.context.report("");
-    const pixels = new Uint8Array(width * height * 4);
-    for (let i = 0; i < data.length; i++) {
-      const cell = data[i] as number;
-      const grey = cell < 0 || cell > 100 ? 105 : 205 - 1.8 * cell;
-      pixels.set(
-        [grey, cell < 0 || cell > 100 ? 120 : grey, cell < 0 || cell > 100 ? 110 : grey, 255],
-        i * 4,
-      );
-    }
-    const texture = new DataTexture(pixels, width, height);
-    texture.magFilter = NearestFilter;
-    texture.colorSpace = SRGBColorSpace;
-    texture.needsUpdate = true;
-    const plane = new Mesh(
-      new PlaneGeometry(width * resolution, height * resolution),
-      new MeshBasicMaterial({ map: texture, side: DoubleSide }),
-    );
+    const plane = this.paint(data, width, height);
     // The origin is the pose of the cell (0, 0); a plane's own origin is its middle.
+    plane.scale.set(width * resolution, height * resolution, 1);
     plane.position.set((width * resolution) / 2, (height * resolution) / 2, -0.002);
-    const placed = new Group();
-    placed.add(plane);
-    setPose(placed, origin.position, origin.orientation);
-    this.group.add(placed);
+    setPose(this.holder, origin.position, origin.orientation);
   }
+
+  /** The plane of one metre with the cells on it; maps that grow take a new picture. */
+  private paint(cells: Int8Array, width: number, height: number): Mesh {
+    const step = Math.ceil(Math.max(width, height) / MAX_SIDE);
+    const [columns, rows] = [Math.ceil(width / step), Math.ceil(height / step)];
+    const { image } = this.texture ?? {};
+    if (this.texture === undefined || image?.width !== columns || image?.height !== rows) {
+      this.texture?.dispose();
+      this.texture = new DataTexture(new Uint8Array(columns * rows * 4), columns, rows);
+      this.texture.magFilter = NearestFilter;
+      this.texture.colorSpace = SRGBColorSpace;
+    }
+    const pixels = new Uint32Array((this.texture.image.data as Uint8Array).buffer);
+    if (step === 1)
+      for (let i = 0; i < pixels.length; i++) pixels[i] = CELL_COLORS[(cells[i] as number) & 255] as number;
+    else
+      for (let y = 0; y < rows; y++)
+        for (let x = 0; x < columns; x++)
+          pixels[y * columns + x] = CELL_COLORS[
+            highestCell(cells, width, x * step, y * step, step) & 255
+          ] as number;
+    this.texture.needsUpdate = true;
+    if (this.plane === undefined) {
+      const material = new MeshBasicMaterial({ map: this.texture, side: DoubleSide });
+      this.plane = new Mesh(new PlaneGeometry(1, 1), material);
+      this.holder.add(this.plane);
+    }
+    this.plane.material.map = this.texture;
+    return this.plane;
+  }
+}
+
+/** The most occupied cell of a square, so that thin walls stay. */
+function highestCell(cells: Int8Array, width: number, left: number, bottom: number, step: number): number {
+  const top = Math.min(bottom + step, cells.length / width);
+  const right = Math.min(left + step, width);
+  let highest = -128;
+  for (let y = bottom; y < top; y++)
+    for (let x = left; x < right; x++) {
+      const cell = cells[y * width + x] as number;
+      if (cell > highest) highest = cell;
+    }
+  return highest;
 }

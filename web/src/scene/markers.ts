@@ -21,6 +21,7 @@ import {
   SphereGeometry,
   Vector3,
 } from "three";
+import { toLinear } from "./colors.ts";
 import { type Display, type DisplayContext, disposeTree, type Placed, setPose } from "./display.ts";
 import { loadMesh } from "./meshes.ts";
 import type { Marker, Rgba, Xyz } from "./messages.ts";
@@ -88,6 +89,10 @@ export class MarkerDisplay implements Display {
       this.context.report(`Only ${MAX_MARKERS} markers are drawn.`);
       return;
     }
+    if (!isFinitePlace(marker)) {
+      this.context.report(`The marker ${key} has numbers that are not finite.`);
+      return;
+    }
     const object = this.draw(marker);
     if (object === undefined) return;
     setPose(object, marker.pose.position, marker.pose.orientation);
@@ -150,6 +155,10 @@ export class MarkerDisplay implements Display {
       case TEXT_VIEW_FACING:
         return add(label(marker.text, Math.max(scale.z, 0.01), `#${colorOf(marker.color).getHexString()}`));
       case MESH_RESOURCE: {
+        if (marker.mesh_resource === "") {
+          this.context.report(`The marker ${marker.ns}/${marker.id} names no mesh.`);
+          return undefined;
+        }
         loadMesh(marker.mesh_resource, this.context.fetchAsset, marker.color.a > 0 ? solid() : undefined)
           .then((mesh) => {
             group.add(scaled(mesh, scale));
@@ -174,7 +183,21 @@ export class MarkerDisplay implements Display {
 }
 
 function colorOf({ r, g, b }: Rgba): Color {
-  return new Color(r, g, b);
+  return new Color(toLinear(r), toLinear(g), toLinear(b));
+}
+
+/** As RViz: one number that is not finite, and the marker is not drawn. */
+function isFinitePlace({ pose, scale, points }: Marker): boolean {
+  const { position, orientation } = pose;
+  return (
+    [position, orientation, scale].every(isFiniteVector) &&
+    Number.isFinite(orientation.w) &&
+    points.every(isFiniteVector)
+  );
+}
+
+function isFiniteVector({ x, y, z }: Xyz): boolean {
+  return Number.isFinite(x + y + z);
 }
 
 function material(color: Rgba): MeshLambertMaterial {
@@ -212,7 +235,7 @@ function pointsOf({ points, colors }: Marker): BufferGeometry {
     const shades = new Float32Array(count * 3);
     for (let i = 0; i < count; i++) {
       const { r, g, b } = colors[i] as Rgba;
-      shades.set([r, g, b], i * 3);
+      shades.set([toLinear(r), toLinear(g), toLinear(b)], i * 3);
     }
     geometry.setAttribute("color", new BufferAttribute(shades, 3));
   }

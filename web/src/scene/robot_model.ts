@@ -1,5 +1,5 @@
 // The robot of a URDF: its links at their frames, or moved by joint states where nothing publishes them.
-import { Group, LoadingManager, type Object3D } from "three";
+import { type Color, Group, LoadingManager, type Material, Mesh, type Object3D } from "three";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
 import { type DisplayContext, disposeTree, type Placed } from "./display.ts";
 import { loadMesh } from "./meshes.ts";
@@ -20,9 +20,11 @@ export class RobotModel {
     // Pictures on links are not fetched: the page may load files of the robot through the gateway only.
     manager.setURLModifier(() => NO_PICTURE);
     const loader = new URDFLoader(manager);
+    const materials = new Set<Material>();
     // Addresses stay as the description has them; the gateway finds packages.
     loader.packages = (name: string) => `package://${name}`;
     loader.loadMeshCb = (uri, _manager, material, done) => {
+      materials.add(material);
       // Without a material in the URDF, a Collada or OBJ file keeps its own.
       loadMesh(uri, context.fetchAsset, material.name === "" ? undefined : material)
         .then((mesh) => {
@@ -39,6 +41,11 @@ export class RobotModel {
     } catch (error) {
       throw new Error(`The robot description is not a readable URDF: ${(error as Error).message}`);
     }
+    this.robot.traverse((each) => {
+      if (each instanceof Mesh) materials.add(each.material);
+    });
+    // The loader takes the colours of a URDF for amounts of light.
+    for (const each of materials) if ("color" in each) (each.color as Color).convertSRGBToLinear();
     this.links = Object.keys(this.robot.links);
     if (this.links.length === 0) throw new Error("The robot description has no links.");
     this.joints = Object.entries(this.robot.joints)
@@ -84,7 +91,8 @@ export class RobotModel {
   moveJoints(names: readonly string[], positions: ArrayLike<number>): void {
     names.forEach((name, i) => {
       const position = positions[i];
-      if (position !== undefined && name in this.robot.joints) this.robot.setJointValue(name, position);
+      if (Number.isFinite(position) && name in this.robot.joints)
+        this.robot.setJointValue(name, position as number);
     });
   }
 

@@ -44,13 +44,20 @@ function collect(value: Tree | Tree[] | string | undefined, displays: RvizDispla
   if (!Array.isArray(value)) return;
   for (const each of value) {
     const kind = typeof each.Class === "string" ? (each.Class.split("/").at(-1) ?? "") : "";
-    if (kind === "Group") collect(each.Displays, displays);
+    // RViz shows nothing of a group that is switched off.
+    if (kind === "Group" && each.Enabled !== "false") collect(each.Displays, displays);
     // RViz2 nests the topic: Topic: { Value: /scan }.
     const named = isTree(each.Topic)
       ? each.Topic.Value
       : (each.Topic ?? each["Marker Topic"] ?? each["Image Topic"]);
-    displays.push({ kind, enabled: each.Enabled !== "false", topic: typeof named === "string" ? named : "" });
+    displays.push({ kind, enabled: each.Enabled !== "false", topic: absolute(named) });
   }
+}
+
+/** A topic without a slash, as RViz of ROS 1 writes for markers, is one of the root. */
+function absolute(topic: unknown): string {
+  if (typeof topic !== "string" || topic === "") return "";
+  return topic.startsWith("/") ? topic : `/${topic}`;
 }
 
 class Lines {

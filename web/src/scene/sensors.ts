@@ -16,7 +16,7 @@ import {
   SphereGeometry,
   Vector3,
 } from "three";
-import { rainbow } from "./colors.ts";
+import { LINEAR, rainbow } from "./colors.ts";
 import { type DisplayContext, HeaderDisplay } from "./display.ts";
 import type { Imu, LaserScan, PointCloud2, PointField, Range } from "./messages.ts";
 import { normalized } from "./rigid.ts";
@@ -186,10 +186,19 @@ export class PointCloudDisplay extends PointsDisplay<PointCloud2> {
 
   protected draw(cloud: PointCloud2): void {
     const { data, point_step: step, row_step: row, width, height, fields } = cloud;
+    // What does not fit, or has no points, must not leave the points of the message before.
+    this.geometry.setDrawRange(0, 0);
+    if (width * height === 0) {
+      this.context.report("");
+      return;
+    }
     const little = !cloud.is_bigendian;
     const named = (name: string) => fields.find((field) => field.name === name);
     const [x, y, z] = ["x", "y", "z"].map((name) => reader(named(name), little));
-    const fits = fields.every(({ offset, datatype }) => offset + (FIELD_BYTES[datatype] ?? 0) <= step);
+    const packed = named("rgb") ?? named("rgba");
+    const fits =
+      fields.every(({ offset, datatype }) => offset + (FIELD_BYTES[datatype] ?? 0) <= step) &&
+      (packed?.offset ?? 0) + 4 <= step;
     const rows = height > 1 ? row : step * width;
     if (!x || !y || !z || !fits || step < 1 || rows < step * width || rows * height > data.length) {
       this.context.report("This point cloud's fields do not fit its data.");
@@ -199,7 +208,6 @@ export class PointCloudDisplay extends PointsDisplay<PointCloud2> {
     const total = Math.min(width * height, MAX_POINTS);
     const [positions, colors] = resizePoints(this.geometry, total);
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
-    const packed = named("rgb") ?? named("rgba");
     const value = reader(named("intensity"), little);
     let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
     let count = 0;
@@ -217,9 +225,9 @@ export class PointCloudDisplay extends PointsDisplay<PointCloud2> {
         if (packed) {
           // Bytes b, g, r, whatever number the field claims to be (pcl's convention).
           const rgb = view.getUint32(at + packed.offset, little);
-          colors[count * 3] = ((rgb >> 16) & 255) / 255;
-          colors[count * 3 + 1] = ((rgb >> 8) & 255) / 255;
-          colors[count * 3 + 2] = (rgb & 255) / 255;
+          colors[count * 3] = LINEAR[(rgb >> 16) & 255] as number;
+          colors[count * 3 + 1] = LINEAR[(rgb >> 8) & 255] as number;
+          colors[count * 3 + 2] = LINEAR[rgb & 255] as number;
         } else {
           const shade = value ? value(view, at) : pz;
           shades[count] = shade;

@@ -11,7 +11,6 @@ import {
   LineSegments,
   Mesh,
   MeshLambertMaterial,
-  type Object3D,
   Sprite,
   SpriteMaterial,
   SRGBColorSpace,
@@ -91,8 +90,4 @@ export function resizePoints(geometry: BufferGeometry, count: number): [Float32A
   position.needsUpdate = true;
   color.needsUpdate = true;
   return [position.array as Float32Array, color.array as Float32Array];
-}
-
-export function emptyGroup(group: Object3D): void {
-  while (group.children.length > 0) group.remove(group.children[0] as Object3D);
 }

@@ -1,7 +1,11 @@
-// The rate of a topic: messages and bytes a second over the last arrivals, and when its values are stale.
+// The rate of a topic: messages and bytes a second over the last seconds, and when its values are stale.
 
 const KEPT = 64;
-const WINDOW_MS = 5000;
+// Counted in parts, so that messages that waited for a busy page, and then come at once, are not a rate of their own.
+const PART_MS = 100;
+const PARTS = 50;
+// Two latched messages come together: that is no rate either.
+const MIN_SPAN_MS = 500;
 // Without a known period, a value is stale after this.
 const FIRST_STALE_MS = 3000;
 const MIN_STALE_MS = 500;
@@ -10,23 +14,45 @@ const STALE_PERIODS = 3;
 
 export class RateMeter {
   private readonly times = new Float64Array(KEPT);
-  private readonly sizes = new Float64Array(KEPT);
   private count = 0;
+  private startMs = Number.NEGATIVE_INFINITY;
+  /** Of each part of the last seconds: its number, its messages, their bytes, and when the first came. */
+  private readonly numbers = new Float64Array(PARTS).fill(Number.NEGATIVE_INFINITY);
+  private readonly messages = new Float64Array(PARTS);
+  private readonly sizes = new Float64Array(PARTS);
+  private readonly firsts = new Float64Array(PARTS);
+  /** When the last message came. */
+  lastMs = Number.NEGATIVE_INFINITY;
+
+  /** Messages come from now on, perhaps after a pause that says nothing about their rate. */
+  start(nowMs: number): void {
+    this.count = 0;
+    this.startMs = nowMs;
+    this.numbers.fill(Number.NEGATIVE_INFINITY);
+  }
 
   add(nowMs: number, bytes: number): void {
-    const index = this.count++ % KEPT;
-    this.times[index] = nowMs;
-    this.sizes[index] = bytes;
+    this.times[this.count++ % KEPT] = nowMs;
+    this.lastMs = nowMs;
+    const number = Math.floor(nowMs / PART_MS);
+    const part = number % PARTS;
+    if (this.numbers[part] !== number) {
+      this.numbers[part] = number;
+      this.messages[part] = this.sizes[part] = 0;
+      this.firsts[part] = nowMs;
+    }
+    this.messages[part]!++;
+    this.sizes[part]! += bytes;
   }
 
-  get lastMs(): number {
-    return this.count === 0 ? Number.NEGATIVE_INFINITY : this.times[(this.count - 1) % KEPT]!;
-  }
-
-  /** Messages a second, 0 when there are fewer than two in the window. */
+  /** Messages a second, 0 when there are fewer than two in the last seconds. */
   hertz(nowMs: number): number {
-    const { messages, spanMs } = this.window(nowMs);
-    return messages > 1 && spanMs > 0 ? ((messages - 1) * 1000) / spanMs : 0;
+    const { messages, firstMs } = this.window(nowMs);
+    if (messages < 2) return 0;
+    const periods = ((messages - 1) * 1000) / Math.max(this.lastMs - firstMs, MIN_SPAN_MS);
+    // The first ones may have waited for the page since it asked for them.
+    const hasBegun = messages === this.count && Number.isFinite(this.startMs);
+    return hasBegun ? Math.min(periods, (messages * 1000) / (this.lastMs - this.startMs)) : periods;
   }
 
   bytesPerSecond(nowMs: number): number {
@@ -49,20 +75,21 @@ export class RateMeter {
   }
 
   clear(): void {
-    this.count = 0;
+    this.start(Number.NEGATIVE_INFINITY);
+    this.lastMs = Number.NEGATIVE_INFINITY;
   }
 
-  private window(nowMs: number): { messages: number; bytes: number; spanMs: number } {
+  private window(nowMs: number): { messages: number; bytes: number; firstMs: number } {
+    const oldest = Math.floor(nowMs / PART_MS) - PARTS;
     let messages = 0;
     let bytes = 0;
-    let oldest = nowMs;
-    for (let back = 1; back <= Math.min(this.count, KEPT); back++) {
-      const index = (this.count - back) % KEPT;
-      if (nowMs - this.times[index]! > WINDOW_MS) break;
-      oldest = this.times[index]!;
-      messages++;
-      bytes += this.sizes[index]!;
+    let firstMs = Number.POSITIVE_INFINITY;
+    for (let part = 0; part < PARTS; part++) {
+      if (this.numbers[part]! <= oldest) continue;
+      messages += this.messages[part]!;
+      bytes += this.sizes[part]!;
+      firstMs = Math.min(firstMs, this.firsts[part]!);
     }
-    return { messages, bytes, spanMs: this.lastMs - oldest };
+    return { messages, bytes, firstMs };
   }
 }

@@ -158,6 +158,7 @@ export class Robot {
     // A topic of the connection before has a channel that this one may have given to another.
     if (this.connection.peek() !== "open" || this.channels.get(channelId)?.name !== feed.topicName) return;
     use.subscriptionId = this.nextSubscriptionId++;
+    feed.rate.start(performance.now());
     this.bySubscription.set(use.subscriptionId, feed);
     this.gateway.subscribe([{ id: use.subscriptionId, channelId }]);
   }

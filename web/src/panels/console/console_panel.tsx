@@ -14,6 +14,9 @@ interface ConsoleSettings {
   search?: string;
 }
 
+// Made once: a new one for each line would take most of the time of a flood. "h23": midnight is 00, not 24.
+const CLOCK = new Intl.DateTimeFormat([], { timeStyle: "medium", hourCycle: "h23" });
+
 // What a person scrolls through; more lines would make the page slow.
 const MAX_SHOWN = 500;
 
@@ -82,6 +85,10 @@ function ConsolePanel({ context }: { context: PanelContext }) {
   );
 }
 
+function clockTime(timeS: number): string {
+  return Number.isFinite(timeS) ? CLOCK.format(timeS * 1000) : "";
+}
+
 function Lines({ lines }: { lines: LogLine[] }) {
   const list = useRef<HTMLOListElement>(null);
   const isAtEnd = useRef(true);
@@ -102,7 +109,7 @@ function Lines({ lines }: { lines: LogLine[] }) {
     <ol class="log" ref={list}>
       {lines.map((line) => (
         <li key={line.id} class={`log-line ${line.level}`} title={line.place || undefined}>
-          <time>{new Date(line.timeS * 1000).toLocaleTimeString([], { hour12: false })}</time>
+          <time>{clockTime(line.timeS)}</time>
           <span class="log-level">{texts.console.levels[line.level]}</span>
           <span class="log-node">{line.node}</span>
           <span class="log-text">{line.text}</span>

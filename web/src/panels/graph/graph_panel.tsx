@@ -1,12 +1,24 @@
 // Nodes and topics, and who publishes what for whom.
 import { type Signal, useComputed, useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { formatRate } from "../../shell/format.ts";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
+import type { Topic } from "../../store/topics.ts";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
+import { IMAGE_TYPES } from "../images/types.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
-import { type Box, type Edge, layout, MAX_BOXES } from "./layout.ts";
+import { type Box, type Drawing, type Edge, layout, MAX_BOXES } from "./layout.ts";
+
+// What a screen shows at once.
+const MAX_RATES = 60;
+const LARGE_TYPES: readonly string[] = [
+  ...IMAGE_TYPES,
+  "sensor_msgs/PointCloud2",
+  "sensor_msgs/PointCloud",
+  "nav_msgs/OccupancyGrid",
+];
 
 interface GraphSettings {
   filter?: string;
@@ -22,8 +34,10 @@ function GraphPanel({ context }: { context: PanelContext }) {
       { publishers: robot.publishers.value, subscribers: robot.subscribers.value },
       settings.value.filter ?? "",
       settings.value.plumbing ?? false,
+      robot.info.value?.metadata?.node,
     ),
   ).value;
+  useRates(context, drawing);
   const change = (to: GraphSettings) => {
     settings.value = { ...settings.value, ...to };
   };
@@ -71,9 +85,10 @@ function GraphPanel({ context }: { context: PanelContext }) {
       )}
       {drawing !== undefined && drawing.boxes.length > 0 && (
         <div class="graph-scroll">
+          {/* biome-ignore lint/a11y/useSemanticElements: SVG has no group element for readers; "img" hides its buttons. */}
           <svg
             class="graph-drawing"
-            role="img"
+            role="group"
             aria-label={texts.panels.graph}
             width={drawing.width * zoom.value}
             height={drawing.height * zoom.value}
@@ -114,7 +129,7 @@ function Arrow({ edge }: { edge: Edge }) {
 }
 
 function Item({ box, context }: { box: Box; context: PanelContext }) {
-  const open = () => context.open("topics", { search: box.label });
+  const open = () => context.open("topics", { search: box.search });
   return (
     // biome-ignore lint/a11y/useSemanticElements: SVG has no button element.
     <g
@@ -131,12 +146,30 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
       <text x={box.width / 2} y={box.height / 2} text-anchor="middle" dominant-baseline="central">
         {box.label}
       </text>
-      {box.kind === "topic" && <Rate box={box} context={context} />}
+      {box.kind === "topic" && box.isOne && <Rate box={box} context={context} />}
     </g>
   );
 }
 
-/** Topics that some panel receives show their rate; the graph itself subscribes nothing. */
+/** Receives the topics that are drawn, for their rates; large messages would cost more than a rate is worth. */
+function useRates(context: PanelContext, drawing: Drawing | undefined): void {
+  const topics = context.robot.topics.value;
+  const rated = (drawing?.boxes ?? [])
+    .filter(({ kind, isOne, label }) => kind === "topic" && isOne && isLight(topics.get(label)))
+    .map((box) => box.label)
+    .slice(0, MAX_RATES);
+  useEffect(() => {
+    const subscriptions = rated.map((topic) => context.subscribe(topic));
+    return () => {
+      for (const each of subscriptions) each.close();
+    };
+  }, [rated.join()]);
+}
+
+function isLight(topic: Topic | undefined): boolean {
+  return topic?.isPublished === true && !LARGE_TYPES.includes(topic.typeName);
+}
+
 function Rate({ box, context }: { box: Box; context: PanelContext }) {
   const now = useTick(context, 1000);
   const hertz = context.robot.feed(box.label).rate.hertz(now);

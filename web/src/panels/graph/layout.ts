@@ -1,10 +1,15 @@
 // Lays out nodes and topics from left to right, as rqt_graph does.
 import * as dagre from "@dagrejs/dagre";
+import { texts } from "../../texts.ts";
 
 export interface Box {
   readonly id: string;
   readonly label: string;
   readonly kind: "node" | "topic";
+  /** What to look for in the list of topics; "" for a box of topics whose names have nothing in common. */
+  readonly search: string;
+  /** Whether the box is one topic, which has a rate. */
+  readonly isOne: boolean;
   x: number;
   y: number;
   width: number;
@@ -39,43 +44,101 @@ const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/dia
  * Lay out what matches.
  *
  * @param filter part of the name of a node or topic; its neighbours are drawn too.
- * @param withPlumbing draw /rosout and its like.
+ * @param withPlumbing draw /rosout and its like, and what the page itself receives.
+ * @param ownNode the node that receives for the page.
  * @returns undefined when there is more than can be drawn.
  */
-export function layout(graph: GraphInput, filter: string, withPlumbing: boolean): Drawing | undefined {
-  const pairs: { node: string; topic: string; publishes: boolean }[] = [];
+export function layout(
+  graph: GraphInput,
+  filter: string,
+  withPlumbing: boolean,
+  ownNode = "",
+): Drawing | undefined {
+  const pairs: Pair[] = [];
   const add = (table: GraphInput["publishers"], publishes: boolean) => {
     for (const [topic, nodes] of table) {
       if (!withPlumbing && PLUMBING.includes(topic)) continue;
-      for (const node of nodes) pairs.push({ node, topic, publishes });
+      for (const node of nodes)
+        if (withPlumbing || publishes || node !== ownNode) pairs.push({ node, topic, publishes });
     }
   };
   add(graph.publishers, true);
   add(graph.subscribers, false);
   const wanted = pairs.filter(({ node, topic }) => node.includes(filter) || topic.includes(filter));
-  const nodes = new Set(wanted.map((each) => each.node));
-  const topics = new Set(wanted.map((each) => each.topic));
-  if (nodes.size + topics.size > MAX_BOXES) return undefined;
-  return place(nodes, topics, wanted);
+  const drawing = boxesOf(wanted.map((pair) => ({ ...pair, members: [pair.topic] })));
+  if (drawing.nodes.size + drawing.topics.size <= MAX_BOXES) return place(drawing);
+  const merged = boxesOf(mergeTopics(wanted));
+  return merged.nodes.size + merged.topics.size <= MAX_BOXES ? place(merged) : undefined;
 }
 
-function place(
-  nodes: ReadonlySet<string>,
-  topics: ReadonlySet<string>,
-  pairs: readonly { node: string; topic: string; publishes: boolean }[],
-): Drawing {
+interface Pair {
+  readonly node: string;
+  readonly topic: string;
+  readonly publishes: boolean;
+}
+/** `members` are the topics that are drawn as `topic`. */
+type Connection = Pair & { readonly members: readonly string[] };
+
+interface Boxes {
+  readonly nodes: ReadonlySet<string>;
+  readonly topics: ReadonlyMap<string, readonly string[]>;
+  readonly pairs: readonly Connection[];
+}
+
+function boxesOf(pairs: readonly Connection[]): Boxes {
+  return {
+    nodes: new Set(pairs.map((each) => each.node)),
+    topics: new Map(pairs.map(({ topic, members }) => [topic, members])),
+    pairs,
+  };
+}
+
+/** Draws topics with the same publishers and the same subscribers as one. */
+function mergeTopics(pairs: readonly Pair[]): Connection[] {
+  const ends = new Map<string, string[]>();
+  for (const { node, topic, publishes } of pairs) {
+    const own = ends.get(topic) ?? [];
+    own.push(`${publishes ? ">" : "<"}${node}`);
+    ends.set(topic, own);
+  }
+  const groups = new Map<string, string[]>();
+  for (const [topic, own] of ends) {
+    const key = own.sort().join();
+    groups.set(key, [...(groups.get(key) ?? []), topic]);
+  }
+  const merged: Connection[] = [];
+  for (const [key, members] of groups) {
+    const topic =
+      members.length === 1
+        ? (members[0] as string)
+        : texts.graph.several(`${commonStart(members)}…`, members.length);
+    for (const end of key.split(","))
+      merged.push({ node: end.slice(1), topic, publishes: end.startsWith(">"), members });
+  }
+  return merged;
+}
+
+function commonStart(names: readonly string[]): string {
+  const [first = ""] = names;
+  let length = first.length;
+  for (const name of names) while (!name.startsWith(first.slice(0, length))) length--;
+  return first.slice(0, length);
+}
+
+function place({ nodes, topics, pairs }: Boxes): Drawing {
   const graph = new dagre.graphlib.Graph();
   graph.setGraph({ rankdir: "LR", nodesep: 14, ranksep: 56, marginx: 12, marginy: 12 });
   graph.setDefaultEdgeLabel(() => ({}));
   const boxes = new Map<string, Box>();
-  const addBox = (kind: Box["kind"], label: string) => {
+  const addBox = (kind: Box["kind"], label: string, members: readonly string[] = [label]) => {
     const id = `${kind} ${label}`;
-    const box = { id, label, kind, x: 0, y: 0, width: label.length * CHARACTER_WIDTH + 24, height: 30 };
+    const named = { id, label, kind, search: commonStart(members), isOne: members.length === 1 };
+    const box = { ...named, x: 0, y: 0, width: label.length * CHARACTER_WIDTH + 24, height: 30 };
     boxes.set(id, box);
     graph.setNode(id, { width: box.width, height: box.height });
   };
   for (const each of nodes) addBox("node", each);
-  for (const each of topics) addBox("topic", each);
+  for (const [label, members] of topics) addBox("topic", label, members);
   const edges: Edge[] = [];
   for (const { node, topic, publishes } of pairs) {
     const [from, to] = publishes ? [`node ${node}`, `topic ${topic}`] : [`topic ${topic}`, `node ${node}`];

@@ -13,40 +13,44 @@ const MAX_PIXELS = 40_000_000;
 
 type Fill = (image: RawImage, out: Uint8ClampedArray) => void;
 
-/** Where red, green and blue are in a pixel of so many bytes. */
-function interleaved(bytes: number, red: number, green: number, blue: number): Fill {
-  return ({ width, height, step, data }, out) => {
+/** Where red, green and blue are in a pixel of so many bytes. `deep`: of 16 bits each; the upper 8 are shown. */
+function interleaved(bytes: number, red: number, green: number, blue: number, deep = false): Fill {
+  return ({ width, height, step, data, is_bigendian: big }, out) => {
+    const scale = deep ? 2 : 1;
+    const upper = deep && big === 0 ? 1 : 0;
+    const [r, g, b] = [red * scale + upper, green * scale + upper, blue * scale + upper];
     let to = 0;
     for (let y = 0; y < height; y++) {
       let from = y * step;
       for (let x = 0; x < width; x++, from += bytes, to += 4) {
-        out[to] = data[from + red] as number;
-        out[to + 1] = data[from + green] as number;
-        out[to + 2] = data[from + blue] as number;
+        out[to] = data[from + r] as number;
+        out[to + 1] = data[from + g] as number;
+        out[to + 2] = data[from + b] as number;
         out[to + 3] = 255;
       }
     }
   };
 }
 
-/** Numbers wider than a byte are stretched from the smallest to the largest in the picture. */
-function stretched(bytes: 2 | 4): Fill {
+type ReadNumber = (view: DataView, at: number, little: boolean) => number;
+
+/** Numbers wider than a byte are stretched from the smallest to the largest in the picture; NaN is black. */
+function stretched(bytes: 2 | 4 | 8, read: ReadNumber): Fill {
   return ({ width, height, step, data, is_bigendian: big }, out) => {
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
-    const read = (at: number) =>
-      bytes === 2 ? view.getUint16(at, big === 0) : view.getFloat32(at, big === 0);
+    const little = big === 0;
     let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
     for (let y = 0; y < height; y++)
       for (let x = 0; x < width; x++) {
-        const value = read(y * step + x * bytes);
-        if (value < low) low = value;
+        const value = read(view, y * step + x * bytes, little);
+        if (value < low && value !== Number.NEGATIVE_INFINITY) low = value;
         if (value > high && value !== Number.POSITIVE_INFINITY) high = value;
       }
     const scale = high > low ? 255 / (high - low) : 0;
     let to = 0;
     for (let y = 0; y < height; y++)
       for (let x = 0; x < width; x++, to += 4) {
-        const grey = (read(y * step + x * bytes) - low) * scale;
+        const grey = (read(view, y * step + x * bytes, little) - low) * scale;
         out[to] = out[to + 1] = out[to + 2] = grey;
         out[to + 3] = 255;
       }
@@ -73,10 +77,14 @@ function yuv422(firstY: 0 | 1): Fill {
   };
 }
 
-/** Colours of the first four cells, row by row: each pixel takes the nearest cells of the other colours. */
-function bayer(pattern: string): Fill {
-  return ({ width, height, step, data }, out) => {
-    const at = (x: number, y: number) => data[y * step + x] as number;
+/**
+ * Colours of the first four cells, row by row: each pixel takes the nearest cells of the other colours.
+ * Of cells with 16 bits the upper 8 are shown.
+ */
+function bayer(pattern: string, bytes: 1 | 2): Fill {
+  return ({ width, height, step, data, is_bigendian: big }, out) => {
+    const upper = bytes === 2 && big === 0 ? 1 : 0;
+    const at = (x: number, y: number) => data[y * step + x * bytes + upper] as number;
     for (let y = 0; y < height; y++)
       for (let x = 0; x < width; x++) {
         // The 2 x 2 block that begins here has each colour once, and green twice.
@@ -100,6 +108,8 @@ function bayer(pattern: string): Fill {
   };
 }
 
+const UINT16 = stretched(2, (view, at, little) => view.getUint16(at, little));
+
 const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> = {
   rgb8: [3, interleaved(3, 0, 1, 2)],
   rgba8: [4, interleaved(4, 0, 1, 2)],
@@ -108,18 +118,36 @@ const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> 
   mono8: [1, interleaved(1, 0, 0, 0)],
   "8UC1": [1, interleaved(1, 0, 0, 0)],
   "8UC3": [3, interleaved(3, 2, 1, 0)],
-  mono16: [2, stretched(2)],
-  "16UC1": [2, stretched(2)],
-  "32FC1": [4, stretched(4)],
+  "8UC4": [4, interleaved(4, 2, 1, 0)],
+  rgb16: [6, interleaved(6, 0, 1, 2, true)],
+  rgba16: [8, interleaved(8, 0, 1, 2, true)],
+  bgr16: [6, interleaved(6, 2, 1, 0, true)],
+  bgra16: [8, interleaved(8, 2, 1, 0, true)],
+  "16UC3": [6, interleaved(6, 2, 1, 0, true)],
+  mono16: [2, UINT16],
+  "16UC1": [2, UINT16],
+  "16SC1": [2, stretched(2, (view, at, little) => view.getInt16(at, little))],
+  "32SC1": [4, stretched(4, (view, at, little) => view.getInt32(at, little))],
+  "32FC1": [4, stretched(4, (view, at, little) => view.getFloat32(at, little))],
+  "64FC1": [8, stretched(8, (view, at, little) => view.getFloat64(at, little))],
   yuv422: [2, yuv422(1)],
   uyvy: [2, yuv422(1)],
   yuv422_yuy2: [2, yuv422(0)],
   yuyv: [2, yuv422(0)],
-  bayer_rggb8: [1, bayer("rggb")],
-  bayer_bggr8: [1, bayer("bggr")],
-  bayer_gbrg8: [1, bayer("gbrg")],
-  bayer_grbg8: [1, bayer("grbg")],
+  bayer_rggb8: [1, bayer("rggb", 1)],
+  bayer_rggb16: [2, bayer("rggb", 2)],
+  bayer_bggr8: [1, bayer("bggr", 1)],
+  bayer_bggr16: [2, bayer("bggr", 2)],
+  bayer_gbrg8: [1, bayer("gbrg", 1)],
+  bayer_gbrg16: [2, bayer("gbrg", 2)],
+  bayer_grbg8: [1, bayer("grbg", 1)],
+  bayer_grbg16: [2, bayer("grbg", 2)],
 };
+
+/** A broken publisher may write anything. */
+function shownEncoding(encoding: string): string {
+  return encoding.slice(0, 40) || '""';
+}
 
 /**
  * Convert to red, green, blue and alpha.
@@ -130,11 +158,16 @@ const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> 
 export function toRgba(image: RawImage): Uint8ClampedArray<ArrayBuffer> {
   const { width, height, step, data, encoding } = image;
   const known = ENCODINGS[encoding];
-  if (known === undefined) throw new Error(`Pictures with the encoding ${encoding} cannot be shown.`);
+  if (known === undefined)
+    throw new Error(`Pictures with the encoding ${shownEncoding(encoding)} cannot be shown.`);
   const [bytes, fill] = known;
   if (width * height > MAX_PIXELS) throw new Error(`A picture of ${width} x ${height} is too large to show.`);
   if (width < 1 || height < 1) throw new Error("This picture has no pixels.");
-  if (step < width * bytes || step * (height - 1) + width * bytes > data.length)
+  if (step < width * bytes)
+    throw new Error(
+      `The rows of this ${encoding} picture have ${step} bytes; ${width} pixels need ${width * bytes}.`,
+    );
+  if (step * (height - 1) + width * bytes > data.length)
     throw new Error(`A ${encoding} picture of ${width} x ${height} needs more than ${data.length} bytes.`);
   if (encoding.startsWith("bayer") && (width < 2 || height < 2))
     throw new Error("This picture is too small.");

@@ -2,6 +2,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { seriesColor } from "../../plot/chart.ts";
+import { drawable } from "../../plot/columns.ts";
 import type { Series } from "../../plot/series.ts";
 import { formatNumber } from "../../shell/format.ts";
 import { color, theme } from "../../shell/theme.ts";
@@ -37,7 +38,7 @@ export function ArrayChart({ context, series, colorIndex }: Props) {
         axes: [axis, { ...axis, size: 56 }],
         legend: { show: false },
         cursor: { show: false },
-        series: [{}, { stroke: color(seriesColor(colorIndex)), width: 1.5, points: { show: false } }],
+        series: [{}, { stroke: color(seriesColor(colorIndex)), width: 1.5 }],
       },
       [[], []],
       element,
@@ -47,7 +48,10 @@ export function ArrayChart({ context, series, colorIndex }: Props) {
       const numbers = series.lastArray;
       if (numbers !== drawn) {
         drawn = numbers;
-        const values = Array.from(numbers, (each) => (Number.isFinite(Number(each)) ? Number(each) : null));
+        const values = Array.from(numbers, (each) => {
+          const value = drawable(Number(each));
+          return Number.isNaN(value) ? null : value;
+        });
         plot.setData([values.map((_, index) => index), values]);
       }
     });

@@ -7,6 +7,8 @@ import type { Message, Value } from "../../wire/decode.ts";
 import { brief, briefValue, isStamp } from "./brief.ts";
 
 const PART = 50;
+/** Of one string; a page that draws a megabyte several times a second does nothing else. */
+const MAX_TEXT = 5000;
 
 interface TreeProps {
   value: Value;
@@ -47,7 +49,7 @@ function Branch({ name, path, value, onPlot }: TreeProps) {
       <span class="tree-key">{name}: </span>
       <span class="tree-value">
         {typeof value === "string"
-          ? JSON.stringify(value)
+          ? shownText(value)
           : typeof value === "number"
             ? shown(value)
             : briefValue(value)}
@@ -114,6 +116,11 @@ function Folder(props: { name: string; note: string; isOpen: boolean; children: 
       {isOpen.value && <div>{props.children()}</div>}
     </details>
   );
+}
+
+function shownText(value: string): string {
+  const text = JSON.stringify(value.slice(0, MAX_TEXT));
+  return value.length > MAX_TEXT ? `${text} … ${texts.topics.characters(value.length)}` : text;
 }
 
 function shown(value: number): string {
