@@ -208,15 +208,17 @@ export const texts = {
     smaller: "Smaller",
     larger: "Larger",
     several: (start: string, count: number) => `${start} (${count} topics)`,
-    tooMany: (most: number) =>
-      `There are more than ${most} nodes and topics. Filter them by a part of their names.`,
+    tooMany: (most: number) => `There are more than ${most} nodes and topics`,
+    tooManyText: "Type a part of a name into the filter to see that part of the graph.",
     empty: "No node publishes or subscribes",
     emptyText: "Nodes and topics appear here as soon as they are on the graph.",
   },
   map: {
     fit: "Show all",
     follow: "Follow",
-    noTopic: "No node publishes sensor_msgs/NavSatFix.",
+    none: "No robot publishes its position",
+    noneText:
+      "Robots that publish sensor_msgs/NavSatFix appear here. A phone can do that: open This phone on it.",
     noFix: (topics: string) => `No GPS fix: ${topics}`,
     noTiles: "No map tiles. Start the dashboard with --tiles FILE.mbtiles to see streets without internet.",
   },
@@ -263,8 +265,8 @@ export const texts = {
     taken: (driver: string) => `Now driven by ${driver}`,
     notConnected: "Not connected: commands are not sent",
     hint: "Drag the stick, hold W A S D or the arrow keys, or use a gamepad. Space stops. The robot stops when you let go.",
-    direction: (degrees: string, speed: string) => `${degrees}°  speed ${speed}`,
-    twist: (linear: string, angular: string) => `${linear} m/s  ${angular} rad/s`,
+    direction: (degrees: string, speed: string) => `${degrees}° · speed ${speed}`,
+    twist: (linear: string, angular: string) => `${linear} m/s · ${angular} rad/s`,
   },
   services: {
     search: "Search services",
@@ -328,8 +330,14 @@ export const texts = {
   frames: {
     none: "No frames are published",
     noneText: "Frames appear here as soon as a node publishes on /tf or /tf_static.",
-    position: (x: string, y: string, z: string) => `x ${x}  y ${y}  z ${z} m`,
-    rotation: (roll: string, pitch: string, yaw: string) => `roll ${roll}°  pitch ${pitch}°  yaw ${yaw}°`,
+    frame: "Frame",
+    rate: "Rate",
+    x: "x (m)",
+    y: "y (m)",
+    z: "z (m)",
+    roll: "Roll (°)",
+    pitch: "Pitch (°)",
+    yaw: "Yaw (°)",
     fixed: "static",
   },
   diagnostics: {

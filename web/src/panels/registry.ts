@@ -1,4 +1,4 @@
-// All panels, in the order of the navigation.
+// All panels, in the order and the groups of the navigation.
 import { boardsPanel } from "./boards/boards.ts";
 import { connectPanel } from "./connect/connect.ts";
 import { consolePanel } from "./console/console.ts";
@@ -21,25 +21,12 @@ import { servicesPanel } from "./services/services.ts";
 import { simulationPanel } from "./simulation/simulation.ts";
 import { topicsPanel } from "./topics/topics.ts";
 
-export const panels: readonly Panel[] = [
-  boardsPanel,
-  fleetPanel,
-  sensorsPanel,
-  controlsPanel,
-  drivePanel,
-  plotsPanel,
-  imagesPanel,
-  scenePanel,
-  mapPanel,
-  graphPanel,
-  topicsPanel,
-  servicesPanel,
-  parametersPanel,
-  consolePanel,
-  diagnosticsPanel,
-  framesPanel,
-  recordingPanel,
-  simulationPanel,
-  connectPanel,
-  phonePanel,
+/** What the robot does and what it shall do; what its data look like; the ROS graph; tools. */
+export const panelGroups: readonly (readonly Panel[])[] = [
+  [boardsPanel, fleetPanel, sensorsPanel, controlsPanel, drivePanel],
+  [plotsPanel, imagesPanel, scenePanel, mapPanel],
+  [graphPanel, topicsPanel, servicesPanel, parametersPanel, consolePanel, diagnosticsPanel, framesPanel],
+  [recordingPanel, simulationPanel, connectPanel, phonePanel],
 ];
+
+export const panels: readonly Panel[] = panelGroups.flat();

@@ -144,7 +144,8 @@ function sizeOf(host: HTMLElement): { width: number; height: number } {
 function paddedRange(_: uPlot, low: number, high: number): uPlot.Range.MinMax {
   if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
   const span = high - low;
-  const least = Math.max(Math.abs(high), Math.abs(low), 1e-3) * 0.02;
+  // A line of zeros has an axis of whole numbers.
+  const least = Math.max(Math.abs(high), Math.abs(low)) * 0.02 || 1;
   const margin = span > least ? span * 0.08 : least;
   return [low - margin, high + margin];
 }

@@ -3,7 +3,7 @@ import { computed, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { graphOf } from "../panels/graph_of.ts";
 import type { Panel } from "../panels/panel.ts";
-import { panels } from "../panels/registry.ts";
+import { panelGroups, panels } from "../panels/registry.ts";
 import type { Robot } from "../store/robot.ts";
 import { texts } from "../texts.ts";
 import { Header } from "./header.tsx";
@@ -16,7 +16,10 @@ const TAB_COUNT = 4;
 
 export function App({ robot }: { robot: Robot }) {
   const useful = useMemo(
-    () => computed(() => panels.filter((each) => each.isUseful?.(graphOf(robot)) ?? true)),
+    () =>
+      computed(() =>
+        panelGroups.map((group) => group.filter((each) => each.isUseful?.(graphOf(robot)) ?? true)),
+      ),
     [robot],
   );
   const panel = panels.find((each) => each.id === route.value.panelId);
@@ -30,7 +33,7 @@ export function App({ robot }: { robot: Robot }) {
         {texts.shell.skip}
       </a>
       <Header robot={robot} />
-      <Navigation panels={useful.value} active={panel?.id ?? ""} />
+      <Navigation groups={useful.value} active={panel?.id ?? ""} />
       <main id="content" tabIndex={-1} class={panel?.fillsPage ? "content fills" : "content"}>
         {panel ? <PanelPage key={panel.id} panel={panel} robot={robot} /> : <Overview robot={robot} />}
       </main>
@@ -38,26 +41,32 @@ export function App({ robot }: { robot: Robot }) {
   );
 }
 
-function Navigation({ panels, active }: { panels: Panel[]; active: string }) {
+function Navigation({ groups, active }: { groups: Panel[][]; active: string }) {
   const isOpen = useSignal(false);
-  const tabs = panels.filter((each) => each.onTabBar).slice(0, TAB_COUNT - 1);
+  const tabs = groups
+    .flat()
+    .filter((each) => each.onTabBar)
+    .slice(0, TAB_COUNT - 1);
   const isTab = (panel: Panel) => tabs.includes(panel);
   return (
     <nav class={isOpen.value ? "navigation open" : "navigation"} aria-label={texts.shell.navigation}>
       <NavigationLink id="" title="overview" icon="overview" isActive={active === ""} isTab />
-      {panels.map((each) => (
-        <NavigationLink
-          key={each.id}
-          id={each.id}
-          title={each.title}
-          icon={each.icon}
-          isActive={active === each.id}
-          isTab={isTab(each)}
-          onOpen={() => {
-            isOpen.value = false;
-          }}
-        />
-      ))}
+      {groups.map((group) =>
+        group.map((each, index) => (
+          <NavigationLink
+            key={each.id}
+            id={each.id}
+            title={each.title}
+            icon={each.icon}
+            isActive={active === each.id}
+            isTab={isTab(each)}
+            isFirst={index === 0}
+            onOpen={() => {
+              isOpen.value = false;
+            }}
+          />
+        )),
+      )}
       <button
         type="button"
         class="more"
@@ -79,12 +88,15 @@ function NavigationLink(props: {
   icon: Panel["icon"];
   isActive: boolean;
   isTab: boolean;
+  /** Whether it is the first of its group. */
+  isFirst?: boolean;
   onOpen?: () => void;
 }) {
+  const classes = [props.isTab && "tab", props.isFirst && "first"].filter(Boolean).join(" ");
   return (
     <a
       href={linkTo(props.id)}
-      class={props.isTab ? "tab" : undefined}
+      class={classes || undefined}
       aria-current={props.isActive ? "page" : undefined}
       onClick={props.onOpen}
     >

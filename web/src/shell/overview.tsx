@@ -23,6 +23,14 @@ interface Card extends Suggestion {
 // More than fits anybody's attention; each card costs a subscription.
 const MAX_CARDS = 40;
 
+// On a wide screen, wide cards come next after the boards: then narrow ones fill the columns beside them.
+const WIDE_CARD_ORDER = 1;
+const wideScreen = matchMedia("(min-width: 1000px)");
+const isWide = signal(wideScreen.matches);
+wideScreen.addEventListener("change", () => {
+  isWide.value = wideScreen.matches;
+});
+
 export function Overview({ robot }: { robot: Robot }) {
   const cards = useMemo(() => computed(() => arranged(allCards(robot, layout.value), layout.value)), [robot]);
   const isArranging = useSignal(false);
@@ -83,7 +91,8 @@ function allCards(robot: Robot, { added }: Layout): Card[] {
   const cards: Card[] = panels.flatMap((panel) =>
     (panel.matches?.(graph) ?? []).map((each) => ({ ...each, id: `${panel.id} ${each.key}`, panel })),
   );
-  cards.sort((a, b) => a.order - b.order || compareNames(a.key, b.key));
+  const place = (card: Card) => (isWide.value && (card.width ?? 1) > 1 ? WIDE_CARD_ORDER : card.order);
+  cards.sort((a, b) => place(a) - place(b) || compareNames(a.key, b.key));
   const known = new Set(cards.map((each) => each.id));
   for (const { panelId, ...each } of added) {
     const panel = panels.find((one) => one.id === panelId);
@@ -124,13 +133,19 @@ function ArrangeButtons({ card, shown }: { card: Card; shown: Card[] }) {
 
 function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange: ComponentChildren }) {
   const host = useRef<HTMLDivElement>(null);
+  const frame = useRef<HTMLElement>(null);
   useEffect(() => mountPanel(card.panel, host.current!, robot, signal(card.settings), true), [robot]);
+  useEffect(() => followHeight(frame.current!), []);
   return (
-    <section class={`card width-${card.width ?? 1} card-${card.panel.id}`} aria-label={card.title}>
+    <section
+      class={`card width-${card.width ?? 1} card-${card.panel.id}`}
+      aria-label={card.title}
+      ref={frame}
+    >
       <div class="card-head">
         <a href={linkTo(card.panel.id, card.settings)}>
           <Icon name={card.panel.icon} size={18} />
-          <h2>{card.title}</h2>
+          <h2 title={card.title}>{card.title}</h2>
           {!arrange && <Icon name="chevron" size={16} />}
         </a>
         {arrange}
@@ -138,4 +153,17 @@ function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange:
       <div class="card-body" ref={host} />
     </section>
   );
+}
+
+/** The height of the grid's rows: `grid-auto-rows` in shell.css. */
+const ROW_PX = 4;
+
+/** Lets a card span the rows that it needs; returns what ends that. */
+function followHeight(card: HTMLElement): () => void {
+  const observer = new ResizeObserver(() => {
+    const marginPx = Number.parseFloat(getComputedStyle(card).marginBottom);
+    card.style.gridRowEnd = `span ${Math.ceil((card.offsetHeight + marginPx) / ROW_PX)}`;
+  });
+  observer.observe(card);
+  return () => observer.disconnect();
 }

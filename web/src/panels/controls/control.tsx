@@ -76,7 +76,7 @@ function ControlOf(props: { context: PanelContext; topicName: string; type: Stru
       return (
         <button
           type="button"
-          class="button primary"
+          class="button primary push"
           onClick={() => context.open("drive", { topic: topicName })}
         >
           {texts.controls.drive}
@@ -98,7 +98,7 @@ export function PushButton({ send, label }: { send: Send; label: string }) {
         count.value++;
       }}
     >
-      {label.replaceAll("_", " ")}
+      <span class="push-label">{label.replaceAll("_", " ")}</span>
       {count.value > 0 && <span class="push-count">{texts.controls.sent(count.value)}</span>}
     </button>
   );

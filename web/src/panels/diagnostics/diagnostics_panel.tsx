@@ -1,5 +1,6 @@
 // The health of every component that publishes on /diagnostics.
 import { useMemo } from "preact/hooks";
+import { Icon } from "../../shell/icons.tsx";
 import { Badge, EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import { useSubscription, useTick } from "../hooks.ts";
@@ -27,6 +28,7 @@ function DiagnosticsPanel({ context }: { context: PanelContext }) {
           open={level === "error" || level === "warning"}
         >
           <summary>
+            <Icon name="chevron" size={16} />
             <Badge level={level}>{texts.diagnostics.levels[level]}</Badge>
             <span class="diagnostic-name">{status.name}</span>
             <span class="diagnostic-message">{status.message}</span>

@@ -58,5 +58,5 @@ function valueText(driver: Driver): string {
   if (command.dir !== undefined)
     return texts.drive.direction(formatNumber(command.dir, 3), formatNumber(command.speed ?? 0, 2));
   const twist = command.twist ?? command;
-  return texts.drive.twist(formatNumber(twist.linear?.x ?? 0, 2), formatNumber(twist.angular?.z ?? 0, 2));
+  return texts.drive.twist((twist.linear?.x ?? 0).toFixed(2), (twist.angular?.z ?? 0).toFixed(2));
 }

@@ -9,7 +9,7 @@ export const fleetPanel: Panel = {
   isUseful: ({ topics }) => [...topics.values()].some((each) => each.typeName === FLEET_TYPE),
   matches: ({ topics }) =>
     [...topics.values()].some((each) => each.typeName === FLEET_TYPE && each.channelId !== undefined)
-      ? [{ key: "fleet", title: "Fleet", settings: {}, width: 2, order: 5 }]
+      ? [{ key: "fleet", title: "Fleet", settings: {}, order: 5 }]
       : [],
   load: () => import("./fleet_panel.tsx"),
 };

@@ -1,10 +1,11 @@
 // The tree of tf frames: parent, age, rate and where each is.
 import { useSignal } from "@preact/signals";
+import { Fragment } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { eulerDegrees } from "../../scene/rigid.ts";
 import type { Edge, TfBuffer } from "../../scene/tf_buffer.ts";
 import { followTf } from "../../scene/tf_feed.ts";
-import { formatDuration, formatNumber, formatRate } from "../../shell/format.ts";
+import { compareNames, formatDuration, formatRate } from "../../shell/format.ts";
 import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
@@ -13,6 +14,7 @@ import { preactPanel } from "../preact_panel.tsx";
 
 // A moving frame that is older than this no longer moves.
 const OLD_MS = 1000;
+const t = texts.frames;
 
 function FramesPanel({ context }: { context: PanelContext }) {
   const tf = useRef<TfBuffer | undefined>(undefined);
@@ -24,8 +26,7 @@ function FramesPanel({ context }: { context: PanelContext }) {
   useTick(context, 500);
   void version.value;
   const edges = [...(tf.current?.edges.values() ?? [])];
-  if (edges.length === 0)
-    return <EmptyState icon="frames" title={texts.frames.none} text={texts.frames.noneText} />;
+  if (edges.length === 0) return <EmptyState icon="frames" title={t.none} text={t.noneText} />;
   const children = new Map<string, Edge[]>();
   for (const edge of edges) {
     const list = children.get(edge.parent) ?? [];
@@ -35,55 +36,92 @@ function FramesPanel({ context }: { context: PanelContext }) {
   const roots = [...children.keys()].filter((frame) => !tf.current?.edges.has(frame)).sort();
   return (
     <div class="frames">
-      {roots.map((root) => (
-        <ul class="tree" key={root}>
-          <li>
-            <span class="frame-name">{root}</span>
-            <Below frame={root} table={children} />
-          </li>
-        </ul>
-      ))}
+      <div class="frames-tree">
+        <table>
+          <thead>
+            <tr>
+              <th>{t.frame}</th>
+              <th class="number">{t.rate}</th>
+              <th class="number">{t.x}</th>
+              <th class="number">{t.y}</th>
+              <th class="number">{t.z}</th>
+              <th class="number wide">{t.roll}</th>
+              <th class="number wide">{t.pitch}</th>
+              <th class="number wide">{t.yaw}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {roots.map((root) => (
+              <Fragment key={root}>
+                <tr>
+                  <td colSpan={8}>
+                    <span class="frame-name root">{root}</span>
+                  </td>
+                </tr>
+                <Below frame={root} table={children} depth={1} />
+              </Fragment>
+            ))}
+          </tbody>
+        </table>
+      </div>
     </div>
   );
 }
 
-function Below({ frame, table }: { frame: string; table: Map<string, Edge[]> }) {
-  const edges = table.get(frame);
-  if (edges === undefined) return null;
-  const sorted = [...edges].sort((a, b) => (a.child < b.child ? -1 : 1));
+// Deeper ones would leave no room for their names.
+const MAX_INDENT = 6;
+
+function Below(props: { frame: string; table: Map<string, Edge[]>; depth: number }) {
+  const { frame, table, depth } = props;
+  const sorted = [...(table.get(frame) ?? [])].sort((a, b) => compareNames(a.child, b.child));
   return (
-    <ul>
+    <>
       {sorted.map((edge) => (
-        <li key={edge.child}>
-          <FrameRow edge={edge} />
-          <Below frame={edge.child} table={table} />
-        </li>
+        <Fragment key={edge.child}>
+          <FrameRow edge={edge} depth={Math.min(depth, MAX_INDENT)} />
+          <Below frame={edge.child} table={table} depth={depth + 1} />
+        </Fragment>
       ))}
-    </ul>
+    </>
   );
 }
 
-function FrameRow({ edge }: { edge: Edge }) {
+function FrameRow({ edge, depth }: { edge: Edge; depth: number }) {
   const newest = edge.samples.at(-1);
   const ageMs = performance.now() - edge.receivedMs;
   const isOld = !edge.isStatic && ageMs > OLD_MS;
-  const [x, y, z] = newest?.transform.translation ?? [0, 0, 0];
-  const [roll, pitch, yaw] = eulerDegrees(newest?.transform.rotation ?? [0, 0, 0, 1]);
-  const number = (value: number) => formatNumber(Math.abs(value) < 1e-6 ? 0 : value, 3);
+  const position = newest?.transform.translation ?? [0, 0, 0];
+  const angles = eulerDegrees(newest?.transform.rotation ?? [0, 0, 0, 1]);
   return (
-    <div class={isOld ? "frame stale" : "frame"}>
-      <span class="frame-name">{edge.child}</span>
-      <span class="number">{texts.frames.position(number(x), number(y), number(z))}</span>
-      <span class="number">{texts.frames.rotation(number(roll), number(pitch), number(yaw))}</span>
-      <span class="number">
+    <tr class={isOld ? "stale" : undefined}>
+      <td>
+        <span class={`frame-name depth-${depth}`}>{edge.child}</span>
+      </td>
+      <td class="number muted">
         {edge.isStatic
-          ? texts.frames.fixed
+          ? t.fixed
           : isOld
             ? texts.units.ago(formatDuration(ageMs / 1000))
             : formatRate(rateOf(edge))}
-      </span>
-    </div>
+      </td>
+      {[...position].map((meters, axis) => (
+        <td key={axis} class="number">
+          {withoutMinusZero(meters, 3)}
+        </td>
+      ))}
+      {[...angles].map((degrees, axis) => (
+        <td key={axis} class="number wide">
+          {withoutMinusZero(degrees, 1)}
+        </td>
+      ))}
+    </tr>
   );
+}
+
+/** A number with fixed digits: 0.0 for what rounds to -0.0. */
+function withoutMinusZero(value: number, digits: number): string {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text;
 }
 
 function rateOf({ samples }: Edge): number {

@@ -9,7 +9,7 @@ import { useTick } from "../hooks.ts";
 import { IMAGE_TYPES } from "../images/types.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
-import { type Box, type Drawing, type Edge, layout, MAX_BOXES } from "./layout.ts";
+import { type Box, type Drawing, type Edge, layout, MAX_BOXES, MAX_LABEL, shortLabel } from "./layout.ts";
 
 // What a screen shows at once.
 const MAX_RATES = 60;
@@ -79,7 +79,9 @@ function GraphPanel({ context }: { context: PanelContext }) {
           +
         </button>
       </div>
-      {drawing === undefined && <p class="empty-line">{texts.graph.tooMany(MAX_BOXES)}</p>}
+      {drawing === undefined && (
+        <EmptyState icon="graph" title={texts.graph.tooMany(MAX_BOXES)} text={texts.graph.tooManyText} />
+      )}
       {drawing !== undefined && drawing.boxes.length === 0 && (
         <EmptyState icon="graph" title={texts.graph.empty} text={texts.graph.emptyText} />
       )}
@@ -122,9 +124,15 @@ function GraphPanel({ context }: { context: PanelContext }) {
 }
 
 function Arrow({ edge }: { edge: Edge }) {
-  const path = edge.points
-    .map(({ x, y }, i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`)
-    .join(" ");
+  const [first, ...others] = edge.points;
+  let path = `M${first!.x.toFixed(1)} ${first!.y.toFixed(1)}`;
+  let last = first!;
+  for (const next of others) {
+    // Level at each point, so that the parts join without a corner.
+    const middle = ((last.x + next.x) / 2).toFixed(1);
+    path += `C${middle} ${last.y.toFixed(1)} ${middle} ${next.y.toFixed(1)} ${next.x.toFixed(1)} ${next.y.toFixed(1)}`;
+    last = next;
+  }
   return <path d={path} class="graph-edge" marker-end="url(#arrow)" />;
 }
 
@@ -144,8 +152,9 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
     >
       <rect width={box.width} height={box.height} rx={box.kind === "node" ? 15 : 4} />
       <text x={box.width / 2} y={box.height / 2} text-anchor="middle" dominant-baseline="central">
-        {box.label}
+        {shortLabel(box.label)}
       </text>
+      {box.label.length > MAX_LABEL && <title>{box.label}</title>}
       {box.kind === "topic" && box.isOne && <Rate box={box} context={context} />}
     </g>
   );

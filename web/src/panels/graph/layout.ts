@@ -18,8 +18,6 @@ export interface Box {
 export interface Edge {
   readonly from: string;
   readonly to: string;
-  /** The topic that it belongs to. */
-  readonly topic: string;
   points: readonly { x: number; y: number }[];
 }
 export interface Drawing {
@@ -36,7 +34,9 @@ export interface GraphInput {
 
 /** More boxes take the layout over a second, and nobody reads them. */
 export const MAX_BOXES = 400;
-const CHARACTER_WIDTH = 7.2;
+const CHARACTER_WIDTH = 7.6;
+/** Longer names are shortened in the middle: their ends tell them apart. */
+export const MAX_LABEL = 36;
 /** Topics of every node, which hide what matters (rqt_graph's "Debug"). */
 const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics"];
 
@@ -125,6 +125,12 @@ function commonStart(names: readonly string[]): string {
   return first.slice(0, length);
 }
 
+export function shortLabel(name: string): string {
+  if (name.length <= MAX_LABEL) return name;
+  const half = Math.floor((MAX_LABEL - 1) / 2);
+  return `${name.slice(0, half)}…${name.slice(-half)}`;
+}
+
 function place({ nodes, topics, pairs }: Boxes): Drawing {
   const graph = new dagre.graphlib.Graph();
   graph.setGraph({ rankdir: "LR", nodesep: 14, ranksep: 56, marginx: 12, marginy: 12 });
@@ -133,7 +139,7 @@ function place({ nodes, topics, pairs }: Boxes): Drawing {
   const addBox = (kind: Box["kind"], label: string, members: readonly string[] = [label]) => {
     const id = `${kind} ${label}`;
     const named = { id, label, kind, search: commonStart(members), isOne: members.length === 1 };
-    const box = { ...named, x: 0, y: 0, width: label.length * CHARACTER_WIDTH + 24, height: 30 };
+    const box = { ...named, x: 0, y: 0, width: shortLabel(label).length * CHARACTER_WIDTH + 24, height: 30 };
     boxes.set(id, box);
     graph.setNode(id, { width: box.width, height: box.height });
   };
@@ -143,7 +149,7 @@ function place({ nodes, topics, pairs }: Boxes): Drawing {
   for (const { node, topic, publishes } of pairs) {
     const [from, to] = publishes ? [`node ${node}`, `topic ${topic}`] : [`topic ${topic}`, `node ${node}`];
     graph.setEdge(from, to);
-    edges.push({ from, to, topic, points: [] });
+    edges.push({ from, to, points: [] });
   }
   dagre.layout(graph);
   let [width, height] = [0, 0];
@@ -156,11 +162,22 @@ function place({ nodes, topics, pairs }: Boxes): Drawing {
   }
   for (const edge of edges) {
     const { points } = graph.edge(edge.from, edge.to) as { points: { x: number; y: number }[] };
-    edge.points = points;
+    edge.points = fromSideToSide(points, boxes.get(edge.from)!, boxes.get(edge.to)!);
     for (const { x, y } of points) {
       width = Math.max(width, x);
       height = Math.max(height, y);
     }
   }
   return { boxes: [...boxes.values()], edges, width: width + 12, height: height + 12 };
+}
+
+/** Lets an edge leave and reach the middle of a side, where dagre takes any place of the border. */
+function fromSideToSide(points: Edge["points"], from: Box, to: Box): Edge["points"] {
+  // An edge against the reading direction leaves to the left.
+  const side = from.x <= to.x ? 0.5 : -0.5;
+  return [
+    { x: from.x + side * from.width, y: from.y },
+    ...points.slice(1, -1),
+    { x: to.x - side * to.width, y: to.y },
+  ];
 }

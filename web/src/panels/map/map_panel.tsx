@@ -2,6 +2,7 @@
 import { effect, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { tilesUrl } from "../../connection/address.ts";
+import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
@@ -65,6 +66,7 @@ function MapPanel({ context }: { context: PanelContext }) {
   return (
     <div class="map">
       <div class="map-picture" ref={host} />
+      {!hasTopic && <EmptyState icon="map" title={texts.map.none} text={texts.map.noneText} />}
       <div class="map-tools">
         <button type="button" class="button" onClick={() => view.value?.fit()}>
           {texts.map.fit}
@@ -82,7 +84,6 @@ function MapPanel({ context }: { context: PanelContext }) {
         </button>
       </div>
       <div class="map-notes">
-        {!hasTopic && !context.isCard && <p class="warning">{texts.map.noTopic}</p>}
         {waiting.value.length > 0 && <p class="warning">{texts.map.noFix(waiting.value.join(", "))}</p>}
         {pattern === undefined && !context.isCard && <p>{texts.map.noTiles}</p>}
       </div>

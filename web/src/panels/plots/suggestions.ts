@@ -2,6 +2,7 @@
 import { compareNames } from "../../shell/format.ts";
 import type { Topic } from "../../store/topics.ts";
 import { numericPaths } from "../../wire/path.ts";
+import { controllableTopics } from "../controls/controllable.ts";
 import { MAIN_FIELDS } from "../main_fields.ts";
 import type { Graph, Suggestion } from "../panel.ts";
 
@@ -25,10 +26,12 @@ export function mainPaths(topic: Topic): string[] {
   }
 }
 
-export function plotSuggestions({ topics }: Graph): Suggestion[] {
+export function plotSuggestions(graph: Graph): Suggestion[] {
   const found: Suggestion[] = [];
-  for (const topic of topics.values()) {
-    if (!topic.isPublished) continue;
+  // What only this page publishes is in its controls.
+  const controlled = new Set(controllableTopics(graph, graph.ownNode));
+  for (const topic of graph.topics.values()) {
+    if (!topic.isPublished || controlled.has(topic.name)) continue;
     const paths = mainPaths(topic);
     if (paths.length === 0) continue;
     const series = paths.map((path) => `${topic.name}.${path}`);

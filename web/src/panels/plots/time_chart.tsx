@@ -39,7 +39,7 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
         if (now - drawnMs >= periodMs) {
           drawnMs = now;
           const toS = clock.nowS();
-          chart.draw(toS - spanOf(shown.lastS, series, toS, options.isSmall), toS);
+          chart.draw(toS - spanOf(shown.lastS, series, toS), toS);
         }
         // It moves on while it is seen.
         if (context.visible.peek()) task.markDirty();
@@ -64,8 +64,7 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
 // A chart that has just begun shows less, so that it is not empty for long.
 const FIRST_SPAN_S = 5;
 
-function spanOf(wantedS: number, series: readonly Series[], toS: number, isSmall: boolean): number {
-  if (!isSmall) return wantedS;
+function spanOf(wantedS: number, series: readonly Series[], toS: number): number {
   const oldest = Math.min(...series.map(({ buffer }) => (buffer.length > 0 ? buffer.time(0) : toS)));
   return Math.min(wantedS, Math.max(FIRST_SPAN_S, toS - oldest));
 }

@@ -73,7 +73,7 @@ function ServicesPanel({ context }: { context: PanelContext }) {
         {service ? (
           <CallForm key={service.name} context={context} service={service} />
         ) : (
-          shown.length > 0 && <p class="empty-line">{texts.services.choose}</p>
+          shown.length > 0 && <EmptyState icon="services" title={texts.services.choose} />
         )}
       </div>
     </div>

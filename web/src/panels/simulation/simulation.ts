@@ -6,5 +6,12 @@ export const simulationPanel: Panel = {
   title: "simulation",
   icon: "simulation",
   isUseful: ({ topics }) => simulatedBoards(topics.values()).size > 0,
+  matches: ({ topics }) =>
+    [...simulatedBoards(topics.values())].map(([topic, name]) => ({
+      key: topic,
+      title: name,
+      settings: { topic },
+      order: 15,
+    })),
   load: () => import("./simulation_panel.tsx"),
 };

@@ -23,6 +23,11 @@ function SimulationPanel({ context }: { context: PanelContext }) {
   const boards = simulatedBoards(context.robot.topics.value.values());
   if (boards.size === 0)
     return <EmptyState icon="simulation" title={t.none} text={t.noneText} command={t.noneCommand} />;
+  const { topic: shown } = context.settings.value;
+  // A card shows one board, without what surrounds it.
+  if (context.isCard) {
+    return <Board context={context} topic={String(shown)} name={boards.get(String(shown)) ?? ""} />;
+  }
   return (
     <div class="simulation">
       {[...boards].map(([topic, name]) => (
@@ -52,26 +57,32 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
   }, [mayAct, commands]);
   const tell: Tell = (line) => publisher.peek()?.publish({ data: line });
   const slide: Tell = (line) => publisher.peek()?.publishSmoothly({ data: line });
+  const drawing = state && (
+    <div>
+      <BoardDrawing
+        state={state}
+        isDisabled={!mayAct}
+        drive={(pin, level) => tell(`pin ${pin}=${level ?? "z"}`)}
+      />
+      <p class="simulation-hint">{t.hint}</p>
+    </div>
+  );
+  if (context.isCard) return drawing ?? <p class="empty-line">{t.waiting}</p>;
   return (
     <section class="control-card simulation-board" aria-label={name}>
       <h2>
         {name} <span class="simulation-kind">{state && `${state.board}, ${state.mcu}`}</span>
       </h2>
       {state ? (
-        <>
-          <BoardDrawing
-            state={state}
-            isDisabled={!mayAct}
-            drive={(pin, level) => tell(`pin ${pin}=${level ?? "z"}`)}
-          />
-          <p class="simulation-hint">{t.hint}</p>
+        <div class="simulation-parts">
+          {drawing}
           <fieldset class="simulation-surroundings" disabled={!mayAct}>
             <Obstacle state={state} tell={tell} slide={slide} />
             <Volts state={state} slide={slide} />
             <Line state={state} tell={tell} />
           </fieldset>
           {state.error && <p class="problem">{state.error}</p>}
-        </>
+        </div>
       ) : (
         <p class="empty-line">{t.waiting}</p>
       )}
@@ -84,12 +95,12 @@ function Obstacle({ state, tell, slide }: { state: BoardState; tell: Tell; slide
   const isThere = Number.isFinite(meters);
   return (
     <div class="simulation-row">
-      <label>
+      <label class="check">
         <input
           type="checkbox"
           checked={isThere}
           onChange={(event) => tell(`range ${event.currentTarget.checked ? DEFAULT_RANGE_M : "none"}`)}
-        />{" "}
+        />
         {t.obstacle}
       </label>
       <Slider
@@ -160,7 +171,7 @@ function Line({ state, tell }: { state: BoardState; tell: Tell }) {
   const isOff = state.words.power === "off";
   const choices = FAULTS.includes(fault) ? FAULTS : [...FAULTS, fault];
   return (
-    <div class="simulation-row">
+    <div class="simulation-row wraps">
       <label>
         {t.faults}{" "}
         <select value={fault} onChange={(event) => tell(`fault ${event.currentTarget.value}`)}>

@@ -1,6 +1,7 @@
 // All topics with rates and last values, and the messages of a chosen one.
 import { useComputed } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { type ComponentChildren, Fragment } from "preact";
+import { useMemo, useRef } from "preact/hooks";
 import { compareNames, formatBandwidth, formatRate } from "../../shell/format.ts";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
@@ -143,7 +144,21 @@ function group(name: string): string {
 
 function isNewGroup(rows: Row[], index: number): boolean {
   const own = group(rows[index]!.name);
-  return own !== "" && (index === 0 || group(rows[index - 1]!.name) !== own);
+  // A heading for one topic would say nothing.
+  const isAlone = index + 1 >= rows.length || group(rows[index + 1]!.name) !== own;
+  return own !== "" && !isAlone && (index === 0 || group(rows[index - 1]!.name) !== own);
+}
+
+/** A name that breaks after its slashes first. */
+function breakable(name: string): ComponentChildren {
+  const parts = name.split(/(?<=.\/)/);
+  if (parts.length === 1) return name;
+  return parts.map((part, index) => (
+    <Fragment key={index}>
+      {part}
+      <wbr />
+    </Fragment>
+  ));
 }
 
 function TopicRow(props: {
@@ -156,6 +171,7 @@ function TopicRow(props: {
 }) {
   const { name, typeName, isPublished } = props.row;
   const { robot } = props.context;
+  const shownName = useMemo(() => breakable(name), [name]);
   const feed = robot.feed(name);
   const now = props.nowMs;
   const message = feed.lastMessage();
@@ -167,7 +183,7 @@ function TopicRow(props: {
     <tr data-topic={name} aria-selected={props.isChosen} onClick={() => props.onChoose(name)}>
       <td>
         <button type="button" class="topics-name">
-          {name}
+          {shownName}
         </button>
       </td>
       <td class="topics-type wide">{typeName}</td>
