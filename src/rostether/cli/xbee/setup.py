@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import click
 
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
@@ -13,6 +15,8 @@ from rostether.transports.typed_port import check_typed_port
 from rostether.transports.xbee.radio_address import is_long, parse_radio_address, show_radio_address
 from rostether.transports.xbee.set_up import BAUD_CODES, RadioSettings, set_up_radio
 
+# The start of an address such as tcp:localhost:4000.
+_LINK_ADDRESS = re.compile(r"[a-z]+:")
 _MAX_PAN_ID = 0xFFFF
 _CHANNELS = (0x0B, 0x1A)
 
@@ -115,6 +119,8 @@ def xbee_setup(
         raise click.UsageError("--to is for the radios of boards; give --to or --coordinator, not both")
     if not coordinator and address is None and coordinator_address is None:
         raise click.UsageError("give the board's ADDRESS, for instance 1, or --coordinator")
+    if _LINK_ADDRESS.match(port):
+        raise click.UsageError(f"{port} is not a serial port; connect the radio to one, such as /dev/ttyUSB0")
     check_typed_port(SerialAddress(port), list_serial_ports)
     own_address = 0 if coordinator and address is None else address
     settings = RadioSettings(own_address, coordinator, coordinator_address or 0, pan_id, channel, int(baud))

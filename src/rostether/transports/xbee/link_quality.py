@@ -44,6 +44,13 @@ class LinkQuality:
         if status is not None and status.retries is not None:
             self.retries = (self.retries or 0) + status.retries
 
+    def refused(self) -> None:
+        """Count bytes for the board that were dropped because too many wait for it."""
+        self.sent_packets += 1
+        self.lost_packets += 1
+        self._recent.append(True)
+        self.last_status = "queue full"
+
     @property
     def recent_loss(self) -> float | None:
         """The lost share of the last packets to the board, from 0 to 1; None until there are enough."""

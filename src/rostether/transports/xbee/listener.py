@@ -240,7 +240,8 @@ class XbeeListener:
         self._pump()
 
     def _send(self, key: int, data: bytes | bytearray | memoryview) -> None:
-        self._queue.put(key, data)
+        if not self._queue.put(key, data) and (quality := self._qualities.get(key)) is not None:
+            quality.refused()
         self._pump()
 
     def _pump(self) -> None:

@@ -25,6 +25,10 @@ def test_the_link_of_a_network() -> None:
         (("setup", "/dev/x", "1", "-c", "0A"), "'0A' is not a hexadecimal number from B to 1A"),
         (("setup", "/dev/x", "--to", "1"), "write the 16 hexadecimal digits on a radio's label"),
         (("setup", "/dev/x", "-C", "--to", "0013A20040A1B2C3"), "--to is for the radios of boards"),
+        (
+            ("setup", "tcp:localhost:4000", "1"),
+            "tcp:localhost:4000 is not a serial port; connect the radio to",
+        ),
         (("simulate",), "give --link, the serial port for `rostether serve`, or --fresh"),
         (("simulate", "x.ino", "--fresh", "y"), "SKETCH is for the boards of a network; give --link"),
     ],

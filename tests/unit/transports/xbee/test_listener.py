@@ -13,6 +13,7 @@ from rostether.transports.peers import PeerTransport
 from rostether.transports.transport import Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
 from rostether.transports.xbee.listener import ANSWER_LIMIT_S, XbeeListener
+from rostether.transports.xbee.send_queue import QUEUE_LIMIT_BYTES
 from unit.bridge.virtual_time import run as run_on_virtual_time
 from unit.transports.recorder import Arrivals
 from unit.transports.xbee.test_frame import rx_frame
@@ -230,6 +231,21 @@ async def test_packets_without_acknowledgement_are_counted(
     coordinator.radio.write(rx_frame(7, b"I am here"))
     await until(lambda: quality.rssi_dbm == -0x28, "the packet")
     await listener.close()
+
+
+async def test_bytes_for_a_full_queue_are_counted_as_lost(
+    listener: XbeeListener, coordinator: Coordinator, arrivals: Arrivals
+) -> None:
+    coordinator.mute = True
+    coordinator.radio.write(rx_frame(1, b"x"))
+    board = await arrivals.next()
+    assert isinstance(board, PeerTransport)
+    quality = board.quality
+    assert quality is not None
+    board.write(bytes(QUEUE_LIMIT_BYTES))
+    assert quality.lost_packets == 0
+    board.write(bytes(QUEUE_LIMIT_BYTES))
+    assert (quality.lost_packets, quality.last_status) == (1, "queue full")
 
 
 async def test_a_broadcast_calls_boards(coordinator: Coordinator, arrivals: Arrivals) -> None:
