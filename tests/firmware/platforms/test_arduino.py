@@ -43,6 +43,21 @@ def _compile(source: str, library: Path, places: pytest.TempPathFactory, *flags:
     return compile_program([*SANITIZED, *flags, f"-I{ON_HOST}"], [ON_HOST / source], library, output)
 
 
+async def test_an_esp32_connects_as_its_sketch_asks_for_it(
+    library: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """The established library has the network on these boards without a switch."""
+    program = tmp_path_factory.mktemp("arduino") / "esp32"
+    source = ON_HOST / "network_node.cpp"
+    compile_program(["g++", "-DARDUINO=10819", "-DESP32", f"-I{ON_HOST}"], [source], library, program)
+    async with (
+        meeting() as met,
+        met.bridge("tcp://127.0.0.1:0") as (address,),
+        running(program, address.rpartition(":")[2]),
+    ):
+        await met.converse()
+
+
 def test_ports_of_any_class(library: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     done = subprocess.run([_compile("serial_ports.cpp", library, tmp_path_factory)], check=False)
     assert done.returncode == 0, f"check {done.returncode} of serial_ports.cpp failed"

@@ -45,11 +45,13 @@ typedef PortClass<decltype(SERIAL_PORT)>::type SerialClass;
 #define SERIAL_CLASS ros::SerialClass
 #endif
 
-class ArduinoHardware {
+namespace ros {
+
+class ArduinoSerial {
  public:
-  ArduinoHardware() : iostream(&SERIAL_PORT), baud_(57600) {}
+  ArduinoSerial() : iostream(&SERIAL_PORT), baud_(57600) {}
   template <class Port>
-  ArduinoHardware(Port* io, long baud = 57600) : iostream(io), baud_(baud) {}
+  ArduinoSerial(Port* io, long baud = 57600) : iostream(io), baud_(baud) {}
 
   // Takes effect with the next initNode.
   void setBaud(long baud) { baud_ = baud; }
@@ -66,8 +68,21 @@ class ArduinoHardware {
   unsigned long time() { return millis(); }
 
  protected:
-  ros::SerialPort<SERIAL_CLASS> iostream;
+  SerialPort<SERIAL_CLASS> iostream;
   long baud_;
 };
+
+}  // namespace ros
+
+#if (defined(ESP8266) || defined(ESP32)) && !defined(ESP_SERIAL)
+#include "ros/platform/arduino_esp.h"
+#else
+class ArduinoHardware : public ros::ArduinoSerial {
+ public:
+  ArduinoHardware() {}
+  template <class Port>
+  ArduinoHardware(Port* io, long baud = 57600) : ros::ArduinoSerial(io, baud) {}
+};
+#endif
 
 #endif
