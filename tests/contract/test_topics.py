@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contract.capabilities import Capabilities
-from contract.graphs import BOOL, STRING, Inbox, acquainted, snapshot_when, string
+from contract.graphs import BOOL, STRING, TRUE, Inbox, acquainted, snapshot_when, string
 from rostether.errors import GraphError, TypeMismatchError
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -121,6 +121,31 @@ async def test_types_that_differ_do_not_meet(join: JoinGraph, can: Capabilities)
     publisher.publish_raw([string("hello")])
     await until(lambda: right.payloads)
     assert wrong.payloads == []
+
+
+async def test_a_subscriber_of_one_type_follows_the_publishers(join: JoinGraph, can: Capabilities) -> None:
+    can.require("types_may_differ")
+    talker, other, listener = await join("/talker"), await join("/other"), await join("/listener")
+    inbox = Inbox()
+    publisher = await talker.advertise("/chat", STRING)
+    subscriber = await listener.subscribe(
+        "/chat", ANY_MESSAGE, inbox.take, on_connection=inbox.take_header, one_type=True
+    )
+    await until(lambda: publisher.subscriber_count == 1)
+    wrong = await other.advertise("/chat", BOOL)
+    await snapshot_when(listener, lambda snapshot: len(snapshot.topics["/chat"].publishers) == 2)
+    wrong.publish_raw([TRUE])
+    await wrong.close()
+    publisher.publish_raw([string("hello")])
+    await until(lambda: inbox.payloads)
+    await publisher.close()
+    await until(lambda: subscriber.publisher_count == 0)
+    publisher = await other.advertise("/chat", BOOL)
+    await until(lambda: len(inbox.headers) == 2 and publisher.subscriber_count == 1)
+    publisher.publish_raw([TRUE])
+    await until(lambda: len(inbox.payloads) == 2)
+    assert inbox.payloads == [string("hello"), TRUE]
+    assert [header["type"] for header in inbox.headers] == [STRING.name, BOOL.name]
 
 
 async def test_a_paused_subscriber_misses_nothing(join: JoinGraph) -> None:

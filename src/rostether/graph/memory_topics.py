@@ -14,7 +14,7 @@ from rostether.graph.flow_control import (
     SubscriberFlow,
 )
 from rostether.graph.ports import OnMessages, SubscribeOptions
-from rostether.msgdef.interface import MessageType, agree
+from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType, agree
 
 _log = logging.getLogger("rostether.graph.memory")
 
@@ -75,7 +75,7 @@ class MemoryPublisher:
         """Connect a subscriber of this type; a mismatch is one line in the log."""
         if subscriber.skip_own and subscriber.node_name == self.node_name:
             return
-        if not agree(self.type.md5sum, subscriber.type.md5sum):
+        if not subscriber.takes(self):
             _log.warning(
                 "%s: %s publishes %s, %s wants %s",
                 self.topic,
@@ -120,6 +120,7 @@ class MemorySubscriber:
         self.skip_own = options.get("skip_own", False)
         self.skip_nodes: Container[str] = options.get("skip_nodes", ())
         self.links: list[_Link] = []
+        self._learns_type = options.get("one_type", False) and message_type.name == ANY_TYPE
         self.is_paused = False
         self.is_closed = False
         self._on_messages = on_messages
@@ -130,6 +131,16 @@ class MemorySubscriber:
     def publisher_count(self) -> int:
         """How many publishers are connected now."""
         return len(self.links)
+
+    def takes(self, publisher: MemoryPublisher) -> bool:
+        """Return whether a new publisher has the type of this subscriber."""
+        if self._learns_type and all(link.node_name in self.skip_nodes for link in self.links):
+            self.type = ANY_MESSAGE
+        if not agree(publisher.type.md5sum, self.type.md5sum):
+            return False
+        if self._learns_type and publisher.node_name not in self.skip_nodes:
+            self.type = publisher.type
+        return True
 
     def pause(self) -> None:
         """Pause until resume; publishers queue."""
@@ -174,6 +185,10 @@ class _Link:
         publisher.links.append(self)
         subscriber.links.append(self)
         self.deliver_soon()
+
+    @property
+    def node_name(self) -> str:
+        return self._publisher.node_name
 
     def put(self, payloads: Sequence[bytes]) -> int:
         """Queue a batch; returns how many of the oldest messages had to go."""

@@ -242,10 +242,11 @@ class Relay:
             is_open = False
             try:
                 await relay.open()
-                assert relay.type is not None
                 is_open = True
-                self._report(Level.INFO, f"relaying {wish.text} ({relay.type.name})")
-                await asyncio.Event().wait()
+                while True:
+                    assert relay.type is not None
+                    self._report(Level.INFO, f"relaying {wish.text} ({relay.type.name})")
+                    await relay.follow_type()
             except RostetherError as error:
                 if str(error) != reported:
                     reported = str(error)
@@ -288,6 +289,10 @@ class ServiceRelay:
             await server.close()
             return
         self._server = server
+
+    async def follow_type(self) -> None:
+        """Wait until cancelled: a service keeps its type."""
+        await asyncio.Event().wait()
 
     async def close(self) -> None:
         """Withdraw the service. Idempotent. Raises GraphError."""

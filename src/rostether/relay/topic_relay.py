@@ -12,9 +12,22 @@ from rostether.relay.side import Side
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
 PAUSE_S = 0.1
 
+# The time for subscribers on the other side to connect. A graph may list some that were killed.
+CONNECT_S = 1.0
+
+# A graph may list the relay's own subscriber, which does not connect: then the others decide after this time.
+SETTLE_S = 0.2
+
+# How often connected subscribers are counted; the port does not report them.
+_COUNT_INTERVAL_S = 0.01
+
 
 class TopicRelay:
-    """Relays a topic until it is closed; messages of `skip_nodes` are left out."""
+    """Relays a topic until it is closed; messages of `skip_nodes` are left out.
+
+    Messages that arrive before the subscribers on the other side are connected wait here, and then, because
+    the subscription pauses, in the source graph's queues.
+    """
 
     def __init__(self, topic: str, source: Side, target: Side, skip_nodes: Container[str] = ()) -> None:
         self.topic = topic
@@ -23,30 +36,57 @@ class TopicRelay:
         self.type: MessageType | None = None
         self.message_count = 0
         self._skip_nodes = skip_nodes
+        self._is_latched = False
+        self._met = asyncio.Event()
+        self._waiting: list[bytes] = []
         self._publisher: Publisher | None = None
+        self._is_ready = False
         self._subscriber: Subscriber | None = None
         self._pausing: asyncio.Task[None] | None = None
         self._is_closed = False
 
     async def open(self) -> None:
         """Wait for a publisher, then relay its type and messages. Raises RostetherError."""
-        self.type, is_latched = await self._learn()
-        publisher = await self.target.graph.advertise(self.topic, self.type, latch=is_latched)
-        if self._is_closed:
-            await publisher.close()
-            return
-        self._publisher = publisher
         subscriber = await self.source.graph.subscribe(
-            self.topic, self.type, self._take, skip_own=True, skip_nodes=self._skip_nodes
+            self.topic,
+            ANY_MESSAGE,
+            self._take,
+            on_connection=self._meet,
+            skip_own=True,
+            skip_nodes=self._skip_nodes,
+            one_type=True,
         )
         if self._is_closed:
             await subscriber.close()
             return
         self._subscriber = subscriber
+        await self.follow_type()
+
+    async def follow_type(self) -> None:
+        """Wait for a publisher of a new type, and relay this type. Raises RostetherError."""
+        await self._met.wait()
+        self._met.clear()
+        assert self.type is not None
+        old, self._publisher = self._publisher, None
+        if old is not None:
+            await old.close()
+        publisher = await self.target.graph.advertise(self.topic, self.type, latch=self._is_latched)
+        if self._is_closed:
+            await publisher.close()
+            return
+        self._publisher = publisher
+        await self._subscribers_connected(publisher)
+        self._is_ready = not self._met.is_set()
+        if self._is_ready:
+            waiting, self._waiting = self._waiting, []
+            self._publish(waiting)
+        if self._subscriber is not None:
+            self._subscriber.resume()
 
     async def close(self) -> None:
         """Stop. Idempotent. Raises GraphError."""
         self._is_closed = True
+        self._is_ready = False
         if self._pausing is not None:
             self._pausing.cancel()
         subscriber, self._subscriber = self._subscriber, None
@@ -58,26 +98,45 @@ class TopicRelay:
             if publisher is not None:
                 await publisher.close()
 
-    async def _learn(self) -> tuple[MessageType, bool]:
-        """Return the type of the first publisher, and whether it latches."""
-        met: asyncio.Future[Mapping[str, str]] = asyncio.get_running_loop().create_future()
+    def _meet(self, fields: Mapping[str, str]) -> None:
+        if fields.get("callerid", "") in self._skip_nodes:
+            return
+        met = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
+        is_latched = fields.get("latching") == "1"
+        if self.type is None or (met.name, met.md5sum) != (self.type.name, self.type.md5sum):
+            # Messages of the old type cannot be published any more.
+            self._waiting.clear()
+        elif self._is_latched or not is_latched:
+            return
+        self.type, self._is_latched = met, is_latched
+        self._is_ready = False
+        self._met.set()
 
-        def meet(fields: Mapping[str, str]) -> None:
-            if not met.done() and fields.get("callerid", "") not in self._skip_nodes:
-                met.set_result(fields)
-
-        # Everything except the connection header comes again with the subscription to its type.
-        subscriber = await self.source.graph.subscribe(
-            self.topic, ANY_MESSAGE, lambda _: None, on_connection=meet, skip_own=True
-        )
-        try:
-            fields = await met
-        finally:
-            await subscriber.close()
-        message_type = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
-        return message_type, fields.get("latching") == "1"
+    async def _subscribers_connected(self, publisher: Publisher) -> None:
+        """Wait until the subscribers that the other graph lists are connected, `CONNECT_S` at most."""
+        graph = self.target.graph
+        topic = (await graph.snapshot()).topics.get(publisher.topic)
+        listed = set() if topic is None else set(topic.subscribers)
+        others = listed - {graph.node_name}
+        loop = asyncio.get_running_loop()
+        changed_s = loop.time()
+        deadline_s, count = changed_s + CONNECT_S, publisher.subscriber_count
+        while count < len(listed) and loop.time() < deadline_s:
+            if count >= len(others) and loop.time() - changed_s >= SETTLE_S:
+                break
+            await asyncio.sleep(_COUNT_INTERVAL_S)
+            if publisher.subscriber_count != count:
+                changed_s, count = loop.time(), publisher.subscriber_count
 
     def _take(self, payloads: Sequence[bytes]) -> None:
+        if self._is_ready:
+            self._publish(payloads)
+        elif not self._is_closed:
+            self._waiting += payloads
+            if self._subscriber is not None:
+                self._subscriber.pause()
+
+    def _publish(self, payloads: Sequence[bytes]) -> None:
         if self._publisher is None:
             return
         self.message_count += len(payloads)
@@ -92,5 +151,5 @@ class TopicRelay:
                 await publisher.drained(PAUSE_S)
         finally:
             self._pausing = None
-            if subscriber is not None:
+            if subscriber is not None and self._is_ready:
                 subscriber.resume()

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from enum import Enum
 
 from rostether.errors import GraphError, RemoteProtocolError, TypeMismatchError
-from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType, agree
+from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType, ServiceType, agree
 
 
 class Purpose(Enum):
@@ -159,6 +159,13 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
             f"service {service} has type {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
             f"not {service_type.name} (md5sum {service_type.md5sum}); make both ends use one definition"
         )
+
+
+def type_of(fields: Mapping[str, str]) -> MessageType:
+    """Return the type in a publisher's header; a field that is missing is `*`."""
+    return MessageType(
+        fields.get("type", ANY_TYPE), fields.get("md5sum", ANY_MD5SUM), fields.get("message_definition", "")
+    )
 
 
 def _check_answer(fields: Mapping[str, str]) -> None:

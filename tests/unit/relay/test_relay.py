@@ -9,7 +9,18 @@ from contextlib import asynccontextmanager
 import pytest
 import pytest_asyncio
 
-from contract.graphs import ADD_DIAGNOSTICS, EMPTY, SET_BOOL, STRING, TRUE, Inbox, agreeing, answer, string
+from contract.graphs import (
+    ADD_DIAGNOSTICS,
+    BOOL,
+    EMPTY,
+    SET_BOOL,
+    STRING,
+    TRUE,
+    Inbox,
+    agreeing,
+    answer,
+    string,
+)
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownTypeError
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mark
 from rostether.graph.memory_graph import MemoryGraph
@@ -133,6 +144,35 @@ async def test_a_topic_is_carried_as_long_as_it_is_published(world: World) -> No
             await talker.close()
             await until(lambda: not world.carries("/chat", 1))
     assert inbox.payloads == [string("0"), string("1"), string("2")]
+
+
+async def test_what_is_published_to_the_first_connection_arrives_once_and_in_order(world: World) -> None:
+    inbox = Inbox()
+    await world.two.subscribe("/chat", STRING, inbox.take)
+    talker = await world.one.advertise("/chat", STRING)
+    async with world.relaying(Topics("/chat")):
+        while not talker.subscriber_count:
+            await asyncio.sleep(0)
+        expected = [string(f"{number}") for number in range(300)]
+        for payload in expected:
+            talker.publish_raw([payload])
+            await asyncio.sleep(0)
+        await until(lambda: len(inbox.payloads) >= len(expected))
+    assert inbox.payloads == expected
+
+
+async def test_a_topic_whose_type_changes_is_carried_on(world: World) -> None:
+    talker = await world.one.advertise("/chat", STRING)
+    async with world.relaying(Topics("/chat")):
+        await until(lambda: world.carries("/chat", 1))
+        await talker.close()
+        talker = await world.one.advertise("/chat", BOOL, latch=True)
+        talker.publish_raw([TRUE])
+        await until(lambda: "relaying /chat from one to two (std_msgs/Bool)" in world.lines)
+        inbox = Inbox()
+        await world.two.subscribe("/chat", BOOL, inbox.take)
+        await until(lambda: inbox.payloads)
+    assert inbox.payloads == [TRUE]
 
 
 async def test_latched_topics_stay_latched(world: World) -> None:

@@ -153,6 +153,7 @@ class Endpoints:
             tcp_nodelay=options.get("tcp_nodelay", True),
             skipped_uri=self.node_uri if options.get("skip_own") else "",
             skip_nodes=options.get("skip_nodes", ()),
+            one_type=options.get("one_type", False),
             limits=self._environment.limits,
         )
         together = self._subscriptions.setdefault(topic, [])

@@ -7,11 +7,11 @@ from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
 
 from rostether.graph.callbacks import call_contained
 from rostether.graph.ports import Level, OnMessages
-from rostether.msgdef.interface import MessageType
+from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.node.publisher_connection import PublisherConnection, PublisherLink
 from rostether.ros1.tcpros_connection import ConnectionRecord
-from rostether.tcpros.handshake import check_publisher, subscriber_fields
+from rostether.tcpros.handshake import check_publisher, subscriber_fields, type_of
 
 # Gets a publisher's header fields. What it returns, if anything, takes that publisher's messages: rospy has a
 # thread for each.
@@ -39,6 +39,7 @@ class Subscription:
         tcp_nodelay: bool,
         skipped_uri: str = "",
         skip_nodes: Container[str] = (),
+        one_type: bool = False,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
     ) -> None:
         self.topic = topic
@@ -51,6 +52,7 @@ class Subscription:
         self._limits = limits
         self._skipped_uri = skipped_uri
         self._skip_nodes = skip_nodes
+        self._learns_type = one_type and message_type.name == ANY_TYPE
         self._links: dict[str, PublisherLink] = {}
         self._closing_links: set[asyncio.Task[None]] = set()
         self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
@@ -115,9 +117,13 @@ class Subscription:
         await self._on_close(self)
 
     def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
-        check_publisher(fields, self.topic, self.type)
-        record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
         node_name = fields.get("callerid", "")
+        if self._learns_type and not any(each.node_name not in self._skip_nodes for each in self.connections):
+            self.type = ANY_MESSAGE
+        check_publisher(fields, self.topic, self.type)
+        if self._learns_type and node_name not in self._skip_nodes:
+            self.type = type_of(fields)
+        record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
         take = self._taker(fields)
         if self._skip_nodes != ():
             take = self._leaving_out(node_name, take)

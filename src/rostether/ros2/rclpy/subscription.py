@@ -12,6 +12,7 @@ The QoS of a subscription cannot be changed, so a new subscription replaces the 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError
@@ -125,8 +126,10 @@ class RclpySubscriber:
             self._own.node.destroy_subscription(subscription)
 
     def _adapt(self, publishers: Sequence[Any]) -> None:
-        if self._support is None and publishers:
-            self._own.thread.call_in_loop(self._learn_type, publishers[0].topic_type)
+        if publishers and self._is_of_any_type:
+            types = [each.topic_type for each in publishers]
+            if self._support is None or self._support.name not in types:
+                self._own.thread.call_in_loop(self._learn_type, types[0])
         if self._support is None:
             return
         of_type = [each for each in publishers if each.topic_type == self._support.name]
@@ -137,15 +140,21 @@ class RclpySubscriber:
 
     def _learn_type(self, name: str) -> None:
         # Runs in the event loop, like all compilation of types.
-        if self._support is not None or self._is_closed:
+        if self._is_closed or (self._support is not None and self._support.name == name):
             return
         try:
             message_class(name)
-            self._support = self._own.types.received(name, ANY_HASH)
+            support = self._own.types.received(name, ANY_HASH)
         except RostetherError as error:
             self._complain(f"cannot subscribe to {self.topic}: {error}")
         else:
-            self._own.thread.submit(self.look)
+            self._own.thread.submit(partial(self._use_type, support))
+
+    def _use_type(self, support: MessageSupport) -> None:
+        # In the executor's thread: no message of an older type comes after this.
+        self.end()
+        self._support = support
+        self.look()
 
     def _subscribe(self, wish: Wish) -> None:
         support = self._support

@@ -106,6 +106,7 @@ class Endpoints:
             node=self._node,
             own_gids=(lambda: self._own_gids(topic)) if options.get("skip_own") else None,
             skip_nodes=options.get("skip_nodes", ()),
+            one_type=options.get("one_type", False),
         )
         self._subscriptions[subscription] = None
         return subscription

@@ -53,6 +53,7 @@ class Subscription:
         node: NodeEntities,
         own_gids: Callable[[], set[bytes]] | None = None,
         skip_nodes: Container[str] = (),
+        one_type: bool = False,
         history_samples: int = LATCHED_SAMPLES,
     ) -> None:
         self.topic = topic
@@ -62,6 +63,9 @@ class Subscription:
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
+        # The type of the first publisher, if a subscription of any type takes only one.
+        self._takes_one_type = one_type
+        self._learnt_type: MessageSupport | None = None
         # The sender of a sample is looked up only if some nodes are excluded.
         self._node_names: dict[bytes, str] = {}
         self._what = f"on_messages of {topic}"
@@ -182,17 +186,22 @@ class Subscription:
             self._node_names = {gid_of(end.format()): end.node_name for end in ends}
         if self._mismatches is not None:
             self._mismatches.report(ends)
-        found = {end for end in ends if self._of_token(end) is not None}
-        new = found - self._publishers
-        self._publishers = found
-        for end in sorted(new, key=lambda end: end.format()):
+        if not any(self._is_of_learnt_type(end) for end in ends):
+            self._learnt_type = None
+        known, self._publishers = self._publishers, set()
+        for end in sorted(ends, key=lambda end: end.format()):
             support = self._of_token(end)
-            assert support is not None
-            self._connect(support, end.node_name, end.qos)
+            if support is None:
+                continue
+            self._publishers.add(end)
+            if end not in known:
+                self._connect(support, end.node_name, end.qos)
 
     def _connect(self, support: MessageSupport, node_name: str, qos: Qos) -> None:
         if self._support is None:
             self._declare_token(support)
+        if self._takes_one_type and node_name not in self._skip_nodes:
+            self._learnt_type = support
         if self._taker.on_connection is not None and not self._is_closed:
             fields = {
                 "topic": self.topic,
@@ -207,14 +216,25 @@ class Subscription:
 
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
-            return self._learnt.find(end.type, end.type_hash, end.node_name)
+            return self._only_learnt(self._learnt.find(end.type, end.type_hash, end.node_name))
         is_ours = end.type == dds_name(self._support.name) and end.type_hash == self._support.type_hash
         return self._support if is_ours else None
+
+    def _is_of_learnt_type(self, end: Token) -> bool:
+        support = self._learnt_type
+        return (
+            support is not None
+            and self._learnt.find(end.type, end.type_hash, end.node_name) is support
+            and end.node_name not in self._skip_nodes
+        )
+
+    def _only_learnt(self, support: MessageSupport | None) -> MessageSupport | None:
+        return support if self._learnt_type in (None, support) else None
 
     def _of_key(self, key: str) -> MessageSupport | None:
         _, type_name, type_hash = key.rsplit("/", 2)
         is_new = not self._learnt.has(type_name, type_hash)
-        support = self._learnt.find(type_name, type_hash)
+        support = self._only_learnt(self._learnt.find(type_name, type_hash))
         if is_new and support is not None:
             # A publisher without a token.
             self._connect(support, "", DEFAULT_QOS)
