@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Any, Final
 
+from rostether.msgdef.interface import MessageType
 from rostether.ros2.rclpy.installation import load_rclpy
 
 # Messages kept until subscribers acknowledge them: 50 ms at the highest rate, so that a burst from a board is
@@ -103,6 +104,21 @@ def rosout_profile() -> Any:
 def is_latching(publisher: Any) -> bool:
     """Return whether a publisher (an endpoint info of rclpy) keeps messages for later subscribers."""
     return bool(publisher.qos_profile.durability.name == "TRANSIENT_LOCAL")
+
+
+def connection_fields(
+    publisher: Any, node_name: str, topic: str, message_type: MessageType
+) -> dict[str, str]:
+    """Return what a ROS 1 publisher's header would have, and the reliability, of an endpoint info."""
+    return {
+        "callerid": node_name,
+        "topic": topic,
+        "type": message_type.name,
+        "md5sum": message_type.md5sum,
+        "message_definition": message_type.definition,
+        "latching": "1" if is_latching(publisher) else "0",
+        "reliability": publisher.qos_profile.reliability.name.lower(),
+    }
 
 
 def name_policy(event: Any) -> str:

@@ -23,8 +23,14 @@ from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.mailbox import Mailbox
 from rostether.ros2.rclpy.own_node import OwnNode
-from rostether.ros2.rclpy.quality import Wish, is_latching, name_policy, subscriber_profile, subscriber_wish
-from rostether.ros2.rclpy.view import UNKNOWN_NODE
+from rostether.ros2.rclpy.quality import (
+    Wish,
+    connection_fields,
+    name_policy,
+    subscriber_profile,
+    subscriber_wish,
+)
+from rostether.ros2.rclpy.view import node_name_of
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 
 # Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds.
@@ -65,8 +71,7 @@ class RclpySubscriber:
         self._mailbox = Mailbox(lambda: own.thread.call_in_loop(self._deliver))
         # Publishers that were reported as connected, with the names of their nodes.
         self._known: dict[bytes, str] = {}
-        # Those whose node has no name yet.
-        self._unnamed: set[bytes] = set()
+        self._unnamed: set[bytes] = set()  # Those whose node has no name yet.
         # The send time of each publisher's latest message, and the messages that a new subscription may
         # receive again.
         self._latest: dict[bytes, int] = {}
@@ -252,27 +257,14 @@ class RclpySubscriber:
         for gid in (gids.keys() - self._known.keys()) | self._unnamed:
             publisher = gids[gid]
             is_new = gid not in self._known
-            node_name = (
-                ""  # Endpoints may be known before the names of their nodes.
-                if publisher.node_name == UNKNOWN_NODE
-                else f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
-            )
+            node_name = node_name_of(publisher)
             if node_name:
                 self._unnamed.discard(gid)
             else:
                 self._unnamed.add(gid)
             self._known[gid] = node_name
             if is_new and self._on_connection is not None:
-                message_type = self._support.ros1_type
-                fields = {
-                    "callerid": node_name,
-                    "topic": self.topic,
-                    "type": message_type.name,
-                    "md5sum": message_type.md5sum,
-                    "message_definition": message_type.definition,
-                    "latching": "1" if is_latching(publisher) else "0",
-                    "reliability": publisher.qos_profile.reliability.name.lower(),
-                }
+                fields = connection_fields(publisher, node_name, self.topic, self._support.ros1_type)
                 self._own.thread.call_in_loop(self._report_connection, fields)
 
     def _report_connection(self, fields: Mapping[str, str]) -> None:

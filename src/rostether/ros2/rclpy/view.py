@@ -18,6 +18,13 @@ POLL_INTERVAL_S = 0.5
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 
 
+def node_name_of(endpoint: Any) -> str:
+    """Return the full name of an endpoint's node; empty if only the endpoint is discovered."""
+    if endpoint.node_name == UNKNOWN_NODE:
+        return ""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+
+
 def take_snapshot(node: Any) -> Snapshot:
     """Ask rclpy for everything, in the executor's thread."""
     names = sorted(
