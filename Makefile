@@ -3,7 +3,7 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-fast coverage test-pythons test-fresh check check-web web bench fuzz soak soak-page docs clean
+.PHONY: help demo test test-fast coverage test-pythons test-fresh test-boot check check-web web bench fuzz soak soak-page docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
@@ -11,6 +11,7 @@ help:
 	@echo "make test-fast  the tests that need no other program: no compiler, simulator or ROS"
 	@echo "make coverage  check that tests cover every branch of the protocols without I/O"
 	@echo "make test-pythons  the unit, property and contract tests under every Python here, from 3.11 on"
+	@echo "make test-boot   install, boot, hang and uninstall of the service on a Debian 12 that systemd boots (root)"
 	@echo "make test-fresh  what CI does, in a new Debian 12 made by mmdebstrap (root, 20 minutes)"
 	@echo "make check  ruff, mypy, import-linter, reuse, the words of our texts and the dashboard's page"
 	@echo "make web    build the dashboard's page into src/rostether/dashboard/page"
@@ -44,6 +45,9 @@ test-pythons:
 
 test-fresh:
 	scripts/test-fresh $(ARGS)
+
+test-boot:
+	scripts/test-boot
 
 check: $(VENV)/.dev check-web
 	$(BIN)/ruff check .

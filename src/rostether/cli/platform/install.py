@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 _F = TypeVar("_F", bound=Callable[..., Any])
 _KINDS = ("base", "robot", "both")
 _DASHBOARD = "http://127.0.0.1:8765"
+_UNIT = "rostether.service"
+# Where logind keeps the users whose services start at boot.
+_LINGERING = Path("/var/lib/systemd/linger")
 _LIMIT_S = 60.0
 
 
@@ -92,11 +95,24 @@ def install(dry_run: bool, gui: bool, for_user: bool | None, root: Path | None, 
     _write(files, root)
     if root is None:
         _systemctl(installation, "daemon-reload")
-        _systemctl(installation, "enable", "--now", "rostether.service")
+        _systemctl(installation, "enable", _UNIT)
+        # An earlier installation runs with its old files.
+        _systemctl(installation, "restart", _UNIT)
         if not installation.is_system:
-            # Without lingering, a user's services end with the last session.
-            _run(["loginctl", "enable-linger", getpass.getuser()])
+            _linger()
     write_line("rostether starts at boot; to see its state: rostether status")
+
+
+def _linger() -> None:
+    # Without lingering, a user's services run from the first log-in to the last log-out.
+    command = ["loginctl", "enable-linger", getpass.getuser()]
+    try:
+        _run(command)
+    except ConfigError:
+        raise ConfigError(
+            "rostether runs now, and each time you log in; to start it at boot, type:  "
+            f"sudo {' '.join(command)}"
+        ) from None
 
 
 @click.command("uninstall", cls=Verb, examples="rostether uninstall")
@@ -109,7 +125,11 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         write_line("nothing is installed")
         return
     if root is None:
-        _systemctl(installation, "disable", "--now", "rostether.service")
+        _systemctl(installation, "disable", "--now", _UNIT)
+        if installation.is_system:
+            _clean(installation)
+        elif _LINGERING.joinpath(getpass.getuser()).exists():
+            write_line("your services may still start at boot; if you need none:  loginctl disable-linger")
     for path in paths:
         _below(root, path).unlink()
         write_line(f"removed {_below(root, path)}")
@@ -118,6 +138,19 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         folder.rmdir()
     if root is None:
         _systemctl(installation, "daemon-reload")
+
+
+def _clean(installation: Installation) -> None:
+    """Remove the service's own folders, unless its parts have written files there, such as recordings."""
+    from rostether.platform.boot.service_files import STATE
+
+    is_written = any(each.is_file() for each in STATE.resolve().rglob("*"))
+    folders = ["--what=cache"] if is_written else ["--what=cache", "--what=state"]
+    _systemctl(installation, "clean", *folders, _UNIT)
+    if is_written:
+        write_line(
+            f"kept {STATE} with the files that the robot wrote; to remove them:  sudo rm -r {STATE.resolve()}"
+        )
 
 
 @click.command("status", cls=Verb, examples="rostether status")
@@ -136,7 +169,7 @@ def status(for_user: bool | None, root: Path | None) -> None:
     write_line(f"{robot.name or 'this machine'}: {', '.join(part.name for part in robot.parts)}  ({file})")
     if root is None:
         scope = [] if installation.is_system else ["--user"]
-        shown = _run(["systemctl", *scope, "show", "rostether.service", "-p", "ActiveState,SubState"])
+        shown = _run(["systemctl", *scope, "show", _UNIT, "-p", "ActiveState,SubState"])
         states = dict(line.split("=", 1) for line in shown.splitlines() if "=" in line)
         write_line(f"{states.get('ActiveState', 'unknown')} ({states.get('SubState', 'unknown')})")
         write_line(f"log: journalctl {'--user ' if scope else ''}-u rostether")

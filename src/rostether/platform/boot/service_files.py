@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SERVICE = "rostether"
+# The folder of the files that the parts of a system's service write.
+STATE = Path("/var/lib") / SERVICE
 # The groups that own serial ports, cameras and GPIO pins on Debian, Ubuntu and Raspberry Pi OS.
 GROUPS = ("dialout", "video", "gpio", "i2c", "spi")
 
@@ -77,7 +79,11 @@ def unit_text(installation: Installation) -> str:
         "WatchdogSec=20",
         "Restart=always",
         "RestartSec=2",
+        # Only `up` gets the signal, and stops its parts: a second signal would end them with open files.
+        "KillMode=mixed",
         "KillSignal=SIGINT",
+        # A program that SIGINT ended.
+        "SuccessExitStatus=130",
         "TimeoutStopSec=10",
         "Environment=PYTHONUNBUFFERED=1",
     ]
@@ -88,7 +94,9 @@ def unit_text(installation: Installation) -> str:
         lines += [
             f"StateDirectory={SERVICE}",
             f"CacheDirectory={SERVICE}",
-            f"Environment=XDG_STATE_HOME=/var/lib/{SERVICE} XDG_DATA_HOME=/var/lib/{SERVICE}",
+            # Recordings and other files without a folder: the rest of the file system is read-only.
+            f"WorkingDirectory={STATE}",
+            f"Environment=XDG_STATE_HOME={STATE} XDG_DATA_HOME={STATE}",
             f"Environment=XDG_CACHE_HOME=/var/cache/{SERVICE}",
             "NoNewPrivileges=yes",
             "PrivateTmp=yes",
