@@ -117,12 +117,18 @@ class Supervisor:
         self._listeners: list[Listener] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self._is_closing = False
+        self._has_failed = False
         self._done = asyncio.Event()
 
     @property
     def listening_on(self) -> list[str]:
         """Where boards can connect, with the ports that were really bound."""
         return [listener.address for listener in self._listeners]
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether an error ended a link, which is not opened again."""
+        return self._has_failed
 
     def boards(self) -> list[BoardView]:
         """Return how each board is doing, sorted by name."""
@@ -318,8 +324,10 @@ class Supervisor:
             # Another node shut its node down; `_watch` has reported it.
             return
         except RostetherError as error:
+            self._has_failed = True
             self._limited_reporter.line(Level.ERROR, str(error))
         except Exception as error:  # noqa: BLE001 - one link's failure stays with that link
+            self._has_failed = True
             self._limited_reporter.line(Level.ERROR, f"a link failed: {reason_of(error)}")
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import click
 
-from rostether.cli.shell.failures import exit_code_of
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED, error_text, exit_code_of, print_error
 from rostether.cli.shell.verbs import LazyGroup
 from rostether.cli.verb_table import VERBS
 
@@ -37,9 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; never raises for anything a user did."""
     _make_output_forgiving()
     plain, specials = _split_special(sys.argv[1:] if arguments is None else arguments)
-    return exit_code_of(
+    code = exit_code_of(
         lambda: rostether.main(plain, prog_name="rostether", standalone_mode=False, obj=specials)
     )
+    return _flush_output(code)
 
 
 def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
@@ -48,6 +49,22 @@ def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]
         return list(arguments), {}
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
     return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials
+
+
+def _flush_output(code: int) -> int:
+    """Write what is buffered, because Python would print a traceback at its exit; return the exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError as error:
+            from rostether.cli.shell.output import forget
+
+            forget(stream)
+            # A closed pipe ended a command that is done (`| head`); a full disk lost its output.
+            if code == EXIT_DONE and not isinstance(error, BrokenPipeError):
+                print_error(error_text(error))
+                code = EXIT_FAILED
+    return code
 
 
 def _make_output_forgiving() -> None:

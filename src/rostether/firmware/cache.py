@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from rostether.errors import FirmwareError
 from rostether.mechanisms.user_folders import Kind, user_folder
 
 # The objects of a core need 1 MB for each board, those of a sketch about 300 KB.
@@ -62,10 +63,18 @@ class BuildCache:
 
     @contextmanager
     def filling(self, kind: str, key: str) -> Iterator[Path]:
-        """Provide an empty folder to write to; it is stored under the key if the block succeeds."""
+        """Provide an empty folder to write to; it is stored under the key if the block succeeds.
+
+        Raises FirmwareError if the cache folder cannot be written.
+        """
         target = self.path(kind, key, "")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=".new-", dir=target.parent))
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            folder = Path(tempfile.mkdtemp(prefix=".new-", dir=target.parent))
+        except OSError as error:
+            raise FirmwareError(
+                f"cannot write to {self.folder}: {error.strerror}; set XDG_CACHE_HOME to a writable folder"
+            ) from None
         try:
             yield folder
             # If another build was faster, its files are the same.

@@ -33,11 +33,11 @@ TOUCH_BAUD = 1200
 # A boot loader starts in two seconds, on a slow hub in five.
 TOUCH_LIMIT_S = 10.0
 
-_STAYED_S = 5.0
 # If the port does not disappear in this time, the board was already in its boot loader.
+_STAYED_S = 5.0
 _POLL_S = 0.1
-_SETTLE_S = 0.25
 # udev gives a new port its group only after it is there.
+_SETTLE_S = 0.25
 _INSTALL_AVRDUDE = "no avrdude on PATH; run: sudo apt install avrdude"
 _SILENT = ("not in sync", "not responding", "programmer is not", "timeout", "unable to open programmer")
 

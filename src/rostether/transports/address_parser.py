@@ -29,6 +29,7 @@ from rostether.transports.address import (
     WebAddress,
     XbeeAddress,
 )
+from rostether.transports.address_advice import MAX_PORT, WINDOWS_PORT, address_advice, is_number
 from rostether.transports.allow_list import check_networks
 from rostether.transports.sim_words import SIM_WORDS, sim_words
 from rostether.transports.tls import TlsFiles
@@ -52,9 +53,6 @@ _KNOWN_OPTIONS = {
     "web": (),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
-_HOST_PORT = re.compile(r"[^\s:]+:[0-9]{1,5}")
-_IPV4 = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3}){3}")
-_WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
 _YES = ("yes", "true", "on", "1")
 _NO = ("no", "false", "off", "0")
 
@@ -116,7 +114,7 @@ class _Options:
         return self._number("baud", DEFAULT_BAUD, 1, MAX_BAUD)
 
     def port(self, key: str) -> int:
-        return self._number(key, 0, 0, 65535)
+        return self._number(key, 0, 0, MAX_PORT)
 
     def uart(self) -> int | None:
         return self._number("uart", 0, 0, MAX_UART) if "uart" in self.values else None
@@ -147,46 +145,30 @@ class _Options:
         value = self.values.get(key)
         if value is None:
             return default
-        if not (_is_number(value) and lowest <= int(value) <= highest):
+        if not (is_number(value) and lowest <= int(value) <= highest):
             raise ConfigError(
                 f"{key}={value} in link address {self.address!r}: write a number from {lowest} to {highest}"
             )
         return int(value)
 
 
-def _is_number(text: str) -> bool:
-    # Python raises for a number of thousands of digits.
-    return text.isascii() and text.isdigit() and len(text) <= 20
-
-
 def _split_scheme(text: str, place: str) -> tuple[str, str]:
-    if match := _SCHEME.fullmatch(place):
-        scheme = match[1].lower()
-        if scheme not in _KNOWN_OPTIONS:
-            raise ConfigError(
-                f"unknown kind of link {scheme!r} in address {text!r}; known: a serial port's path, "
-                f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
-            )
-        return scheme, match[2]
-    if "/" in place or _WINDOWS_PORT.fullmatch(place):
+    match = _SCHEME.fullmatch(place)
+    if match and match[1].lower() in _KNOWN_OPTIONS:
+        return match[1].lower(), match[2]
+    if WINDOWS_PORT.fullmatch(place) or ("/" in place and match is None):
         return "serial", place
     if not place:
         raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
-    if _HOST_PORT.fullmatch(place):
-        raise ConfigError(
-            f"not a link address: {text!r}; write tcp://{place}?connect=yes to connect there, "
-            f"or tcp://{place} to listen there"
-        )
-    if _is_number(place):
-        raise ConfigError(f"not a link address: {place!r}; to listen on that TCP port, write tcp://:{place}")
-    if _IPV4.fullmatch(place):
-        raise ConfigError(
-            f"not a link address: {place!r}; boards connect to this machine: write tcp://:11411, and "
-            f"give them this machine's address; to connect to a board, write tcp://{place}:PORT?connect=yes"
-        )
     if place.lower() in _KNOWN_OPTIONS:
         raise ConfigError(f"not a link address: {text!r}; see `rostether serve --help` for {place.lower()}:")
-    raise ConfigError(f"not a link address: {text!r}; write a serial port with its path, /dev/{place}")
+    if (advice := address_advice(place)) is not None:
+        raise ConfigError(f"not a link address: {text!r}; {advice}")
+    kind = match[1] if match else place
+    raise ConfigError(
+        f"unknown kind of link {kind!r} in address {text!r}; known: a serial port's path, "
+        f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
+    )
 
 
 def _parse_options(text: str, scheme: str, query: str) -> dict[str, str]:
@@ -225,9 +207,10 @@ def _parse_endpoint(text: str, place: str) -> tuple[str, int]:
         host, _, port_text = endpoint.partition(":")
     if not port_text:
         port_text = str(DEFAULT_PORT)
-    if not (_is_number(port_text) and int(port_text) <= 65535):
+    if not (is_number(port_text) and int(port_text) <= MAX_PORT):
         raise ConfigError(
-            f"{port_text!r} in link address {text!r} is not a port; write HOST:PORT with a number up to 65535"
+            f"{port_text!r} in link address {text!r} is not a port; write HOST:PORT with a number up to "
+            f"{MAX_PORT}"
         )
     if any(character in "/[]" or character.isspace() for character in host):
         raise ConfigError(f"host {host!r} in link address {text!r} is not a host name; write HOST:PORT")

@@ -11,10 +11,10 @@ from typing import Protocol
 
 from rostether.errors import ConfigError
 from rostether.transports.address import Address, SerialAddress, XbeeAddress
+from rostether.transports.address_advice import WINDOWS_PORT, baud_option, sketch_advice
 
 _NUMBERED = re.compile(r"/?dev/(tty)?(ACM|USB|AMA|S)([0-9OIl]*)", re.IGNORECASE)
 _DIGITS = str.maketrans("OoIl", "0011")
-_WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
 
 
 class _Port(Protocol):
@@ -30,14 +30,16 @@ def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]
     try:
         mode = Path(path).stat().st_mode
     except OSError:
-        if _WINDOWS_PORT.fullmatch(path):
+        if WINDOWS_PORT.fullmatch(path):
             raise ConfigError(
                 f"{path} is a port's name on Windows; here it is {_there(list_ports())}"
             ) from None
-        if (meant := _meant(path)) is not None:
+        if (meant := baud_option(path) or _meant(path)) is not None:
             raise ConfigError(f"no serial port {path}; did you mean {meant}?") from None
         return
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
+        if path.endswith(".ino") or any(Path(path).glob("*.ino")):
+            raise ConfigError(f"{path} is a sketch, not a serial port; {sketch_advice(path)}")
         kind = "folder" if stat.S_ISDIR(mode) else "file"
         raise ConfigError(f"{path} is a {kind}, not a serial port; write {_there(list_ports())}")
 

@@ -10,7 +10,7 @@ import pytest
 from rostether.bridge.findings.board_health import BoardHealth
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
-from rostether.errors import InvalidNameError, MasterUnreachableError, TransportOpenError
+from rostether.errors import GraphError, InvalidNameError, MasterUnreachableError, TransportOpenError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
@@ -276,6 +276,14 @@ async def test_a_node_whose_name_is_taken_is_served_no_more(site: Site) -> None:
     assert site.boards[0].order[-1] == ids.TX_STOP
     assert len(site.boards) == 1
     assert [level for level, _, node in site.reporter.lines if node == "/arm"][-1] is Level.ERROR
+    assert not site.supervisor.has_failed
+
+
+async def test_an_error_that_ends_the_only_link_is_a_failure(site: Site) -> None:
+    site.join_errors = [GraphError("cannot listen on 1.2.3.4")]
+    await site.start(f"{PORT}?name=arm")
+    await asyncio.wait_for(site.supervisor.wait_done(), 60)
+    assert site.supervisor.has_failed
 
 
 async def test_a_board_whose_node_was_shut_down_joins_when_it_connects_anew(site: Site) -> None:

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version
+from pathlib import Path
 
 import click
 import pytest
@@ -38,8 +39,10 @@ def test_every_command_has_a_purpose_and_examples(path: str, shell: Shell) -> No
     assert summary.endswith(".")
     assert text == shell.output(*path.split()[1:], "-h")
     assert isinstance(command, Verb | LazyGroup)
+    # A comment that does not fit beside its command is below it.
+    words = text.split()
     for line in command.examples.splitlines():
-        assert line in text
+        assert " ".join(line.split()) in " ".join(words)
     own = path if not path.endswith(" info") else path.removesuffix("info")
     assert own in command.examples or (path.split()[1] in ("msg", "srv") and "show" in command.examples)
 
@@ -51,6 +54,8 @@ def test_version(shell: Shell) -> None:
 def test_what_is_typed_wrong_is_reported_with_the_nearest_command(shell: Shell) -> None:
     assert "no such command 'topc'; did you mean topic?" in shell.failure("topc", code=2)
     assert "no such command 'ecko'; did you mean echo?" in shell.failure("topic", "ecko", code=2)
+    assert "did you mean `rostether topic pub`?" in shell.failure("pub", "/chatter", code=2)
+    assert "`rostether link record` or `rostether bag record`?" in shell.failure("record", code=2)
     assert "see `rostether --help`" in shell.failure("xyzzy", code=2)
     assert "--nope" in shell.failure("topic", "list", "--nope", code=2)
 
@@ -156,3 +161,16 @@ def test_completion_without_a_master_is_silent(shell: Shell, monkeypatch: pytest
     monkeypatch.setenv("COMP_CWORD", "3")
     result = shell("ignored")
     assert (result.out.strip(), result.err) == ("", "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_one_line() -> None:
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "rostether", "msg", "show", "std_msgs/Empty"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert (ended.returncode, ended.stderr) == (1, "rostether: error: No space left on device\n")

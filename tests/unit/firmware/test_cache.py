@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from rostether.errors import FirmwareError
 from rostether.firmware import cache as cache_module
 from rostether.firmware.cache import BuildCache, digest, listing
 
@@ -116,3 +117,9 @@ def test_it_is_not_looked_through_at_every_build(cache: BuildCache, monkeypatch:
     cache.prune(now_s + 60)
     cache.prune(now_s + 2 * cache_module.PRUNE_INTERVAL_S)
     assert len(looks) == 2
+
+
+def test_a_folder_that_cannot_be_written_is_reported_with_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(FirmwareError, match=r"cannot write to .*file: .*; set XDG_CACHE_HOME"):
+        BuildCache(tmp_path / "file").write_text("kind", "0123", "name", "text")

@@ -13,7 +13,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
 from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
@@ -24,15 +24,16 @@ if TYPE_CHECKING:
 @click.command(
     "doctor",
     cls=Verb,
+    hints=ADDRESS_HINTS,
     old_options={"--seconds": "--duration"},
     examples="""
     rostether doctor                              the board that is plugged in
     rostether doctor /dev/ttyACM0
     rostether doctor "/dev/ttyUSB0?baud=115200" --duration 30
-    rostether doctor tcp://0.0.0.0:11411          a board on the network that should connect to us
+    rostether doctor tcp://0.0.0.0:11411          a board that should connect to this machine
     rostether doctor sim:blink.ino                a sketch on a simulated board
     rostether doctor /dev/ttyACM0 --json
-    rostether doctor --fleet --key-file fleet.key robots that obey commands over multicast
+    rostether doctor --fleet --key-file fleet.key  robots that obey commands over multicast
     rostether doctor --ros2                       the ROS 2 graph and the zenoh routers instead of a board
     """,
 )
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     "--duration",
     "seconds",
     type=click.FloatRange(min=1.0, max=3600.0),
+    metavar="SECONDS",
     help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
     "drift better.",
 )

@@ -41,10 +41,11 @@ from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.gateway.gateways import served_gateways
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.ports.config_paths import known_boards_path
@@ -133,21 +134,29 @@ _serve_options = option_group(
 
 @click.command(
     cls=Verb,
+    hints=ADDRESS_HINTS
+    | {
+        "--name": 'write it after the address: "/dev/ttyACM0?name=arm"',
+        "--ns": 'write it after the address: "/dev/ttyACM0?ns=lab"; or give --ns-per-board',
+        "--port": "write the port without an option: /dev/ttyACM0",
+        "-p": "write the port without an option: /dev/ttyACM0",
+        "--board": 'for a simulated board, write "sim:blink.ino?board=uno"',
+    },
     examples="""
-    rostether serve                                   boards on USB, as they are plugged in
-    rostether serve /dev/ttyACM0                      this port, at 57600 baud
+    rostether serve                             boards on USB, as you plug them in
+    rostether serve /dev/ttyACM0                this port, at 57600 baud
     rostether serve "/dev/ttyUSB0?baud=115200&name=arm"
-    rostether serve tcp://:11411 udp://:11411         boards on this machine
-    rostether serve tcp://0.0.0.0:11411               boards on the network
-    rostether serve pty:/tmp/board                    for a simulator
-    rostether serve "sim:blink.ino?board=uno"         a simulated board
+    rostether serve tcp://:11411 udp://:11411   boards on this machine
+    rostether serve tcp://0.0.0.0:11411         boards on the network
+    rostether serve pty:/tmp/board              for a simulator
+    rostether serve "sim:blink.ino?board=uno"   a simulated board
     rostether serve /dev/ttyACM0 /dev/ttyACM1 --ns-per-board
-    rostether serve /dev/ttyACM0 --dashboard          a page for browsers, too
-    rostether serve /dev/ttyACM0 --rosbridge          web pages with roslibjs, too
-    rostether serve /dev/ttyACM0 --foxglove           and Foxglove
-    rostether serve /dev/ttyACM0 --ros2 zenoh         a ROS 2 node
-    rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy  in both graphs
-    rostether serve /dev/ttyACM0 --record bags        all topics into bags, too
+    rostether serve /dev/ttyACM0 --dashboard    a page for browsers, too
+    rostether serve /dev/ttyACM0 --rosbridge    web pages with roslibjs, too
+    rostether serve /dev/ttyACM0 --foxglove     and Foxglove
+    rostether serve /dev/ttyACM0 --ros2 zenoh   a ROS 2 node
+    rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy
+    rostether serve /dev/ttyACM0 --record bags  all topics into bags, too
     """,
 )
 @_serve_options
@@ -163,7 +172,7 @@ def serve(
     dashboard: str | None,
     gateways: GatewayOptions,
     bags: BagRecording | None,
-) -> None:
+) -> int:
     """Connect boards with rosserial firmware to the ROS graph as nodes.
 
     Without an ADDRESS, boards on USB are detected at any usual baud rate and served when plugged in; other
@@ -210,7 +219,7 @@ def serve(
         record_limit_mb=options.record_limit_mb,
         settings=settings,
     )
-    run(_serve(environment, graph, serving, reporter), is_service=True, uvloop=options.uvloop)
+    return run(_serve(environment, graph, serving, reporter), is_service=True, uvloop=options.uvloop)
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +245,7 @@ class _Serving:
 
 async def _serve(
     environment: RosEnvironment, graph: GraphOptions, serving: _Serving, reporter: ConsoleReporter
-) -> None:
+) -> int:
     listen_bounded = partial(
         listen_for_links,
         connections=serving.settings.connections,
@@ -284,3 +293,4 @@ async def _serve(
             # Present objects stay; without freezing, a garbage collection delays messages by 20 ms.
             gc.freeze()
             await supervisor.wait_done()
+            return EXIT_FAILED if supervisor.has_failed else EXIT_DONE

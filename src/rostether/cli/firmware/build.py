@@ -94,7 +94,7 @@ def describe_sizes(built: BuiltFirmware, elf: ElfFile) -> str:
 def _of(used: int, limit: int) -> str:
     if not limit:
         return f"{used} bytes"
-    return f"{used} of {limit} bytes ({100 * used // limit} %)"
+    return f"{used} of {limit} bytes ({100 * used / limit:.0f} %)"
 
 
 def _shown(path: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -12,6 +13,7 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.output import warn
+from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
 
 if TYPE_CHECKING:
@@ -84,13 +86,21 @@ async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFi
     from rostether.firmware.build import build_sketch, find_board
 
     try:
-        built = await build_sketch(sketch, find_board(board_name), options)
+        board = find_board(board_name)
+        with reported_when_long(_show_wait, f"building {sketch} for {board.title}; this takes some seconds"):
+            built = await build_sketch(sketch, board, options)
     except SketchError as error:
         warn(error.diagnostics.rstrip("\n"))
         raise
     if built.output.strip():
         warn(built.output.rstrip("\n"))
     return built
+
+
+def _show_wait(text: str) -> None:
+    # Only people wait; the output of scripts stays as it is.
+    if sys.stderr.isatty():
+        warn(text)
 
 
 def _show(command: Sequence[str]) -> None:

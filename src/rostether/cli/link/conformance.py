@@ -15,7 +15,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
 
 if TYPE_CHECKING:
     from rostether.conformance.case import Case, Outcome
@@ -32,6 +32,7 @@ _MARKS = {"pass": "pass", "fail": "FAIL", "not applicable": "n/a"}
 @click.command(
     "conformance",
     cls=Verb,
+    hints=ADDRESS_HINTS,
     examples="""
     rostether conformance /dev/ttyACM0               a board that runs the example Conformance
     rostether conformance sim:Conformance.ino        the same on a simulated Uno

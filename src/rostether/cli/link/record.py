@@ -15,12 +15,13 @@ from rostether.cli.access.graph_options import (
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.bag.line_capture import record_limit_option
 from rostether.cli.bridge.serve import serve
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
 
 
 @click.command(
     "record",
     cls=Verb,
+    hints=ADDRESS_HINTS,
     examples="""
     rostether link record /dev/ttyACM0 problem.jsonl
     rostether link record "/dev/ttyUSB0?baud=115200" problem.jsonl

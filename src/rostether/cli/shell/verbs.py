@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from textwrap import dedent
@@ -18,7 +20,21 @@ from rostether.cli.shell.option_group import OptionalValueOption
 # Maximum width of help text: longer lines are hard to read on wide terminals.
 HELP_WIDTH = 100
 
+# click's own minimum is wider than a narrow terminal, which then breaks each line twice.
+_MIN_HELP_WIDTH = 20
+# Below it, an option's text has too little space beside the option.
+_WIDTH_FOR_COLUMNS = 60
+
 _LONG_DASHES = ("\u2013", "\u2014", "\u2212")
+# For commands with a link address.
+ADDRESS_HINTS = dict.fromkeys(
+    ("--baud", "--baudrate", "-b"), 'write it after the port: "/dev/ttyACM0?baud=115200"'
+)
+# The module of the groups, which imports no verb.
+_GROUPS = "rostether.cli.groups:"
+# click's names of the types of numbers.
+_CLICK_TYPES = re.compile(r"(?:INTEGER|FLOAT)(?: RANGE)?")
+_COMMENTED = re.compile(r"(\S.*?) {2,}(\S.*)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,21 +45,44 @@ class VerbEntry:
     summary: str
 
 
+class _Formatter(click.HelpFormatter):
+    """Writes help that fits narrow terminals too."""
+
+    def write_dl(self, rows: Iterable[tuple[str, str]], col_max: int = 30, col_spacing: int = 2) -> None:
+        """Write options with their texts beside them, or on a narrow terminal below them."""
+        rows = [(_CLICK_TYPES.sub("NUMBER", first), text) for first, text in rows]
+        super().write_dl(rows, col_max if self.width >= _WIDTH_FOR_COLUMNS else 2, col_spacing)
+
+
+class _Context(click.Context):
+    formatter_class = _Formatter
+
+    def make_formatter(self) -> click.HelpFormatter:
+        """Return the formatter for this terminal's width."""
+        columns = min(shutil.get_terminal_size().columns, self.max_content_width or HELP_WIDTH)
+        return self.formatter_class(width=max(columns - 2, _MIN_HELP_WIDTH))
+
+
 class Verb(click.Command):
     """A command whose help ends with examples to copy.
 
-    `old_options` maps former names of options, which stay accepted, to the present ones.
+    `old_options` maps former names of options, which stay accepted, to the present ones; `hints` maps
+    options that users expect to what to type instead.
     """
+
+    context_class = _Context
 
     def __init__(
         self,
         *args: Any,
         examples: str = "",
         old_options: Mapping[str, str] = MappingProxyType({}),
+        hints: Mapping[str, str] = MappingProxyType({}),
         **kwargs: Any,
     ) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
         self.old_options = old_options
+        self.hints = hints
         self.examples = dedent(examples).strip("\n")
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -54,7 +93,12 @@ class Verb(click.Command):
         for parameter in self.get_params(ctx):
             if isinstance(parameter, OptionalValueOption):
                 plain = parameter.insert_value(plain)
-        return super().parse_args(ctx, plain)
+        try:
+            return super().parse_args(ctx, plain)
+        except click.NoSuchOption as error:
+            if hint := self.hints.get(error.option_name):
+                ctx.fail(f"no option {error.option_name}; {hint}")
+            raise
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; from here on it may have something to clean up at Ctrl-C."""
@@ -77,6 +121,8 @@ class Verb(click.Command):
 
 class LazyGroup(click.Group):
     """A group of verbs, each imported when used, so that commands start quickly."""
+
+    context_class = _Context
 
     def __init__(self, *args: Any, verbs: Mapping[str, VerbEntry], examples: str = "", **kwargs: Any) -> None:
         super().__init__(*args, **_with_our_settings(kwargs))
@@ -107,12 +153,27 @@ class LazyGroup(click.Group):
                 ctx.exit()
             return self.resolve_command(ctx, [*args[1:], "--help"])
         if name not in self.verbs and not name.startswith("-") and not ctx.resilient_parsing:
-            from difflib import get_close_matches
-
-            near = get_close_matches(name, self.verbs)
-            hint = f"did you mean {' or '.join(near)}?" if near else f"see `{ctx.command_path} --help`"
-            ctx.fail(f"no such command {name!r}; {hint}")
+            ctx.fail(f"no such command {name!r}; {self._hint(ctx, args)}")
         return super().resolve_command(ctx, args)
+
+    def _hint(self, ctx: click.Context, args: list[str]) -> str:
+        from difflib import get_close_matches
+
+        name = args[0]
+        # `rostether echo` for `rostether topic echo`.
+        whole = [f"`{ctx.command_path} {group} {name}`" for group in self._groups_with(ctx, name)]
+        if whole:
+            return f"did you mean {' or '.join(whole[:3])}?"
+        if near := get_close_matches(name, self.verbs):
+            return f"did you mean {' or '.join(near)}?"
+        return f"see `{ctx.command_path} --help`"
+
+    def _groups_with(self, ctx: click.Context, name: str) -> Iterator[str]:
+        for group_name, entry in self.verbs.items():
+            if entry.target.startswith(_GROUPS):
+                group = self.get_command(ctx, group_name)
+                if isinstance(group, LazyGroup) and name in group.verbs:
+                    yield group_name
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the verbs with their one-line summaries."""
@@ -152,8 +213,20 @@ def _with_our_settings(kwargs: dict[str, Any]) -> dict[str, Any]:
 
 
 def _write_examples(examples: str, formatter: click.HelpFormatter) -> None:
+    """Write the examples as given, or with each comment below its command if they are too wide."""
     if not examples:
         return
     formatter.write("\nExamples:\n")
-    for line in examples.splitlines():
+    lines = examples.splitlines()
+    if any(len(line) + 2 > formatter.width for line in lines):
+        lines = list(_with_comments_below(lines))
+    for line in lines:
         formatter.write(f"  {line}\n" if line else "\n")
+
+
+def _with_comments_below(lines: list[str]) -> Iterator[str]:
+    for line in lines:
+        match = _COMMENTED.fullmatch(line)
+        yield match[1] if match else line
+        if match:
+            yield f"    {match[2]}"

@@ -20,7 +20,14 @@ _pub_options = option_group(
         click.option(
             "-1", "--once", is_flag=True, help="Publish one message, wait until it arrives, and exit."
         ),
-        click.option("-r", "--rate", "rate_hz", type=click.FloatRange(min=0, min_open=True), metavar="HZ"),
+        click.option(
+            "-r",
+            "--rate",
+            "rate_hz",
+            type=click.FloatRange(min=0, min_open=True),
+            metavar="HZ",
+            help="Publish repeatedly, this many times a second.",
+        ),
         click.option(
             "-l",
             "--latch",

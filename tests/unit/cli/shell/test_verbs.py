@@ -40,3 +40,16 @@ def test_help_shows_only_present_names(shell: Shell) -> None:
 def test_help_is_a_word_too(shell: Shell, words: tuple[str, ...]) -> None:
     assert shell.output("help", *words) == shell.output(*words, "--help")
     assert shell.output("topic", "help", "echo") == shell.output("topic", "echo", "--help")
+
+
+def test_help_fits_a_narrow_terminal(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    before_examples = shell.output("doctor", "--help").partition("Examples:")[0].splitlines()
+    assert max(map(len, before_examples)) <= 40
+    assert "  --json" in before_examples
+    assert "      Print one JSON object a line." in before_examples
+
+
+def test_an_option_that_belongs_into_the_address_is_explained(shell: Shell) -> None:
+    failure = shell.failure("serve", "/dev/ttyACM0", "--baud", "115200", code=2)
+    assert failure.endswith('no option --baud; write it after the port: "/dev/ttyACM0?baud=115200"')

@@ -1,0 +1,56 @@
+"""Advice on what to write instead of a text that cannot be read as a link address."""
+
+from __future__ import annotations
+
+import re
+
+MAX_PORT = 65535
+WINDOWS_PORT = re.compile(r"(?:\\\\\.\\)?COM[0-9]+", re.IGNORECASE)
+
+_HOST_PORT = re.compile(r"[^\s:/]+:[0-9]{1,5}")
+_IPV4 = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,3}){3}")
+# `/dev/ttyACM0:115200`, as other programs have it.
+_PORT_AND_BAUD = re.compile(r"(.*[^:,@])[:,@]([1-9][0-9]{2,6})")
+_SKETCH_ENDINGS = (".ino", ".elf", ".hex")
+
+
+def address_advice(place: str) -> str | None:
+    """Return what to write instead of a place without its kind of link, None for an unknown kind of link."""
+    if (meant := baud_option(place)) is not None:
+        return f"write {meant}"
+    if _HOST_PORT.fullmatch(place):
+        return f"write tcp://{place}?connect=yes to connect there, or tcp://{place} to listen there"
+    if ":" in place:
+        return None
+    if is_number(place):
+        baud = f"for a baud rate, write it after the port: /dev/ttyACM0?baud={place}"
+        listening = f"; to listen on that TCP port, write tcp://:{place}"
+        return baud + (listening if int(place) <= MAX_PORT else "")
+    if _IPV4.fullmatch(place):
+        return (
+            f"boards connect to this machine: write tcp://:11411, and give them this machine's address; "
+            f"to connect to a board, write tcp://{place}:PORT?connect=yes"
+        )
+    if place.lower().endswith(_SKETCH_ENDINGS):
+        return sketch_advice(place)
+    example = f"/dev/{place}" if place.startswith(("tty", "cu.")) else "/dev/ttyACM0"
+    return f"write a serial port with its path, such as {example} (`rostether ports` lists them)"
+
+
+def baud_option(place: str) -> str | None:
+    """Return the address that is meant by a port and a baud rate such as ttyACM0:115200, None for others."""
+    match = _PORT_AND_BAUD.fullmatch(place)
+    if match is None or not ("tty" in match[1] or "/cu." in match[1] or WINDOWS_PORT.fullmatch(match[1])):
+        return None
+    folder = "/dev/" if match[1].startswith("tty") else ""
+    return f"{folder}{match[1]}?baud={match[2]}"
+
+
+def sketch_advice(place: str) -> str:
+    """Return what to do with a sketch where a link address belongs."""
+    return f"write sim:{place} for a simulated board; `rostether flash {place}` flashes and serves a board"
+
+
+def is_number(text: str) -> bool:
+    """Return whether a text is a number that Python converts: it raises for thousands of digits."""
+    return text.isascii() and text.isdigit() and len(text) <= 20
