@@ -20,7 +20,12 @@ from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing
 from interop_web.web_peers import missing_web
 from unit.codegen.compilers import COMPILERS, missing_compiler
 from unit.simulation.simavr.programs import missing_simavr
-from warm_start import cold_start, pytest_sessionstart, pytest_unconfigure  # noqa: F401 - fixture and hooks
+from warm_start import (  # noqa: F401 - fixture and hooks
+    cold_start,
+    pytest_sessionstart,
+    pytest_unconfigure,
+    pytest_xdist_getremotemodule,
+)
 
 
 def missing_program(program: str, package: str) -> str:

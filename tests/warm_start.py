@@ -8,6 +8,7 @@ The fixture `cold_start` is for tests of the start itself.
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import itertools
 import json
@@ -21,9 +22,12 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
+
+import warm_worker
 
 DEBIAN_PYTHON = "/usr/bin/python3"
 # Imported by most programs; they start no threads.
@@ -47,16 +51,18 @@ _SIGNATURE = inspect.signature(_execute_child)
 class WarmInterpreter:
     """One running interpreter."""
 
-    def __init__(self, python: str) -> None:
+    def __init__(self, python: str, libraries: str, variables: Mapping[str, str]) -> None:
         self._control, theirs = socket.socketpair()
         self._lock = threading.Lock()
         environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
         if python == sys.executable and "PYTHONPATH" in os.environ:
             # The libraries of the tests.
             environment["PYTHONPATH"] = os.environ["PYTHONPATH"]
-        command = [python, str(_INTERPRETER), str(theirs.fileno()), _LIBRARIES[python]]
+        command = [python, str(_INTERPRETER), str(theirs.fileno()), libraries]
         self._process = subprocess.Popen(
-            [*command, "-" * _COMMAND_LINE_BYTES], pass_fds=[theirs.fileno()], env=environment | _UTF8
+            [*command, "-" * _COMMAND_LINE_BYTES],
+            pass_fds=[theirs.fileno()],
+            env={**environment, **_UTF8, **variables},
         )
         theirs.close()
 
@@ -66,22 +72,28 @@ class WarmInterpreter:
         return self._process.pid
 
     def start(self, request: Mapping[str, Any], fds: Sequence[int]) -> int:
-        """Start a program; returns its process id. It is a child of this process."""
+        """Start a program; returns its process id, or 0 if the interpreter has ended.
+
+        The program is a child of this process.
+        """
         data = json.dumps(request).encode()
-        with self._lock:
+        with self._lock, contextlib.suppress(ConnectionError):
             socket.send_fds(self._control, [len(data).to_bytes(4, "big")], fds)
             self._control.sendall(data)
             return int.from_bytes(self._control.recv(4), "big", signed=True)
+        return 0
 
     def close(self) -> None:
         """End it; the programs run on."""
         self._control.close()
+        self._process.kill()
         self._process.wait()
 
 
 _UTF8 = {"LC_ALL": "C.UTF-8"}
 _interpreters: dict[str, WarmInterpreter] = {}
 _is_enabled = False
+_has_warm_workers = False
 
 
 def interpreter_pids() -> set[int]:
@@ -92,16 +104,25 @@ def interpreter_pids() -> set[int]:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Start programs this way from now on.
 
-    Not in the controller of pytest-xdist: its test processes start cold, or coverage would miss the lines
-    that run at import.
+    The controller of pytest-xdist starts its test processes so. They start cold where coverage is measured,
+    which would miss the lines that run at import.
     """
-    global _is_enabled
-    is_controller = session.config.getoption("numprocesses", None) and not hasattr(
-        session.config, "workerinput"
-    )
-    if IS_SUPPORTED and not is_controller:
-        subprocess.Popen._execute_child = _start  # type: ignore[attr-defined]
-        _is_enabled = True
+    global _is_enabled, _has_warm_workers
+    config = session.config
+    is_controller = bool(config.getoption("numprocesses", None)) and not hasattr(config, "workerinput")
+    if not IS_SUPPORTED or (is_controller and config.getoption("cov_source", None)):
+        return
+    if is_controller:
+        _interpreters[sys.executable] = WarmInterpreter(
+            sys.executable, "warm_worker", warm_worker.variables(config)
+        )
+    subprocess.Popen._execute_child = _start  # type: ignore[attr-defined]
+    _is_enabled, _has_warm_workers = True, is_controller
+
+
+def pytest_xdist_getremotemodule() -> ModuleType | None:
+    """Return what a test process runs that starts with the tests collected."""
+    return warm_worker if _has_warm_workers else None
 
 
 def pytest_unconfigure() -> None:
@@ -121,6 +142,7 @@ def cold_start() -> Iterator[None]:
 
 
 def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> None:
+    global _is_enabled, _has_warm_workers
     call = _SIGNATURE.bind(process, *arguments, **options).arguments
     found = _request(call) if _is_enabled else None
     if found is None:
@@ -131,8 +153,12 @@ def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> N
         call[name] if call[name] != -1 else fd for fd, name in enumerate(("p2cread", "c2pwrite", "errwrite"))
     ]
     if python not in _interpreters:
-        _interpreters[python] = WarmInterpreter(python)
+        _interpreters[python] = WarmInterpreter(python, _LIBRARIES[python], {})
     process.pid = _interpreters[python].start(request, ends)
+    if process.pid == 0:
+        _is_enabled = _has_warm_workers = False
+        _execute_child(process, *arguments, **options)
+        return
     process._child_created = True  # type: ignore[attr-defined]
     pipes = ("p2cread", "p2cwrite", "c2pread", "c2pwrite", "errread", "errwrite")
     process._close_pipe_fds(*(call[name] for name in pipes))  # type: ignore[attr-defined]

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 import warm_start
+import warm_worker
 
 pytestmark = pytest.mark.skipif(not warm_start.IS_SUPPORTED, reason="no forks of an interpreter here")
 
@@ -128,3 +129,9 @@ async def test_a_program_of_asyncio() -> None:
     output, _ = await process.communicate()
     assert process.returncode == 0
     assert output.startswith(b"rostether, version ")
+
+
+def test_test_processes_start_with_the_tests_collected(request: pytest.FixtureRequest) -> None:
+    is_forked = "PYTEST_XDIST_WORKER" in os.environ and not request.config.getoption("cov_source")
+    collected = getattr(warm_worker, "COLLECTED", None)
+    assert (collected is not None and collected.session is request.session) == is_forked

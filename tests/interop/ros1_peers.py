@@ -37,7 +37,6 @@ _FIRST_PORT = 12_000
 _PORTS_EACH = 1_000
 # Test processes for which the ports are enough.
 MAX_WORKERS = 20
-_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % MAX_WORKERS
 _GIVEN_PORTS: set[int] = set()
 ROSOUT = "/usr/lib/rosout/rosout"
 CORE_PARAMETERS = {
@@ -86,8 +85,9 @@ def free_port() -> int:
     It lies below the ports that the system gives to connections and to who asks for any; beside us only the
     other test processes take such ports, each its own.
     """
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % MAX_WORKERS
     while True:
-        port = _FIRST_PORT + secrets.randbelow(_PORTS_EACH) * MAX_WORKERS + _WORKER
+        port = _FIRST_PORT + secrets.randbelow(_PORTS_EACH) * MAX_WORKERS + worker
         with socket.socket() as probe, contextlib.suppress(OSError):
             probe.bind(("", port))
             if port not in _GIVEN_PORTS:
