@@ -30,6 +30,7 @@ class GraphCache:
         self._listeners: dict[Place, list[Callable[[], None]]] = {}
         self._change_events: set[asyncio.Event] = set()
         self._snapshot: Snapshot | None = None
+        self._problem = ""
 
     def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
         """Apply new (True) and removed tokens (key expressions)."""
@@ -47,11 +48,17 @@ class GraphCache:
             touched[place] = None
         if not touched:
             return
-        for event in self._change_events:
-            event.set()
+        self._report_change()
         for place in touched:
             for listener in list(self._listeners.get(place, ())):
                 call_contained(f"listener of {place[1]}", listener)
+
+    def show_problem(self, problem: str) -> None:
+        """Say in the snapshots why the graph is not complete now; an empty text when it is again."""
+        if problem != self._problem:
+            self._problem = problem
+            self._snapshot = None
+            self._report_change()
 
     def endpoints(self, kind: Kind, name: str) -> list[Token]:
         """Return the tokens of a topic's or service's endpoints of one kind."""
@@ -99,6 +106,10 @@ class GraphCache:
             waiting.cancel()
             self._change_events.discard(event)
 
+    def _report_change(self) -> None:
+        for event in self._change_events:
+            event.set()
+
     def _add(self, text: str) -> Token | None:
         if text in self._tokens:
             return None
@@ -127,6 +138,7 @@ class GraphCache:
                 name: ServiceEntry(name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name))
                 for name in services
             },
+            problem=self._problem,
         )
 
     def _topic_info(self, name: str) -> TopicEntry:

@@ -33,6 +33,7 @@ from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.handover import Handover, stay_known
 from rostether.ros2.zenoh.reachability import endpoints_of, find_faults, tls_of
 from rostether.ros2.zenoh.refusals import report_refusals
+from rostether.ros2.zenoh.router_watch import watch_router
 from rostether.ros2.zenoh.tokens import Token, all_tokens
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class ZenohSession:
         self._news: Handover[tuple[str, bool]] = Handover(self.graph.apply_tokens, limit=MAX_WAITING_NEWS)
         self._liveliness = session.liveliness()
         self._watch: zenoh.Subscriber[None] | None = None
-        self._asking: asyncio.Task[None] | None = None
+        self._tasks: list[asyncio.Task[None]] = []
 
     @classmethod
     async def open(
@@ -174,8 +175,8 @@ class ZenohSession:
         if self._is_closed:
             return
         self._is_closed = True
-        if self._asking is not None:
-            self._asking.cancel()
+        for task in self._tasks:
+            task.cancel()
         await asyncio.gather(*(graph.close("the session ended") for graph in list(self._nodes)))
         self._news.close()
         await asyncio.to_thread(self._end)
@@ -194,7 +195,10 @@ class ZenohSession:
             await self._wait_for_link()
         if named:
             # In the background: a machine that is off is detected only after a second.
-            self._asking = asyncio.ensure_future(self._report_faults(named, configuration))
+            self._tasks.append(asyncio.ensure_future(self._report_faults(named, configuration)))
+        if named or not self.is_router:
+            watching = watch_router(self.zenoh, named, self.graph.show_problem)
+            self._tasks.append(asyncio.ensure_future(watching))
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
             key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True

@@ -55,6 +55,8 @@ async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
     await until(lambda: publisher.subscriber_count == 0 and subscriber.publisher_count == 0)
     assert "/talker" not in (await listener.snapshot()).nodes
     assert "/talker" in (await talker.snapshot()).nodes
+    problem = f"the zenoh router at tcp/127.0.0.1:{port} does not answer"
+    await until(lambda: left.graph.snapshot().problem == problem)
     publisher.publish_raw([string("nobody hears it")])
 
     router = await open_session(port, is_router=True)
@@ -64,6 +66,7 @@ async def test_a_routers_restart_heals_and_doubles_nothing() -> None:
     assert await listener.call_service("/echo", echo, b"", timeout_s=60) == b""
     assert inbox.payloads == [string("before"), string("after"), string("last")]
     assert len(inbox.headers) == 2
+    await until(lambda: left.graph.snapshot().problem == "")
     assert (await _nodes(router)) == {"/talker", "/listener"}
     for session in (left, right, router):
         await session.close()
