@@ -50,6 +50,15 @@ test("units of comments and of types", () => {
   );
 });
 
+test("a simulated clock may run slowly", () => {
+  let simulatedNs: bigint | undefined = 5_000_000_000n;
+  const clock = new RobotClock(() => simulatedNs);
+  clock.note(4, performance.now());
+  assert.equal(clock.nowS(), 5);
+  simulatedNs = undefined;
+  assert.ok(Math.abs(clock.nowS() - 4) < 1);
+});
+
 test("rates, and values that are stale after three periods", () => {
   const rate = new RateMeter();
   for (let ms = 0; ms <= 4000; ms += 500) rate.add(ms, 100);

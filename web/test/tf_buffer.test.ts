@@ -89,3 +89,13 @@ test("a flood of frames is bounded, and zero quaternions are no rotation", () =>
   const zero: Quaternion = [0, 0, 0, 1];
   near(eulerDegrees(zero), [0, 0, 0]);
 });
+
+test("when the clock went back, only what does not move is kept", () => {
+  const tf = new TfBuffer();
+  tf.insert("map", "base", 100, turned(0, 1), false, 0);
+  tf.insert("base", "laser", 0, turned(0, 0, 1), true, 0);
+  tf.clearHistory();
+  assert.match(tf.lookup("map", "base") as string, /no transform yet/);
+  tf.insert("map", "base", 95, turned(0, 2), false, 0);
+  near(found(tf, "map", "laser").translation, [2, 1, 0]);
+});

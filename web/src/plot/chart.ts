@@ -34,6 +34,9 @@ export class Chart {
     this.host = host;
     this.series = series;
     this.plot = new uPlot(this.options(series, options), [[], ...series.map(() => [])], host);
+    const canvas = this.plot.ctx.canvas;
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", series.map((each) => each.id).join(", "));
     this.resize = new ResizeObserver(() => this.plot.setSize(sizeOf(host)));
     this.resize.observe(host);
   }

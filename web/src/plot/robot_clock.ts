@@ -7,6 +7,12 @@ const FORGET = 0.0005;
 
 export class RobotClock {
   private offsetS = Number.NaN;
+  private readonly simulatedNs: () => bigint | undefined;
+
+  /** `simulatedNs` is the simulated time, undefined while there is none. It may run fast, slowly or not at all. */
+  constructor(simulatedNs: () => bigint | undefined = () => undefined) {
+    this.simulatedNs = simulatedNs;
+  }
 
   /** Notes a message's time on the robot and when it came here. */
   note(timeS: number, receivedMs: number): void {
@@ -18,6 +24,8 @@ export class RobotClock {
 
   /** The robot's time in seconds since 1970; this machine's while no message came. */
   nowS(): number {
+    const simulatedNs = this.simulatedNs();
+    if (simulatedNs !== undefined) return Number(simulatedNs) / 1e9;
     return Number.isNaN(this.offsetS) ? Date.now() / 1000 : performance.now() / 1000 + this.offsetS;
   }
 }

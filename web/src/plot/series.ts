@@ -69,8 +69,12 @@ export class Series {
 }
 
 export class SeriesStore {
-  readonly clock = new RobotClock();
+  readonly clock: RobotClock;
   private readonly byId = new Map<string, Series>();
+
+  constructor(simulatedNs: () => bigint | undefined) {
+    this.clock = new RobotClock(simulatedNs);
+  }
 
   get(id: string): Series {
     let series = this.byId.get(id);
@@ -88,7 +92,7 @@ const stores = new WeakMap<Robot, SeriesStore>();
 export function seriesStore(robot: Robot): SeriesStore {
   let store = stores.get(robot);
   if (!store) {
-    store = new SeriesStore();
+    store = new SeriesStore(() => robot.simulatedTimeNs.peek());
     stores.set(robot, store);
   }
   return store;

@@ -73,9 +73,9 @@ export class TfBuffer {
     else insertSample(edge, { timeS, transform });
   }
 
-  clear(): void {
-    this.edges.clear();
-    this.treeVersion++;
+  /** Forget all that moves: the clock went back, and what was is of another run. As tf2. */
+  clearHistory(): void {
+    for (const edge of this.edges.values()) if (!edge.isStatic) edge.samples = [];
   }
 
   /** Every frame, parents without one of their own included. */

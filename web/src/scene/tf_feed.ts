@@ -21,8 +21,12 @@ export function followTf(context: PanelContext, onChange: () => void): TfBuffer 
   const tf = new TfBuffer();
   for (const { transform, receivedMs } of staticsOf(context.robot.feed(STATIC_TOPIC)).values())
     insert(tf, transform, true, receivedMs);
+  let beforeNs: bigint | undefined;
   for (const topic of ["/tf", STATIC_TOPIC]) {
     const { feed } = context.subscribe(topic, ({ receivedMs }) => {
+      const nowNs = context.robot.simulatedTimeNs.peek();
+      if (nowNs !== undefined && beforeNs !== undefined && nowNs < beforeNs) tf.clearHistory();
+      beforeNs = nowNs;
       for (const each of lastTransforms(feed)) insert(tf, each, topic === STATIC_TOPIC, receivedMs);
       onChange();
     });

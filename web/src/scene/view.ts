@@ -14,6 +14,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type FrameTask, frameTask } from "../store/frames.ts";
+import { texts } from "../texts.ts";
 import { distanceToFit } from "./camera_fit.ts";
 import { arrangeCaptions } from "./captions.ts";
 import type { Display, Placed } from "./display.ts";
@@ -70,7 +71,10 @@ export class SceneView {
     Object3D.DEFAULT_UP.set(0, 0, 1);
     this.scene.up.set(0, 0, 1);
     this.camera.up.set(0, 0, 1);
-    host.append(this.renderer.domElement);
+    const canvas = this.renderer.domElement;
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", texts.panels.scene);
+    host.append(canvas);
     // For tests: where the axes of a frame are drawn.
     Object.assign(this.renderer.domElement, {
       axesAt: (frame: string) => {

@@ -5,6 +5,7 @@ import { mountPanel } from "../panels/host.ts";
 import type { Panel, Settings } from "../panels/panel.ts";
 import type { Robot } from "../store/robot.ts";
 import { loadSetting, saveSetting } from "../store/storage.ts";
+import { texts } from "../texts.ts";
 import { route } from "./route.ts";
 
 export function PanelPage({ panel, robot }: { panel: Panel; robot: Robot }) {
@@ -28,7 +29,12 @@ export function PanelPage({ panel, robot }: { panel: Panel; robot: Robot }) {
       dispose();
     };
   }, [panel, robot]);
-  return <div class={`page page-${panel.id}`} ref={host} />;
+  return (
+    <>
+      <h1 class="for-readers">{texts.panels[panel.title]}</h1>
+      <div class={`page page-${panel.id}`} ref={host} />
+    </>
+  );
 }
 
 function pageSettings(panelId: string): Signal<Settings> {

@@ -43,6 +43,8 @@ export function ArrayChart({ context, series, colorIndex }: Props) {
       [[], []],
       element,
     );
+    plot.ctx.canvas.setAttribute("role", "img");
+    plot.ctx.canvas.setAttribute("aria-label", series.id);
     let drawn: ArrayLike<number | bigint> | undefined;
     const task = frameTask(() => {
       const numbers = series.lastArray;
