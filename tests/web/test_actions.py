@@ -74,6 +74,10 @@ async def test_a_recording_is_made_listed_and_played(robot: Robot, browser: Brow
     await browser.wait_for(page, "rostether.feed('/playback/ultrasound').last !== undefined")
     await browser.do("click", page=page, selector=".recording-playback [aria-label='Stop playing']")
     await browser.wait_for(page, "document.querySelector('.recording-playback') === null")
+    # What the robot refuses is said on the page.
+    script = "rostether.gateway.playRecording('none.bag', 0, 1, true)"
+    await browser.do("evaluate", page=page, script=script)
+    await browser.wait_for(page, "document.querySelector('.banner')?.innerText.includes('none.bag')")
 
 
 async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Browser) -> None:

@@ -29,6 +29,8 @@ export interface GatewayHandlers {
   onParameters(parameters: Parameter[]): void;
   onStatus(status: Status): void;
   onStatusRemoved(ids: string[]): void;
+  /** The gateway does not do what a command asked for. */
+  onRefusal(reason: string): void;
   onTime(timeNs: bigint): void;
   onRecordings(recordings: Recordings): void;
 }
@@ -57,6 +59,7 @@ export class Gateway {
   private readonly leases = new Map<number, (lease: Lease) => void>();
   private readonly watched = new Set<string>();
   private followsRecordings = false;
+  private isCommandOpen = false;
   private nextId = 1;
 
   constructor(handlers: GatewayHandlers) {
@@ -75,6 +78,7 @@ export class Gateway {
     });
     this.command = gatewaySocket(gatewayUrl, {
       onOpen: () => {
+        this.isCommandOpen = true;
         for (const [id, each] of this.advertised) this.sendAdvertise(id, each);
         if (this.watched.size > 0) {
           this.command.send({ op: "subscribeParameterUpdates", parameterNames: [...this.watched] });
@@ -85,6 +89,7 @@ export class Gateway {
       onText: (message) => this.onCommandText(message),
       onBinary: (message) => this.onCommandBinary(message),
       onClose: () => {
+        this.isCommandOpen = false;
         this.commandServices.clear();
         rejectAll(this.calls);
         rejectAll(this.parameterRequests);
@@ -210,6 +215,8 @@ export class Gateway {
   }
 
   private sendAdvertise(id: number, channel: ClientChannel): void {
+    // A connection that is about to open advertises all.
+    if (!this.isCommandOpen) return;
     const described = { id, encoding: "ros1", schemaEncoding: "ros1msg", ...channel };
     this.command.send({ op: "advertise", channels: [described] });
   }
@@ -279,7 +286,7 @@ export class Gateway {
         break;
       case "status":
         // Those with an id come on the view connection as well; the others answer what this one sent.
-        if (message.id === undefined) this.handlers.onStatus(message);
+        if (message.id === undefined) this.handlers.onRefusal(message.message);
         break;
     }
   }

@@ -7,6 +7,8 @@ import { theme, toggleTheme } from "./theme.ts";
 
 /** The status of the server that the graph cannot be read. */
 const GRAPH_STATUS_ID = "graph";
+// The robot repeats in it what a page sent.
+const MAX_REASON = 500;
 
 export function Header({ robot }: { robot: Robot }) {
   const state = robot.connection.value;
@@ -39,6 +41,11 @@ export function Header({ robot }: { robot: Robot }) {
       {problem && (
         <div class="banner warning" role="alert">
           {`${problem.message}. ${texts.shell.graphProblemDetail}`}
+        </div>
+      )}
+      {state === "open" && !problem && robot.refusal.value && (
+        <div class="banner warning" role="alert">
+          {`${robot.refusal.value.slice(0, MAX_REASON)}.`}
         </div>
       )}
       {state === "lost" && (

@@ -12,6 +12,8 @@ export type ConnectionState = "connecting" | "open" | "lost";
 // A quick change of pages must not end and begin subscriptions.
 const UNSUBSCRIBE_DELAY_MS = 300;
 const MAX_STATUSES = 50;
+// Long enough to read a sentence twice.
+const REFUSAL_MS = 10_000;
 // The offers of a large graph come in parts; panels are laid out when they are in.
 const NONE: ReadonlyMap<string, readonly string[]> = new Map();
 
@@ -55,6 +57,8 @@ export class Robot {
     return [...names].sort();
   });
   readonly statuses: Signal<readonly Status[]> = signal([]);
+  /** Why the robot did not do what this page asked for last; empty after a while. */
+  readonly refusal = signal("");
   /** The robot's simulated clock in nanoseconds, undefined while it runs in real time. */
   readonly simulatedTimeNs: Signal<bigint | undefined> = signal(undefined);
   readonly parameters: Parameters;
@@ -67,6 +71,7 @@ export class Robot {
   private readonly uses = new Map<string, Use>();
   private readonly bySubscription = new Map<number, Feed>();
   private readonly changed = new Set<Feed>();
+  private refusalTimer: ReturnType<typeof setTimeout> | undefined;
   private awaitsServices = false;
   private awaitsGraph = false;
   private nextSubscriptionId = 1;
@@ -95,6 +100,13 @@ export class Robot {
       },
       onStatusRemoved: (ids) => {
         this.statuses.value = this.statuses.value.filter((each) => !each.id || !ids.includes(each.id));
+      },
+      onRefusal: (reason) => {
+        this.refusal.value = reason;
+        clearTimeout(this.refusalTimer);
+        this.refusalTimer = setTimeout(() => {
+          this.refusal.value = "";
+        }, REFUSAL_MS);
       },
       onRecordings: (recordings) => {
         this.recordings.value = recordings;
