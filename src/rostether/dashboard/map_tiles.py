@@ -15,6 +15,10 @@ from rostether.errors import ConfigError
 _MAX_ZOOM = 24
 # A picture of 256 x 256 pixels has about 20 kB.
 _MAX_TILE_BYTES = 2 << 20
+# Steps of SQLite's virtual machine: a view in a file may be a query without end. A tile needs about a
+# hundred, without an index about five for each tile of the file; 20 million take a second.
+_MAX_STEPS = 20_000_000
+_STEPS_AT_ONCE = 100_000
 _TYPES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg", "webp": "image/webp"}
 
 
@@ -24,13 +28,16 @@ class MapTiles:
     def __init__(self, path: Path) -> None:
         """Open a file; raises ConfigError with the reason why it cannot be used."""
         self._path = path
+        if not path.is_file():
+            # Opening a FIFO would wait for a writer.
+            raise ConfigError(f"{path} is not a file; give an .mbtiles file")
         try:
             with closing(self._connect()) as database:
-                found = dict(database.execute("SELECT name, value FROM metadata").fetchall())
-                (max_zoom,) = database.execute("SELECT max(zoom_level) FROM tiles").fetchone()
+                found = database.execute("SELECT value FROM metadata WHERE name = 'format'").fetchone()
+                max_zoom = _max_zoom(database)
         except sqlite3.Error as error:
             raise ConfigError(f"{path} is not a readable .mbtiles file: {error}") from None
-        kind = str(found.get("format", "png")).lower()
+        kind = str(found[0] if found is not None else "png").lower()
         if kind not in _TYPES:
             raise ConfigError(
                 f"{path} has tiles of the format {kind[:20]!r}; the page shows pictures: png, jpg or webp"
@@ -38,7 +45,7 @@ class MapTiles:
         if max_zoom is None:
             raise ConfigError(f"{path} has no tiles")
         self.content_type = _TYPES[kind]
-        self.max_zoom = min(int(max_zoom), _MAX_ZOOM)
+        self.max_zoom = max_zoom
 
     def read(self, zoom: int, column: int, row: int) -> bytes | None:
         """Return a tile, None if there is none; rows count from the north, as in web addresses."""
@@ -56,8 +63,22 @@ class MapTiles:
         except sqlite3.Error:
             # A memory card that was removed; the map stays empty there.
             return None
-        return bytes(found[0]) if found is not None else None
+        # A column of SQLite holds values of any type.
+        return found[0] if found is not None and isinstance(found[0], bytes) else None
 
     def _connect(self) -> sqlite3.Connection:
         # One for each request, because a connection belongs to one thread.
-        return sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro", uri=True)
+        database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro", uri=True)
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * _MAX_TILE_BYTES)
+        turns = iter(range(_MAX_STEPS // _STEPS_AT_ONCE))
+        database.set_progress_handler(lambda: next(turns, None) is None, _STEPS_AT_ONCE)
+        return database
+
+
+def _max_zoom(database: sqlite3.Connection) -> int | None:
+    """Return the highest zoom level that the page can show, None without tiles."""
+    # Each is found by the index, also through a view, where max() would read all tiles.
+    for zoom in range(_MAX_ZOOM, -1, -1):
+        if database.execute("SELECT 1 FROM tiles WHERE zoom_level = ? LIMIT 1", (zoom,)).fetchone():
+            return zoom
+    return None

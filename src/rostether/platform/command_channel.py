@@ -65,6 +65,7 @@ class CommandChannel:
         self._sender.close()
 
     def _receive(self, datagram: bytes, address: SocketAddress) -> None:
+        robot_count = len(self.table.robots)
         status = self.table.receive(datagram, address, self.epoch_us, time.monotonic())
         if status is None:
             return
@@ -74,6 +75,8 @@ class CommandChannel:
             self._refused[status.robot_id] = status.refusal
             if self._reports_refusals:
                 self._report(Level.WARN, refusal_text(status))
+        if len(self.table.robots) == robot_count:
+            return
         for robot_id, hosts in self.table.duplicate_ids().items():
             if robot_id not in self._duplicates:
                 self._duplicates.add(robot_id)

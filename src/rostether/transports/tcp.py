@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from time import thread_time
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 from rostether.errors import RostetherError, TransportOpenError, TransportTimeoutError
 from rostether.transports.address import TcpAddress, show_endpoint
@@ -18,9 +17,11 @@ from rostether.transports.board_keys import NO_KEYS, BoardKeys
 from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import (
+    READ_BYTES,
     explain_bind_error,
     explain_connect_error,
     lengthen_backlog,
+    read_buffer,
     system_bind_errors,
     tune_stream,
 )
@@ -36,15 +37,10 @@ MAX_UNPROVEN_PER_HOST = 16
 MAX_UNPROVEN = 128
 # Accepted in one turn of the event loop.
 _ACCEPTED_AT_ONCE = 64
-# About 30 frames of 4 KiB: with fewer, calls of the system take a tenth of the time.
-READ_BYTES = 128 * 1024
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
 # Linux has it; elsewhere acknowledgements are late only sometimes.
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
-
-# By event loop. A loop reads one connection at a time, and each read is copied before the next.
-_read_buffers: WeakKeyDictionary[asyncio.AbstractEventLoop, memoryview] = WeakKeyDictionary()
 
 if TYPE_CHECKING:
     from rostether.transports.greeting import Greeting
@@ -69,7 +65,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take the asyncio side and set the socket's options."""
         super().connection_made(transport)
-        self._buffer = _read_buffer()
+        self._buffer = read_buffer()
         self._socket = transport.get_extra_info("socket")
         tune_stream(transport.get_extra_info("socket"))
         peer_name = transport.get_extra_info("peername")
@@ -112,14 +108,6 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         began_s = thread_time()
         self._deliver(bytes(self._buffer[:nbytes]))
         self._turn.note_cost(nbytes, thread_time() - began_s)
-
-
-def _read_buffer() -> memoryview:
-    loop = asyncio.get_running_loop()
-    buffer = _read_buffers.get(loop)
-    if buffer is None:
-        buffer = _read_buffers[loop] = memoryview(bytearray(READ_BYTES))
-    return buffer
 
 
 class TcpListener:

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import os
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from rostether.dashboard import map_tiles
 from rostether.dashboard.map_tiles import MapTiles
 from rostether.errors import ConfigError
 from rostether.gateways.websocket.site import Site
@@ -60,3 +63,51 @@ def test_a_site_serves_them(tmp_path: Path) -> None:
         reply, file = site.open_download(path)
         assert (reply.status, file) == (404, None)
     assert not Site({"index.html": b""}).is_download("GET", "/tiles/1/0/0")
+
+
+ENDLESS = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c)"
+
+
+@pytest.mark.parametrize(
+    "statements",
+    [
+        [f"CREATE VIEW metadata AS {ENDLESS} SELECT x AS name, x AS value FROM c"],
+        [
+            "CREATE TABLE metadata (name, value)",
+            f"CREATE VIEW tiles AS {ENDLESS} SELECT -x AS zoom_level, 0 AS tile_data FROM c",
+        ],
+        ["CREATE VIEW metadata AS SELECT 'format' AS name, zeroblob(500000000) AS value"],
+        [
+            "CREATE TABLE metadata (name, value)",
+            "CREATE TABLE tiles (zoom_level)",
+            "INSERT INTO tiles VALUES ('x')",
+        ],
+    ],
+    ids=["endless metadata", "endless tiles", "huge value", "zoom is text"],
+)
+def test_hostile_files_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, statements: list[str]
+) -> None:
+    monkeypatch.setattr(map_tiles, "_MAX_STEPS", 500_000)
+    path = tmp_path / "map.mbtiles"
+    with closing(sqlite3.connect(path)) as database:
+        for each in statements:
+            database.execute(each)
+        database.commit()
+    with pytest.raises(ConfigError, match=r"map\.mbtiles (is not a readable|has no tiles)"):
+        MapTiles(path)
+
+
+def test_a_tile_that_is_no_picture_is_missing(tmp_path: Path) -> None:
+    path = made(tmp_path / "map.mbtiles")
+    with closing(sqlite3.connect(path)) as database:
+        # As bytes, the number would be two gigabytes of zeros.
+        database.execute("UPDATE tiles SET tile_data = 2000000000")
+        database.commit()
+    assert MapTiles(path).read(1, 0, 0) is None
+
+
+def test_only_files_are_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "map.mbtiles")
+    with pytest.raises(ConfigError, match="is not a file"):
+        MapTiles(tmp_path / "map.mbtiles")

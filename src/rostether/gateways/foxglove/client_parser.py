@@ -38,6 +38,7 @@ from rostether.gateways.foxglove.client_messages import (
     UnsubscribeConnectionGraph,
     UnsubscribeParameters,
 )
+from rostether.gateways.large_json import check_few_values
 
 # Subscriptions, channels or names in one message; a large system has some thousand topics.
 MAX_ITEMS = 10_000
@@ -71,6 +72,7 @@ def parse_binary(data: bytes) -> MessageData | ServiceRequest:
 
 def parse_text(text: str) -> ClientMessage:
     """Return a JSON message. Raises RemoteProtocolError with the mistake."""
+    check_few_values(text)
     try:
         message = json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -11,7 +11,8 @@ import binascii
 import json
 from typing import Any
 
-from rostether.errors import SerializationError
+from rostether.errors import RemoteProtocolError, SerializationError
+from rostether.gateways.large_json import check_few_values
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import plain_value
@@ -24,8 +25,12 @@ _NANOSECONDS = ("nsec", "nsecs", "nanosec")
 
 def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
     """Return the argument of `Codec.encode`. Raises SerializationError."""
+    text = data.decode("utf-8", "replace") or "{}"
     try:
-        value = json.loads(data.decode("utf-8", "replace") or "{}")
+        check_few_values(text)
+        value = json.loads(text)
+    except RemoteProtocolError as error:
+        raise SerializationError(f"{error}; send {codec.type_name} in another encoding") from None
     except (ValueError, RecursionError) as error:
         raise SerializationError(f"a JSON message for {codec.type_name} is not JSON: {error}") from None
     if not isinstance(value, dict):

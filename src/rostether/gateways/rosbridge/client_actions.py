@@ -35,7 +35,7 @@ class ClientActions:
         self._by_id: dict[object, GoalCall] = {}
         self._offered: dict[str, _OfferedAction] = {}
 
-    def send_goal(self, request: Request) -> None:
+    async def send_goal(self, request: Request) -> None:
         """Send a goal; feedback and result are sent to the client when they arrive."""
         action, types = self._action(request, request.word("action_type"))
         goal_id, wish = request.id, Wish.read(request)
@@ -44,7 +44,7 @@ class ClientActions:
         if goal_id in self._by_id:
             raise RemoteProtocolError(f"send_action_goal: the goal {show(goal_id)} is already active")
         forms, feedback = self._context.forms, request.flag("feedback")
-        payload = forms.from_json(types.goal, request.fields.get("args") or {})
+        payload = await forms.payload(types.goal, request.fields.get("args") or {}, request)
         answer = {"action": request.word("action"), **({} if goal_id is None else {"id": goal_id})}
         call = GoalCall(self._context.graph, action, types)
 
@@ -94,13 +94,13 @@ class ClientActions:
         await self._own(request).server.close()
         del self._offered[self._resolve(request)]
 
-    def feedback(self, request: Request) -> None:
+    async def feedback(self, request: Request) -> None:
         """Handle the client's feedback of a goal."""
-        self._own(request).feedback(request)
+        await self._own(request).feedback(request)
 
-    def result(self, request: Request) -> None:
+    async def result(self, request: Request) -> None:
         """Handle the client's result of a goal."""
-        self._own(request).result(request)
+        await self._own(request).result(request)
 
     async def close(self) -> None:
         """Cancel the goals of the client, and end its actions."""
@@ -167,17 +167,18 @@ class _OfferedAction:
             on_cancel=self._send_cancel,
         )
 
-    def feedback(self, request: Request) -> None:
+    async def feedback(self, request: Request) -> None:
         """Publish feedback. Raises UnknownNameError, SerializationError."""
         values = request.fields.get("values") or {}
-        self.server.feedback(self._goal_id(request), self._forms.from_json(self._types.feedback, values))
+        payload = await self._forms.payload(self._types.feedback, values, request)
+        self.server.feedback(self._goal_id(request), payload)
 
-    def result(self, request: Request) -> None:
+    async def result(self, request: Request) -> None:
         """End a goal. Raises UnknownNameError, SerializationError."""
         goal_id = self._goal_id(request)
         values = request.fields.get("values")
         is_done = bool(request.fields.get("result", True)) and isinstance(values, dict)
-        payload = self._forms.from_json(self._types.result, values) if is_done else None
+        payload = await self._forms.payload(self._types.result, values, request) if is_done else None
         try:
             status = GoalStatus(request.count("status", GoalStatus.SUCCEEDED if is_done else 0))
         except ValueError:

@@ -73,10 +73,9 @@ class ClientServices:
         service = self._own(request)
         await self._context.offered.withdraw(service, "was unadvertised while it was called")
 
-    def answer(self, request: Request) -> None:
+    async def answer(self, request: Request) -> None:
         """Handle the client's answer to a call."""
-        result = request.fields.get("result", True)
-        self._own(request).answer(request.id, request.fields.get("values", {}), is_done=bool(result))
+        await self._own(request).answer(request)
 
     async def close(self) -> None:
         """Cancel calls, and stop offering services."""
@@ -116,7 +115,7 @@ class ClientServices:
                 return await local(request.fields.get("args"))
         service_type = await context.service_types.find(name)
         args = self._by_name(service_type.request.name, request.fields.get("args"))
-        payload = context.forms.from_json(service_type.request.name, args)
+        payload = await context.forms.payload(service_type.request.name, args, request)
         # Free the parsed request: a call may take long, and the request needs twenty times the memory of its
         # JSON.
         del args

@@ -60,7 +60,8 @@ class ClientTopics:
             message_type = await self._type_of(topic)
             publication = await self._advertise(topic, message_type, latch=request.flag("latch"))
         message = request.fields.get("msg", _NOTHING)
-        await publication.publish([self._context.forms.from_json(publication.type.name, message)])
+        payload = await self._context.forms.payload(publication.type.name, message, request)
+        await publication.publish([payload])
 
     async def subscribe(self, request: Request) -> None:
         """Subscribe a topic, which need not exist yet."""

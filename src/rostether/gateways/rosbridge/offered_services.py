@@ -9,6 +9,7 @@ from typing import Any
 
 from rostether.errors import ServiceCallError, UnknownNameError
 from rostether.gateways.rosbridge.message_forms import MessageForms
+from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.mechanisms.text import fold_line
@@ -52,20 +53,25 @@ class OfferedService:
         finally:
             del self._waiting[call_id]
 
-    def answer(self, call_id: object, values: Any, *, is_done: bool) -> None:
+    async def answer(self, request: Request) -> None:
         """Handle the client's answer. Raises UnknownNameError, SerializationError."""
+        call_id, values = request.id, request.fields.get("values", {})
         waiting = self._waiting.get(call_id) if isinstance(call_id, str) else None
         if waiting is None or waiting.done():
             raise UnknownNameError(f"service_response: no call of {self.name} has the id {call_id!r:.80}")
-        if not is_done:
+        if not request.fields.get("result", True):
             text = values if isinstance(values, str) and values else "the service reports a failure"
             waiting.set_exception(ServiceCallError(fold_line(text)))
             return
         try:
-            waiting.set_result(self._forms.from_json(self.type.response.name, values))
+            payload = await self._forms.payload(self.type.response.name, values, request)
         except Exception as error:
-            waiting.set_exception(ServiceCallError(f"the client that offers {self.name} answers: {error}"))
+            if not waiting.done():
+                reason = f"the client that offers {self.name} answers: {error}"
+                waiting.set_exception(ServiceCallError(reason))
             raise
+        if not waiting.done():
+            waiting.set_result(payload)
 
     async def close(self, reason: str) -> None:
         """Stop offering it; waiting calls fail."""

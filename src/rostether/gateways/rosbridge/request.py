@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import json
 import math
+from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
+from rostether.gateways.large_json import MANY_VALUES, count_values, parse_in_steps
 from rostether.gateways.rosbridge.status import show
 
 # The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
@@ -15,11 +18,15 @@ MAX_WORD_CHARACTERS: Final = 512
 
 
 class Request:
-    """A JSON object with an `op`, received in a frame of `size_bytes`."""
+    """A JSON object with an `op`, received in a frame of `size_bytes` with about `value_count` values.
 
-    def __init__(self, fields: dict[str, Any], size_bytes: int = 0) -> None:
+    `value_count` is 0 for a small message.
+    """
+
+    def __init__(self, fields: dict[str, Any], size_bytes: int = 0, value_count: int = 0) -> None:
         self.fields = fields
         self.size_bytes = size_bytes
+        self.value_count = value_count
         self.op = self.word("op")
 
     @property
@@ -91,25 +98,28 @@ class Request:
 _LARGE_BYTES: Final = 64 << 10
 
 
-def read_request(data: str | bytes) -> Request:
+async def read_request(data: str | bytes) -> Request:
     """Return the message in a frame. Raises RemoteProtocolError."""
     try:
-        fields = _parsed(data)
+        text = data if isinstance(data, str) else data.decode(json.detect_encoding(data), "surrogatepass")
+        value_count = count_values(text)
+        is_slow = value_count > MANY_VALUES
+        fields = await asyncio.to_thread(_parsed, text, parse_in_steps) if is_slow else _parsed(text)
     except RecursionError:
         raise RemoteProtocolError("this JSON is nested too deeply") from None
     except ValueError as error:
         raise RemoteProtocolError(f"this is not JSON: {error}; got {show(data)}") from None
     if not isinstance(fields, dict):
         raise RemoteProtocolError(f"a message must be a JSON object with an op, got {show(fields)}")
-    return Request(fields, len(data))
+    return Request(fields, len(data), value_count)
 
 
-def _parsed(data: str | bytes) -> Any:
+def _parsed(text: str, parse: Callable[[str], Any] = json.loads) -> Any:
     """Return parsed JSON, without garbage collection: parsing creates no garbage."""
-    if len(data) < _LARGE_BYTES or not gc.isenabled():
-        return json.loads(data)
+    if len(text) < _LARGE_BYTES or not gc.isenabled():
+        return parse(text)
     gc.disable()
     try:
-        return json.loads(data)
+        return parse(text)
     finally:
         gc.enable()

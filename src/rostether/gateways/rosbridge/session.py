@@ -125,7 +125,7 @@ class Session:
                 first = await self._connection.receive()
                 if first is None:
                     return False
-                fields = read_request(first).fields
+                fields = (await read_request(first)).fields
         if fields.get("op") == "auth" and authenticates(self._token, fields, time.time()):
             return True
         reason = "this server requires a token; connect to ?token=TOKEN, or send the op auth first"
@@ -148,7 +148,7 @@ class Session:
     async def _carry_out(self, data: str | bytes) -> None:
         request_id: object = None
         try:
-            request = read_request(data)
+            request = await read_request(data)
             request_id = request.id
             operation = OPERATIONS.get(request.op)
             if operation is None:

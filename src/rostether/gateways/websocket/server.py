@@ -19,7 +19,7 @@ from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
 from rostether.gateways.websocket.settings import DEFAULT_HOST, ConnectionLimits, ServerSettings
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import system_bind_errors
+from rostether.transports.sockets import lengthen_backlog, system_bind_errors
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
@@ -126,6 +126,7 @@ class WebSocketServer:
                     # A machine without IPv6.
                     continue
                 raise self._explain(port, error) from error
+            lengthen_backlog(server)
             self._servers.append(server)
             port = self.port
 

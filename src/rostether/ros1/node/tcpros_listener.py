@@ -13,7 +13,7 @@ from rostether.ros1.environment import connect_host, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
-from rostether.transports.sockets import system_bind_errors
+from rostether.transports.sockets import lengthen_backlog, system_bind_errors
 
 # Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers.
 MAX_HANDSHAKES = 256
@@ -87,6 +87,7 @@ class TcprosListener:
         for host in hosts:
             async with system_bind_errors(host, self.port):
                 server = await loop.create_server(self._take, host, self.port, backlog=128)
+            lengthen_backlog(server)
             self._servers.append(server)
             self.port = server.sockets[0].getsockname()[1]
 

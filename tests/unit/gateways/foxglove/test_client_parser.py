@@ -112,3 +112,9 @@ _FIELDS = [
 def test_any_json_is_a_message_or_an_error(op: str, fields: dict[str, object]) -> None:
     with contextlib.suppress(RemoteProtocolError):
         parse_text(json.dumps({**fields, "op": op}))
+
+
+def test_texts_that_take_long_to_parse_are_refused() -> None:
+    for part in ("1,", "[],", "{},"):
+        with pytest.raises(RemoteProtocolError, match="at most"):
+            parse_text('{"op": "getParameters", "parameterNames": [' + part * 300_000 + "1]}")

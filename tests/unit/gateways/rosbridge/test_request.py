@@ -1,13 +1,17 @@
 from __future__ import annotations
 
 import gc
+import json
 import tracemalloc
+from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Any
 
 import pytest
 
+from loop_watch import CallbackWatch
 from rostether.errors import RemoteProtocolError
+from rostether.gateways.large_json import MAX_CONTAINERS, parse_in_steps
 from rostether.gateways.rosbridge.request import MAX_WORD_CHARACTERS, Request, read_request
 
 
@@ -30,15 +34,15 @@ def request(**fields: Any) -> Request:
         ('{"op": ' + "9" * 5000 + "}", "this is not JSON"),
     ],
 )
-def test_what_is_no_message_is_refused_in_one_short_line(data: str | bytes, reason: str) -> None:
+async def test_what_is_no_message_is_refused_in_one_short_line(data: str | bytes, reason: str) -> None:
     with pytest.raises(RemoteProtocolError, match=reason) as caught:
-        read_request(data)
+        await read_request(data)
     assert len(str(caught.value)) < 250
     assert "\n" not in str(caught.value)
 
 
-def test_binary_frames_may_hold_json() -> None:
-    assert read_request(b'{"op": "publish"}').op == "publish"
+async def test_binary_frames_may_hold_json() -> None:
+    assert (await read_request(b'{"op": "publish"}')).op == "publish"
 
 
 @pytest.mark.parametrize("given", [7, None, ["a"], {}, True])
@@ -118,7 +122,7 @@ def test_what_nests_deeply_is_shown_too() -> None:
 
 
 @pytest.mark.parametrize("end", ["]}", ""])
-def test_no_garbage_collection_while_a_large_message_is_read(end: str) -> None:
+async def test_no_garbage_collection_while_a_large_message_is_read(end: str) -> None:
     looked = []
 
     def look(phase: str, _: object) -> None:
@@ -128,8 +132,47 @@ def test_no_garbage_collection_while_a_large_message_is_read(end: str) -> None:
     gc.callbacks.append(look)
     try:
         with nullcontext() if end else pytest.raises(RemoteProtocolError):
-            read_request('{"op": "x", "y": [' + "[]," * 100_000 + "[]" + end)
+            await read_request('{"op": "x", "y": [' + "[]," * 25_000 + "[]" + end)
     finally:
         gc.callbacks.remove(look)
     assert gc.isenabled()
     assert looked.count("start") <= 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"msg": {"data": [1, -2.5e3 , 0.1,\n7, {"a": [1, 2, [], "x,1,2"]}, 1, 2], "n": [null, true]}}',
+        "[" + "3," * 10_000 + "4]",
+        "[1, 2",
+        "[1, 2,]",
+        "[1,, 2]",
+        "[01, 2]",
+        "[1, 2] 3",
+        "[-, 1]",
+        '{"a": [1, NaN, 2]}',
+        "[" * 5000,
+    ],
+)
+def test_parsing_in_steps_is_parsing(text: str) -> None:
+    def outcome(parse: Callable[[str], Any]) -> str:
+        try:
+            return repr(parse(text))
+        except (ValueError, RecursionError) as error:
+            return type(error).__name__
+
+    assert outcome(parse_in_steps) == outcome(json.loads)
+
+
+async def test_a_large_message_does_not_hold_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = '{"op": "publish", "msg": {"data": [' + "1," * 500_000 + "1]}}"
+    watch = CallbackWatch(monkeypatch)
+    request = await read_request(text)
+    watch.check("half a million numbers")
+    assert len(request.fields["msg"]["data"]) == 500_001
+    assert request.value_count > 500_000
+
+
+async def test_the_containers_of_a_message_are_limited() -> None:
+    with pytest.raises(RemoteProtocolError, match="lists and objects"):
+        await read_request("[" + "{}," * MAX_CONTAINERS + "{}]")

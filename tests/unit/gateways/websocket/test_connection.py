@@ -9,7 +9,7 @@ import struct
 import subprocess
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import pytest
 from websockets.asyncio.client import connect
@@ -183,3 +183,44 @@ def _certificate(folder: Path) -> tuple[str, str]:
         capture_output=True,
     )
     return certificate, key
+
+
+async def test_pongs_do_not_fill_memory_when_the_client_does_not_read() -> None:
+    async with stage() as there:
+        reader, writer = await shaken(there.gateway.port)
+        (connection,) = there.gateway._server._connections
+        assert connection._transport is not None
+        connection._transport.set_write_buffer_limits(high=1000)
+        ours = cast(asyncio.Transport, writer.transport)
+        ours.pause_reading()
+        pings = b"".join(frame(9, b"%125d" % number) for number in range(1000))
+        async with asyncio.timeout(LIMIT_S):
+            while not connection._pong:
+                writer.write(pings)
+                await writer.drain()
+            size = connection.unsent_bytes
+            for _ in range(10):
+                writer.write(pings)
+                await writer.drain()
+        writer.write(frame(9, b"last"))
+        await until(lambda: connection._pong.endswith(b"last"))
+        assert connection.unsent_bytes <= size
+        # A client that reads again gets the answer to its last ping.
+        ours.resume_reading()
+        tail = b""
+        async with asyncio.timeout(LIMIT_S):
+            while not tail.endswith(b"\x8a\x04last"):
+                tail = (tail + await reader.read(65536))[-6:]
+        writer.close()
+
+
+async def test_empty_frames_of_a_message_take_no_memory() -> None:
+    async with stage() as there:
+        reader, writer = await shaken(there.gateway.port)
+        (connection,) = there.gateway._server._connections
+        writer.write(frame(1, b'{"op": ', fin=False) + frame(0, b"", fin=False) * 10_000 + frame(9, b"there"))
+        await asyncio.wait_for(reader.readuntil(b"there"), LIMIT_S)
+        assert len(connection._assembler.incomplete) == 7
+        writer.write(frame(0, b'"nonsense"}'))
+        await asyncio.wait_for(reader.readuntil(b"nonsense"), LIMIT_S)
+        writer.close()

@@ -1,0 +1,65 @@
+"""JSON with many values, parsed so that other threads can run: the parser of the standard library keeps them
+waiting until it has finished, half a second for 10 MB of numbers.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from json import JSONDecodeError, JSONDecoder
+from json.decoder import JSONArray  # type: ignore[attr-defined]  # not in the stubs
+from json.scanner import py_make_scanner  # type: ignore[attr-defined]
+from typing import Any, Final
+
+from rostether.errors import RemoteProtocolError
+
+# The limit of lists and objects in one message. Garbage collection looks at each.
+MAX_CONTAINERS: Final = 1 << 18
+
+# With more values, parsing takes longer than 10 ms, and so does what follows.
+MANY_VALUES: Final = 1 << 16
+
+# Shorter texts are not worth counting: they are parsed in a millisecond.
+_SHORT_CHARACTERS: Final = 16 << 10
+
+# Most of a large message is lists of numbers: this many are parsed at once, in less than a millisecond.
+_NUMBERS: Final = re.compile(r"(?:[ \t\r\n]*-?\d[\d.eE+-]*[ \t\r\n]*,){1,4096}")
+
+
+def count_values(text: str) -> int:
+    """Return about how many values a JSON text has, 0 for a short one. Raises RemoteProtocolError."""
+    if len(text) < _SHORT_CHARACTERS:
+        return 0
+    containers = text.count("[") + text.count("{")
+    if containers > MAX_CONTAINERS:
+        raise RemoteProtocolError(f"a message may have at most {MAX_CONTAINERS} lists and objects")
+    return text.count(",") + containers
+
+
+def check_few_values(text: str) -> None:
+    """Raise RemoteProtocolError for a text that takes long to parse."""
+    if count_values(text) > MANY_VALUES:
+        raise RemoteProtocolError(f"a JSON message may have at most {MANY_VALUES} values")
+
+
+def parse_in_steps(text: str) -> Any:
+    """Return the value of a JSON text; for threads. Raises ValueError, RecursionError."""
+    decoder: Any = JSONDecoder()
+    decoder.parse_array = _parse_array
+    decoder.scan_once = py_make_scanner(decoder)
+    return decoder.decode(text)
+
+
+def _parse_array(
+    text_and_start: tuple[str, int], scan_once: Callable[[str, int], tuple[Any, int]]
+) -> tuple[list[Any], int]:
+    text, end = text_and_start
+    numbers: list[Any] = []
+    while found := _NUMBERS.match(text, end):
+        numbers += json.loads(f"[{found[0][:-1]}]")
+        end = found.end()
+    rest, after = JSONArray((text, end), scan_once)
+    if numbers and not rest:
+        raise JSONDecodeError("Illegal trailing comma before end of array", text, end - 1)
+    return numbers + rest, after
