@@ -218,7 +218,7 @@ export const texts = {
     follow: "Follow",
     none: "No robot publishes its position",
     noneText:
-      "Robots that publish sensor_msgs/NavSatFix appear here. A phone can do that: open This phone on it.",
+      "Robots that publish sensor_msgs/NavSatFix appear here. To use the GPS of a phone, open “This phone” there.",
     noFix: (topics: string) => `No GPS fix: ${topics}`,
     noTiles: "No map tiles. Start the dashboard with --tiles FILE.mbtiles to see streets without internet.",
   },

@@ -64,13 +64,13 @@ function FleetPanel({ context }: { context: PanelContext }) {
     <div class="fleet">
       <div class="toolbar">
         <span class="fleet-count">{t.count(robots.length - lost, lost)}</span>
+        <output class="fleet-answer">{answer.value}</output>
         {stopOf && (
           <button type="button" class="fleet-stop" onClick={() => stopOf(0)}>
             <Icon name="stop" />
             {t.stopAll}
           </button>
         )}
-        <output class="fleet-answer">{answer.value}</output>
       </div>
       <ul class={context.isCard ? "fleet-badges" : "fleet-robots"}>
         {[...robots]

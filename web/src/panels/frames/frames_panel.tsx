@@ -41,7 +41,7 @@ function FramesPanel({ context }: { context: PanelContext }) {
           <thead>
             <tr>
               <th>{t.frame}</th>
-              <th class="number">{t.rate}</th>
+              <th class="number rate">{t.rate}</th>
               <th class="number">{t.x}</th>
               <th class="number">{t.y}</th>
               <th class="number">{t.z}</th>
@@ -97,7 +97,7 @@ function FrameRow({ edge, depth }: { edge: Edge; depth: number }) {
       <td>
         <span class={`frame-name depth-${depth}`}>{edge.child}</span>
       </td>
-      <td class="number muted">
+      <td class="number rate muted">
         {edge.isStatic
           ? t.fixed
           : isOld

@@ -26,7 +26,7 @@ function ImagesPanel({ context }: { context: PanelContext }) {
     return <EmptyState icon="images" title={texts.images.empty} text={texts.images.emptyText} />;
   return (
     <div class="images">
-      {!context.isCard && (
+      {!context.isCard && (topics.length > 1 || chosen !== "") && (
         <div class="toolbar">
           <label>
             {texts.images.topic}{" "}

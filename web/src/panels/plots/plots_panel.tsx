@@ -93,13 +93,14 @@ function PlotsPage({ context }: { context: PanelContext }) {
       <div class="toolbar">
         <button
           type="button"
-          class="button"
+          class="button plots-add"
+          aria-label={t.add}
           aria-expanded={isPicking.value}
           onClick={() => {
             isPicking.value = !isPicking.value;
           }}
         >
-          <Icon name="plus" size={18} /> {t.add}
+          <Icon name="plus" size={18} /> <span>{t.add}</span>
         </button>
         <select
           class="field"
