@@ -157,8 +157,23 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
 @click.pass_context
 def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:
     """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all packages or of the
-    named ones.
+    named ones. Messages of other packages that are there already are kept, and written again.
     """
+    wanted = (*packages, *_generated_packages(directory)) if packages else ()
     context.invoke(
-        firmware_lib, directory=directory, sketch=None, packages=packages, msg_paths=(), as_json=False
+        firmware_lib, directory=directory, sketch=None, packages=wanted, msg_paths=(), as_json=False
     )
+
+
+def _generated_packages(directory: Path) -> list[str]:
+    """Return the packages in a library that is there, as far as their definitions are known."""
+    from rostether.codegen.arduino_library import LIBRARY_NAME
+    from rostether.codegen.library_source import SOURCE_FOLDER
+    from rostether.msgdef.registry import Registry
+
+    library = directory.expanduser() / LIBRARY_NAME
+    registry = Registry.from_environment(())
+    # The established tool has no folder for sources.
+    folders = [each for part in (f"{SOURCE_FOLDER}/*", "*") for each in library.glob(part) if each.is_dir()]
+    names = sorted({each.name for each in folders})
+    return [name for name in names if registry.messages(name) or registry.services(name)]

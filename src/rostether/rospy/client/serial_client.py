@@ -1,0 +1,119 @@
+"""rosserial_python.SerialClient and RosSerialServer: boards whose topics belong to the program's own node."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Mapping
+from typing import Any, cast
+
+from rostether.bridge.supervisor import Supervisor
+from rostether.graph.ports import Graph, Level
+from rostether.ros1.environment import LOOPBACK
+from rostether.rospy.client.logs import TerminalHandler
+from rostether.rospy.client.message_types import all_types
+from rostether.rospy.client.node import node, require_running
+from rostether.rospy.client.ros_time import simulated_time_s
+from rostether.rospy.client.shutdown import shutdown
+from rostether.serde.store import TypeStore
+from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, Address, SerialAddress, TcpAddress
+
+_DEFAULT_DEVICE = "/dev/ttyUSB0"
+# How long the end of the program waits until the boards were asked to stop.
+_CLOSE_LIMIT_S = 3.0
+
+_LEVELS = {
+    Level.DEBUG: logging.DEBUG,
+    Level.INFO: logging.INFO,
+    Level.WARN: logging.WARNING,
+    Level.ERROR: logging.ERROR,
+    Level.FATAL: logging.CRITICAL,
+}
+
+
+class SerialClient:
+    """Serves the board on a serial port; `timeout` and `fix_pyserial_for_test` have no effect."""
+
+    def __init__(
+        self,
+        port: str | None = None,
+        baud: int = DEFAULT_BAUD,
+        timeout: float = 5.0,
+        fix_pyserial_for_test: bool = False,
+    ) -> None:
+        if port is not None and not isinstance(port, str):
+            raise TypeError(f"SerialClient takes the name of a serial port, not a {type(port).__name__}")
+        self.port: str = port or _DEFAULT_DEVICE
+        self.baud: int = int(baud)
+        self.timeout: float = timeout
+
+    def run(self) -> None:
+        """Serve the board until the node shuts down; a port that is missing is waited for."""
+        _serve(SerialAddress(self.port, self.baud, name=node.graph.node_name))
+
+
+class RosSerialServer:
+    """Serves boards that connect over TCP from this machine; `fork_server` has no effect."""
+
+    def __init__(self, tcp_portnum: int = DEFAULT_PORT, fork_server: bool = False) -> None:
+        self.tcp_portnum: int = int(tcp_portnum)
+        self.fork_server: bool = fork_server
+
+    def listen(self) -> None:
+        """Serve boards until the node shuts down. Raises TransportOpenError if the port is in use."""
+        _Terminal().line(
+            Level.INFO,
+            f"port {self.tcp_portnum} accepts boards on this machine only; for boards on the network use "
+            f"`rostether serial-node tcp {self.tcp_portnum} --listen 0.0.0.0`",
+        )
+        _serve(TcpAddress(LOOPBACK, self.tcp_portnum, name=node.graph.node_name))
+
+
+class _Terminal:
+    """Prints the bridge's lines as rospy prints log lines; the board's node publishes them on /rosout."""
+
+    def __init__(self) -> None:
+        self._handler = TerminalHandler(simulated_time_s)
+
+    def line(self, level: Level, text: str, *, node: str = "") -> None:
+        """Print a line."""
+        record = logging.LogRecord("rosout", _LEVELS[level], __file__, 0, text, None, None, "run")
+        self._handler.emit(record)
+
+
+class _OwnGraph:
+    """The program's node as the node of a board, which leaves it when the board is gone."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._graph, name)
+
+    async def close(self) -> None:
+        """Do nothing: the program goes on."""
+
+
+def _serve(address: Address) -> None:
+    require_running()
+    node.call(_serve_until_shutdown(address))
+
+
+async def _serve_until_shutdown(address: Address) -> None:
+    async def join(
+        node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
+    ) -> Graph:
+        return cast("Graph", _OwnGraph(node.graph))
+
+    supervisor = Supervisor(join, TypeStore(all_types().registry), reporter=_Terminal())
+
+    def close(_: str) -> None:
+        with contextlib.suppress(TimeoutError):
+            node.loop.call(supervisor.close(), timeout_s=_CLOSE_LIMIT_S)
+
+    shutdown.before(close)
+    try:
+        await supervisor.start([address])
+        await supervisor.wait_done()
+    finally:
+        await supervisor.close()
