@@ -17,7 +17,7 @@ from types import FrameType
 
 import pytest
 
-from warm_start import interpreter_pids
+import warm_start
 
 # Each test process adds its name to the value: "CONTROLLER.WORKER." marks what a worker has started.
 MARK = "STARTED_BY_TESTS"
@@ -56,7 +56,7 @@ def end_left_running() -> list[str]:
     if sys.platform != "linux":
         return []
     mark = f"{MARK}={os.environ[MARK]}".encode()
-    kept = {os.getpid(), *interpreter_pids()}
+    kept = {os.getpid(), *warm_start.interpreter_pids()}
     ended = []
     for folder in Path("/proc").glob("[0-9]*"):
         # Other users' processes cannot be read. The environment of a zombie is empty.
@@ -73,7 +73,8 @@ def end_left_running() -> list[str]:
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None]:
     """End what the tests and fixtures of a file left running, and fail the last of these tests."""
     yield
-    if (nextitem is None or nextitem.path != item.path) and (ended := end_left_running()):
+    is_last = nextitem is None or nextitem.path != item.path
+    if is_last and warm_start.has_started_programs() and (ended := end_left_running()):
         pytest.fail(f"{item.path.name} left running: {'; '.join(ended)}", pytrace=False)
 
 

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfinish  # noqa: F401 - hooks
+from effort import effort
 from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
 from unit.codegen.compilers import COMPILERS, missing_compiler
@@ -39,7 +40,9 @@ def missing_module(module: str, package: str) -> str:
 
 
 # On a busy machine an example may take any time.
-settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "tests", max_examples=effort(30, 100), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("tests")
 
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)

@@ -94,6 +94,24 @@ _UTF8 = {"LC_ALL": "C.UTF-8"}
 _interpreters: dict[str, WarmInterpreter] = {}
 _is_enabled = False
 _has_warm_workers = False
+_has_started = True
+
+
+def has_started_programs() -> bool:
+    """Return whether a program was started since the last call; without, no search in /proc is needed."""
+    global _has_started
+    had_started, _has_started = _has_started, subprocess.Popen._execute_child is not _start  # type: ignore[attr-defined]
+    return had_started
+
+
+def _note_start() -> None:
+    global _has_started
+    _has_started = True
+
+
+# Also the forks of `pty` and `os`.
+if IS_SUPPORTED:
+    os.register_at_fork(before=_note_start)
 
 
 def interpreter_pids() -> set[int]:
@@ -143,6 +161,7 @@ def cold_start() -> Iterator[None]:
 
 def _start(process: subprocess.Popen[Any], *arguments: Any, **options: Any) -> None:
     global _is_enabled, _has_warm_workers
+    _note_start()
     call = _SIGNATURE.bind(process, *arguments, **options).arguments
     found = _request(call) if _is_enabled else None
     if found is None:

@@ -10,6 +10,7 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.session import Session
 from rostether.device.device import Device
@@ -41,7 +42,7 @@ def chunks_of(data: bytes, cuts: list[int]) -> list[bytes]:
 
 
 @given(st.lists(st.text(max_size=40), max_size=20), st.lists(st.integers(0, 1 << 16), max_size=30))
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=effort(20, 60))
 def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int]) -> None:
     async def scenario() -> list[bytes]:
         world = await World().open()
@@ -59,7 +60,7 @@ def test_any_chunking_gives_the_same_messages(words: list[str], cuts: list[int])
 
 
 @given(st.lists(st.binary(max_size=200), max_size=20))
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=effort(20, 60))
 def test_garbage_stops_nothing_and_is_reported_briefly(garbage: list[bytes]) -> None:
     async def scenario() -> tuple[list[bytes], World]:
         world = await World().open()
@@ -91,7 +92,7 @@ def test_garbage_stops_nothing_and_is_reported_briefly(garbage: list[bytes]) -> 
         max_size=60,
     )
 )
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=effort(20, 60))
 def test_what_does_not_fit_its_type_never_reaches_ros(frames: list[tuple[int, bytes]]) -> None:
     async def scenario() -> tuple[list[bytes], list[bytes]]:
         world = await World().open()
@@ -111,7 +112,7 @@ def test_what_does_not_fit_its_type_never_reaches_ros(frames: list[tuple[int, by
 
 
 @given(st.integers(0, 1 << 32))
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=effort(8, 15))
 def test_on_a_line_that_harms_one_write_in_twenty_all_endpoints_come_up(seed: int) -> None:
     """25 publishers, 25 subscribers and a service: all in the graph within 2 s of link time."""
     rng = random.Random(seed)

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from property.message_strategies import messages
 from rostether.errors import SerializationError
 from rostether.serde.cdr.converter import CdrConverter
@@ -42,7 +43,7 @@ def definitions(draw: st.DrawFn) -> Pairs:
     return Pairs(ros1, ros2)
 
 
-@settings(SETTINGS, max_examples=150)
+@settings(SETTINGS, max_examples=effort(50, 150))
 @given(data=st.data(), pairs=definitions())
 def test_any_values_of_any_definitions(data: st.DataObject, pairs: Pairs) -> None:
     codec, ros2 = pairs.store.codec("test/L2"), pairs.ros2("test/msg/L2")
@@ -58,7 +59,7 @@ def test_any_values_of_any_definitions(data: st.DataObject, pairs: Pairs) -> Non
         assert converter.from_cdr(CdrWriter(pairs.ros2, ">").encoded(ros2, value)) == back
 
 
-@settings(SETTINGS, max_examples=100)
+@settings(SETTINGS, max_examples=effort(30, 100))
 @given(data=st.data(), pairs=definitions())
 def test_any_bytes_are_converted_or_refused(data: st.DataObject, pairs: Pairs) -> None:
     codec, converter = pairs.store.codec("test/L2"), pairs.converter("L2", "L2")

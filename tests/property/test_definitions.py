@@ -7,6 +7,7 @@ import string
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from rostether.errors import ConfigError, DefinitionError, InvalidNameError
 from rostether.msgdef.full_text import SEPARATOR, message_full_text, split_full_text
 from rostether.msgdef.md5sum import message_md5sum
@@ -21,7 +22,7 @@ from rostether.names.remap import parse_arguments
 from rostether.packages.package_xml import parse_package_xml
 
 # A busy machine makes single examples slow; that is no failure.
-unhurried = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+unhurried = settings(max_examples=effort(20, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 BUNDLED = Registry()
 BUNDLED_NAMES = BUNDLED.messages()

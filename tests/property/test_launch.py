@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from rostether.errors import ConfigError, LaunchError
 from rostether.launch.loading import load_launch
 from rostether.launch.scope import Scope
@@ -62,14 +63,14 @@ def test_bytes_that_are_no_launch_file(body: bytes) -> None:
     refuses_or_returns(body)
 
 
-@settings(max_examples=300)
+@settings(max_examples=effort(100, 300))
 @given(st.lists(PIECES, max_size=12))
 @example(["<param name='x' ", "value='$(arg x)'/>"])
 def test_pieces_of_launch_files(pieces: list[str]) -> None:
     refuses_or_returns(f"<launch>{''.join(pieces)}</launch>".encode())
 
 
-@settings(max_examples=300)
+@settings(max_examples=effort(100, 300))
 @given(st.lists(WORDS | st.text(max_size=3), max_size=12).map("".join))
 def test_texts_with_substitutions(text: str) -> None:
     scope = Scope(file="x.launch", arguments={"x": "1"})

@@ -10,6 +10,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from effort import effort
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.parameter_tree import _BYTES_PER_VALUE, ParameterTree, watch_key
 from rostether.xmlrpc.values import XmlRpcValue
@@ -140,4 +141,4 @@ class MasterUnderChanges(RuleBasedStateMachine):
 
 
 TestMasterUnderChanges = MasterUnderChanges.TestCase
-TestMasterUnderChanges.settings = settings(max_examples=80, stateful_step_count=30, deadline=None)
+TestMasterUnderChanges.settings = settings(max_examples=effort(30, 80), stateful_step_count=30, deadline=None)

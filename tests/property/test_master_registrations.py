@@ -8,6 +8,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from effort import effort
 from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.registrations import Kind
 from rostether.xmlrpc.document_writer import dump_response
@@ -178,4 +179,6 @@ class MasterUnderRegistrations(RuleBasedStateMachine):
 
 
 TestMasterUnderRegistrations = MasterUnderRegistrations.TestCase
-TestMasterUnderRegistrations.settings = settings(max_examples=120, stateful_step_count=40, deadline=None)
+TestMasterUnderRegistrations.settings = settings(
+    max_examples=effort(40, 120), stateful_step_count=40, deadline=None
+)

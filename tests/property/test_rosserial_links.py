@@ -8,6 +8,7 @@ from collections import Counter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.device_link import DeviceLink, DeviceLinkConfig
 from rostether.rosserial.events import MessagesReceived
@@ -117,7 +118,7 @@ def test_a_device_link_takes_anything(script: list[tuple[bytes, float]]) -> None
         assert len(link.data_to_send()) < 1000
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=effort(10, 25), deadline=None)
 @given(st.integers(0, 1 << 32), st.sampled_from([1, 2]), st.sampled_from([57600.0, 1e6, float("inf")]))
 def test_a_lossy_line_loses_messages_but_invents_hardly_any(seed: int, version: int, baud: float) -> None:
     rng = random.Random(seed)

@@ -18,7 +18,7 @@ SERVICE_HALVES = [
 ]
 TYPES = STORE.registry.messages() + SERVICE_HALVES
 SETTINGS = settings(
-    max_examples=effort(4, thorough=50),
+    max_examples=effort(2, thorough=50),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
@@ -44,7 +44,7 @@ def test_decoding_undoes_encoding(name: str, data: st.DataObject) -> None:
         codec.decode(extended)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=effort(20, 60), deadline=None)
 @given(payload=st.binary(max_size=120) | st.lists(st.integers(0, 3), max_size=120).map(bytes))
 def test_garbage_is_accepted_exactly_if_it_decodes(payload: bytes) -> None:
     for name in TYPES:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from property.message_strategies import messages
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
@@ -25,7 +26,9 @@ def test_most_types_are_compared() -> None:
 
 @pytest.mark.parametrize("name", TYPES)
 @settings(
-    max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    max_examples=effort(2, 4),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 @given(data=st.data())
 def test_rosbags_writes_back_the_same_bytes(name: str, data: st.DataObject) -> None:

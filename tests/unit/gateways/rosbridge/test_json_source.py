@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from effort import effort
 from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Duration, Time
@@ -81,7 +82,7 @@ def value(node: Node, draw: Callable[[st.SearchStrategy[Any]], Any]) -> Any:
 CODEC = everything()
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=effort(60, 200), deadline=None)
 @given(st.data(), st.sampled_from(Style))
 def test_the_fast_path_equals_the_slow_path(data: st.DataObject, style: Style) -> None:
     payload = CODEC.encode(value(CODEC.tree, data.draw))
