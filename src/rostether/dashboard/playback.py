@@ -11,6 +11,7 @@ from typing import Any
 from rostether.errors import ConfigError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
+from rostether.mechanisms.run_until import run_until
 from rostether.recording.files import open_recording
 from rostether.recording.player import Player, PlaySettings
 from rostether.recording.recorded import RecordingReader
@@ -101,7 +102,7 @@ class Playback:
             try:
                 self._player = player = Player(graph, [reader], self._settings)
                 started.set_result(None)
-                await self._play_until_left(graph, player)
+                await run_until(player.play(), graph.wait_closed())
             except RostetherError as error:
                 if not started.done():
                     raise
@@ -111,15 +112,3 @@ class Playback:
             finally:
                 with contextlib.suppress(RostetherError):
                     await graph.close()
-
-    async def _play_until_left(self, graph: Graph, player: Player) -> None:
-        playing = asyncio.ensure_future(player.play())
-        leaving = asyncio.ensure_future(graph.wait_closed())
-        try:
-            await asyncio.wait([playing, leaving], return_when=asyncio.FIRST_COMPLETED)
-            if playing.done():
-                playing.result()
-        finally:
-            leaving.cancel()
-            playing.cancel()
-            await asyncio.gather(playing, leaving, return_exceptions=True)

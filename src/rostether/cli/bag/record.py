@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,6 +32,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.run_until import run_until
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -345,21 +347,10 @@ async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], Re
     return create
 
 
-async def _until_ended(leaving: object, recorder: Recorder) -> None:
+async def _until_ended(leaving: Awaitable[object], recorder: Recorder) -> None:
     """Record until a signal or `rosnode kill`, the normal ends of a recording."""
-    recording = asyncio.create_task(recorder.run())
-    left = asyncio.ensure_future(leaving)  # type: ignore[call-overload]
-    try:
-        await asyncio.wait({recording, left}, return_when=asyncio.FIRST_COMPLETED)
-    except asyncio.CancelledError:
-        pass
-    finally:
-        left.cancel()
-        if not recording.done():
-            recording.cancel()
-        await asyncio.wait({recording})
-    if not recording.cancelled():
-        recording.result()
+    with suppress(asyncio.CancelledError):
+        await run_until(recorder.run(), leaving)
 
 
 def _pattern(text: str) -> re.Pattern[str]:

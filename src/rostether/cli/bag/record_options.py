@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -17,12 +16,12 @@ from rostether.cli.bag.figures import MEGABYTE, size_text
 from rostether.cli.shell.option_group import option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
+from rostether.mechanisms.run_until import run_until
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
     from rostether.graph.ports import Graph, JoinGraph
     from rostether.recording.recorded import RecordingWriter
-    from rostether.recording.recorder import Recorder
     from rostether.ros2.types.type_support import Ros2Types
 
 # As often as a board's node is tried.
@@ -127,7 +126,7 @@ async def _record(
             repeat_latched=True,
         )
         try:
-            await _until_left(graph, recorder)
+            await run_until(recorder.run(), graph.wait_closed())
         except RecordingError as error:
             reporter.line(Level.ERROR, f"{error}; boards stay connected")
         finally:
@@ -162,18 +161,6 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
         max_retry_s=MAX_JOIN_RETRY_S,
         errors=GraphError,
     )
-
-
-async def _until_left(graph: Graph, recorder: Recorder) -> None:
-    recording = asyncio.ensure_future(recorder.run())
-    leaving = asyncio.ensure_future(graph.wait_closed())
-    try:
-        await asyncio.wait([recording, leaving], return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        leaving.cancel()
-        recording.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await recording
 
 
 def _level_of(text: str) -> Level:

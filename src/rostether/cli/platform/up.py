@@ -16,6 +16,7 @@ from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.run_until import run_until
 
 if TYPE_CHECKING:
     from rostether.platform.boot.robot_file import Part
@@ -63,9 +64,7 @@ def up(file: Path, check: bool) -> None:
     def report(name: str, line: str) -> None:
         write_line(f"{name.ljust(width)} | {line}")
 
-    async def main() -> None:
-        if interface and not environ.get("ROS_IP"):
-            environ["ROS_IP"] = await _wait_for_address(interface)
+    async def run_parts() -> None:
         try:
             async with asyncio.TaskGroup() as group:
                 for part in sorted(robot.parts, key=_is_no_core):
@@ -75,19 +74,29 @@ def up(file: Path, check: bool) -> None:
         except ExceptionGroup as failures:
             raise failures.exceptions[0] from None
 
+    async def main() -> None:
+        if not interface or environ.get("ROS_IP"):
+            await run_parts()
+        while True:
+            environ["ROS_IP"] = await _wait_for_address(interface)
+            # Nodes have registered their address: they cannot be reached at another one.
+            await run_until(run_parts(), _wait_for_address(interface, other_than=environ["ROS_IP"]))
+            write_line(f"the network interface {interface} has another address; all parts start again")
+
     run(main(), is_service=True)
 
 
-async def _wait_for_address(interface: str) -> str:
+async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
     """Return the address of an interface when it has one: at boot, Wi-Fi connects later."""
     from rostether.platform.boot.interface import interface_address
 
-    reported = False
-    while (address := interface_address(interface)) is None:
+    reported = bool(other_than)
+    while (address := interface_address(interface)) in (None, other_than):
         if not reported:
             reported = True
             write_line(f"waiting until the network interface {interface} has an address")
         await asyncio.sleep(ADDRESS_PERIOD_S)
+    assert address is not None
     return address
 
 

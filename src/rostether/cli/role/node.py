@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.graph_options import GraphOptions, ros_arguments
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.shell.output import warn
+from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment
@@ -103,15 +103,6 @@ def run_role(
 
     async def until_ended() -> None:
         async with role_node(arguments, default_name, ros2) as graph:
-            working = asyncio.ensure_future(main(graph, arguments))
-            leaving = asyncio.ensure_future(graph.raw.wait_closed())
-            try:
-                await asyncio.wait([working, leaving], return_when=asyncio.FIRST_COMPLETED)
-                if working.done():
-                    await working
-            finally:
-                working.cancel()
-                leaving.cancel()
-                await asyncio.wait([working, leaving])
+            await run_until(main(graph, arguments), graph.raw.wait_closed())
 
     run(until_ended(), is_service=True)

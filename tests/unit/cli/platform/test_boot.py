@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from interop.machines import missing_namespaces, own_loopback
 from interop.ros1_peers import free_port
-from programs import started
+from programs import OURS, start_program, started
 from unit.cli.command_shell import Shell
 
 
@@ -94,6 +95,23 @@ async def test_the_address_is_that_of_the_interface(tmp_path: Path) -> None:
     robot.write_text(f'interface = "away0"\n{parts}')
     async with started("up", str(robot)) as up:
         await up.wait_for("waiting until the network interface away0 has an address")
+
+
+@pytest.mark.skipif(bool(missing_namespaces()), reason=missing_namespaces())
+async def test_the_parts_start_again_at_another_address(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text('interface = "lo"\n[parts]\ncore = "core"\n')
+    with own_loopback() as enter:
+        assert enter is not None
+        up = await start_program(*enter, *OURS, "up", str(robot), environment=dict(os.environ))
+        try:
+            await up.wait_for("Press Ctrl-C to stop")
+            subprocess.run([*enter, "ip", "address", "del", "127.0.0.1/8", "dev", "lo"], check=True)
+            subprocess.run([*enter, "ip", "address", "add", "127.0.0.9/8", "dev", "lo"], check=True)
+            await up.wait_for("the network interface lo has another address; all parts start again")
+            await up.wait_for("ROS_MASTER_URI=http://127.0.0.9:11311/")
+        finally:
+            await up.stop()
 
 
 def _children(parent: int, command: str) -> list[int]:

@@ -1,0 +1,23 @@
+"""Work that ends by itself, or with something else."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable
+
+
+async def run_until(work: Awaitable[object], end: Awaitable[object]) -> None:
+    """Run `work` until it is done, or cancel it when `end` is; then both have ended.
+
+    Raises the error of `work`, also one that it raises when cancelled.
+    """
+    working = asyncio.ensure_future(work)
+    ending = asyncio.ensure_future(end)
+    try:
+        await asyncio.wait([working, ending], return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        working.cancel()
+        ending.cancel()
+        await asyncio.wait([working, ending])
+        if not working.cancelled():
+            working.result()
