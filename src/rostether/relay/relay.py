@@ -1,4 +1,4 @@
-"""A relay between two graphs: chosen topics and services of each are in the other too.
+"""A relay between two graphs: chosen topics, services and actions of each are in the other too.
 
 A topic is carried to the other graph as long as somebody besides the relay publishes it, in both directions
 at once where both are chosen: the relay's subscribers leave out what the relay itself publishes, so that
@@ -14,7 +14,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import NamedTuple
 
 from rostether.errors import GraphError, RostetherError
 from rostether.graph.joint_marks import (
@@ -26,10 +25,13 @@ from rostether.graph.joint_marks import (
     replace_names,
 )
 from rostether.graph.ports import Level, Publisher, Snapshot
+from rostether.relay.action_relay import ActionRelay, action_entries
 from rostether.relay.relay_filter import Direction, RelayFilter
 from rostether.relay.service_relay import ServiceRelay
 from rostether.relay.side import Side
 from rostether.relay.topic_relay import TopicRelay
+from rostether.relay.wish import Kind, Wish
+from rostether.ros2.actions.board_graph import BoardJoin
 
 # The pause before something that a graph refused is tried again; graphs come back within seconds.
 RETRY_S = 2.0
@@ -46,26 +48,22 @@ CHECK_S = 3.0
 Report = Callable[[Level, str], None]
 
 
-class _Wish(NamedTuple):
-    """A topic or service to relay; `chosen_type` is a service's type, empty if the graph knows it."""
-
-    is_service: bool
-    name: str
-    source: Side
-    target: Side
-    chosen_type: str = ""
-
-    @property
-    def text(self) -> str:
-        kind = "service " if self.is_service else ""
-        return f"{kind}{self.name} from {self.source.name} to {self.target.name}"
-
-
 class Relay:
-    """Relays what is chosen between two sides; `report` gets a line for each start, end and error."""
+    """Relays what is chosen between two sides; `report` gets a line for each start, end and error.
 
-    def __init__(self, first: Side, second: Side, choice: RelayFilter, report: Report) -> None:
+    With `actions`, `first` is ROS 1 and `second` is ROS 2.
+    """
+
+    def __init__(
+        self,
+        first: Side,
+        second: Side,
+        choice: RelayFilter,
+        report: Report,
+        actions: BoardJoin | None = None,
+    ) -> None:
         self._sides = (first, second)
+        self._actions_join = actions
         self._choice = choice
         self._report = report
         self._mark = new_relay_mark()
@@ -76,12 +74,12 @@ class Relay:
         self._gone: set[str] = set()
         self._left_out: dict[str, str] = {}
         self._news = asyncio.Event()
-        self._carrying: dict[_Wish, asyncio.Task[None]] = {}
-        self._ending: dict[_Wish, asyncio.Task[None]] = {}
-        self._relays: dict[_Wish, TopicRelay | ServiceRelay] = {}
+        self._carrying: dict[Wish, asyncio.Task[None]] = {}
+        self._ending: dict[Wish, asyncio.Task[None]] = {}
+        self._relays: dict[Wish, TopicRelay | ServiceRelay | ActionRelay] = {}
 
     @property
-    def relays(self) -> list[TopicRelay | ServiceRelay]:
+    def relays(self) -> list[TopicRelay | ServiceRelay | ActionRelay]:
         """The running relays, and those that wait for a publisher."""
         return list(self._relays.values())
 
@@ -167,7 +165,7 @@ class Relay:
                         self._report(Level.INFO, f"not relaying {text}: {reason}")
                 self._left_out = left_out
 
-    def _arrange(self, wishes: set[_Wish]) -> None:
+    def _arrange(self, wishes: set[Wish]) -> None:
         for wish in self._carrying.keys() - wishes:
             task = self._ending[wish] = self._carrying.pop(wish)
             task.add_done_callback(partial(self._forget, wish))
@@ -176,11 +174,11 @@ class Relay:
         for wish in sorted(wishes - self._carrying.keys() - self._ending.keys(), key=lambda each: each.text):
             self._carrying[wish] = asyncio.get_running_loop().create_task(self._carry(wish))
 
-    def _forget(self, wish: _Wish, _: object) -> None:
+    def _forget(self, wish: Wish, _: object) -> None:
         del self._ending[wish]
         self._news.set()
 
-    def _wishes(self, left_out: dict[str, str]) -> Iterator[_Wish]:
+    def _wishes(self, left_out: dict[str, str]) -> Iterator[Wish]:
         """Yield what to relay; `left_out` gets what another relay has, with the reason."""
         first, second = self._sides
         for wish, there in (
@@ -188,6 +186,7 @@ class Relay:
             *self._topics(second, first, Direction.BACK),
             *self._services(first, second),
             *self._services(second, first),
+            *self._actions(),
         ):
             carrier = self._carrier(wish.target.graph.node_name, there)
             if carrier:
@@ -197,7 +196,7 @@ class Relay:
 
     def _topics(
         self, source: Side, target: Side, direction: Direction
-    ) -> Iterator[tuple[_Wish, tuple[str, ...]]]:
+    ) -> Iterator[tuple[Wish, tuple[str, ...]]]:
         """Yield the topics of one side to be carried, each with its publishers in the other one."""
         there = self._seen[target.name].topics
         own = {source.graph.node_name, *self._skip_nodes}
@@ -205,9 +204,9 @@ class Relay:
             if is_mark(name) or own.issuperset(topic.publishers):
                 continue
             if self._choice.carries_topic(name, direction):
-                yield _Wish(False, name, source, target), there[name].publishers if name in there else ()
+                yield Wish(Kind.TOPIC, name, source, target), there[name].publishers if name in there else ()
 
-    def _services(self, source: Side, target: Side) -> Iterator[tuple[_Wish, tuple[str, ...]]]:
+    def _services(self, source: Side, target: Side) -> Iterator[tuple[Wish, tuple[str, ...]]]:
         """Yield the services of one side to be offered in the other one, each with its providers there."""
         there = self._seen[target.name].services
         own = {source.graph.node_name, *self._skip_nodes}
@@ -219,7 +218,23 @@ class Relay:
             # If both graphs have a service, each keeps its own.
             providers = there[name].providers if name in there else ()
             if relays.issuperset(providers):
-                yield _Wish(True, name, source, target, chosen.type), providers
+                yield Wish(Kind.SERVICE, name, source, target, chosen.type), providers
+
+    def _actions(self) -> Iterator[tuple[Wish, tuple[str, ...]]]:
+        """Yield the actions of one side to be offered in the other one, each with its servers there."""
+        if self._actions_join is None:
+            return
+        entries = action_entries(*(self._seen[side.name] for side in self._sides))
+        for number, (source, target) in enumerate((self._sides, self._sides[::-1])):
+            own = {source.graph.node_name, *self._skip_nodes}
+            relays = {target.graph.node_name, *self._marked.relays, *self._gone}
+            for name, entry in entries[number].items():
+                there = entries[1 - number].get(name)
+                servers = () if there is None else there.servers
+                is_wanted = self._choice.carries_action(name) and not own.issuperset(entry.servers)
+                # If both graphs have an action, each keeps its own.
+                if is_wanted and relays.issuperset(servers):
+                    yield Wish(Kind.ACTION, name, source, target, entry.type), servers
 
     def _carrier(self, own_name: str, nodes: Iterable[str]) -> str:
         """Return the relay among nodes that keeps something from us, an empty string if none does."""
@@ -229,23 +244,18 @@ class Relay:
             return ""
         return others[0][1]
 
-    async def _carry(self, wish: _Wish) -> None:
+    async def _carry(self, wish: Wish) -> None:
         reported = ""
         while True:
             # Older relays go first; this task is cancelled if one of them carries the topic.
             await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
-            relay = self._relays[wish] = (
-                ServiceRelay(wish.name, wish.source, wish.target, wish.chosen_type)
-                if wish.is_service
-                else TopicRelay(wish.name, wish.source, wish.target, self._skip_nodes)
-            )
+            relay = self._relays[wish] = self._new_relay(wish)
             is_open = False
             try:
                 await relay.open()
                 is_open = True
                 while True:
-                    assert relay.type is not None
-                    self._report(Level.INFO, f"relaying {wish.text} ({relay.type.name})")
+                    self._report(Level.INFO, f"relaying {wish.text} ({relay.type_name})")
                     await relay.follow_type()
             except RostetherError as error:
                 if str(error) != reported:
@@ -256,7 +266,19 @@ class Relay:
                 await self._end(relay, wish, was_open=is_open)
             await asyncio.sleep(RETRY_S)
 
-    async def _end(self, relay: TopicRelay | ServiceRelay, wish: _Wish, *, was_open: bool) -> None:
+    def _new_relay(self, wish: Wish) -> TopicRelay | ServiceRelay | ActionRelay:
+        if wish.kind is Kind.TOPIC:
+            return TopicRelay(wish.name, wish.source, wish.target, self._skip_nodes)
+        if wish.kind is Kind.SERVICE:
+            return ServiceRelay(wish.name, wish.source, wish.target, wish.chosen_type)
+        assert self._actions_join is not None
+        ros1, _ = self._sides
+        is_forth = wish.source is ros1
+        return ActionRelay(wish.name, wish.chosen_type, ros1.graph, self._actions_join, to_ros2=is_forth)
+
+    async def _end(
+        self, relay: TopicRelay | ServiceRelay | ActionRelay, wish: Wish, *, was_open: bool
+    ) -> None:
         try:
             await relay.close()
         except RostetherError as error:

@@ -20,7 +20,11 @@ PRIVATE_SERVICES = (
     "*/set_parameters",
     "*/set_parameters_atomically",
     "*/get_type_description",
+    "*/_action/*",
 )
+
+# What an action consists of: in ROS 1 topics, in ROS 2 these and services, all below `_action`.
+ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
 
 
 class Direction(Enum):
@@ -42,7 +46,7 @@ class Topics:
         """Return whether a topic is carried in a direction."""
         if self.direction not in (Direction.BOTH, direction):
             return False
-        if name in PRIVATE_TOPICS:
+        if name in PRIVATE_TOPICS or "/_action/" in name:
             return name == self.pattern
         return fnmatchcase(name, self.pattern)
 
@@ -63,14 +67,22 @@ class Services:
 
 @dataclass(frozen=True, slots=True)
 class RelayFilter:
-    """Everything that a relay carries."""
+    """Everything that a relay carries; `actions` are patterns."""
 
     topics: tuple[Topics, ...] = ()
     services: tuple[Services, ...] = ()
+    actions: tuple[str, ...] = ()
 
     def carries_topic(self, name: str, direction: Direction) -> bool:
-        """Return whether a topic is carried in a direction."""
+        """Return whether a topic is carried in a direction; those of a carried action are not."""
+        action, _, part = name.rpartition("/")
+        if part in ACTION_TOPICS and self.carries_action(action):
+            return False
         return any(each.covers(name, direction) for each in self.topics)
+
+    def carries_action(self, name: str) -> bool:
+        """Return whether an action is carried: to the graph that has it not."""
+        return any(fnmatchcase(name, pattern) for pattern in self.actions)
 
     def service(self, name: str) -> Services | None:
         """Return what was chosen for a service, None if it is not carried."""

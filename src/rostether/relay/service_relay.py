@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from rostether.graph.ports import ServiceServer
-from rostether.msgdef.interface import ServiceType
+from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.relay.side import Side
 
 
@@ -20,6 +20,11 @@ class ServiceRelay:
         self._chosen_type = chosen_type
         self._server: ServiceServer | None = None
         self._is_closed = False
+
+    @property
+    def type_name(self) -> str:
+        """The name of the type, `*` before it is known."""
+        return ANY_TYPE if self.type is None else self.type.name
 
     async def open(self) -> None:
         """Offer the service. Raises RostetherError."""

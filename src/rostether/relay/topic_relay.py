@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Container, Mapping, Sequence
 
 from rostether.graph.ports import Publisher, Subscriber
-from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType
 from rostether.relay.side import Side
 
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
@@ -44,6 +44,11 @@ class TopicRelay:
         self._subscriber: Subscriber | None = None
         self._pausing: asyncio.Task[None] | None = None
         self._is_closed = False
+
+    @property
+    def type_name(self) -> str:
+        """The name of the type, `*` before it is known."""
+        return ANY_TYPE if self.type is None else self.type.name
 
     async def open(self) -> None:
         """Wait for a publisher, then relay its type and messages. Raises RostetherError."""

@@ -217,7 +217,7 @@ async def test_services_are_offered_where_they_are_missing(world: World) -> None
 
     await world.two.advertise_service("/refuse", SET_BOOL, refuse)
     async with world.relaying(services=(Services("/*"),)) as relay:
-        await until(lambda: len(relay.relays) == 2 and all(each.type for each in relay.relays))
+        await until(lambda: len(relay.relays) == 2 and all(each.type_name != "*" for each in relay.relays))
         assert await world.two.call_service("/switch", SET_BOOL, TRUE) == answer("as you say")
         with pytest.raises(GraphError, match="not today"):
             await world.one.call_service("/refuse", SET_BOOL, TRUE)
@@ -244,7 +244,7 @@ async def test_an_unknown_type_is_reported_once_and_can_be_given(
         await asyncio.sleep(0.02)
         assert world.lines == [f"{trouble}or give it as /odd=package/Type"]
     async with world.relaying(services=(Services("/odd", "std_srvs/SetBool"),)) as relay:
-        await until(lambda: any(each.type for each in relay.relays))
+        await until(lambda: any(each.type_name != "*" for each in relay.relays))
         assert await world.two.call_service("/odd", SET_BOOL, TRUE) == answer("as you say")
 
 
@@ -401,6 +401,6 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         assert not relay.relays
         # Its registrations in both graphs are still listed.
         await until(lambda: "the relay /killed has ended without leaving: it is forgotten" in world.lines)
-        await until(lambda: any(each.type for each in relay.relays))
+        await until(lambda: any(each.type_name != "*" for each in relay.relays))
         assert world.networks[0].snapshot().services["/switch"].providers == ("/relay",)
     assert set(asked) == {"/killed"}

@@ -159,7 +159,7 @@ async def test_an_action_of_another_definition_is_refused() -> None:
             MemoryNetwork().join, Ros2Types(own, Ros2Definitions()), lambda: nullcontext(session)
         )
         graph = await join("other")
-        with pytest.raises(DefinitionError, match=r"Fibonacci_Goal of ROS 2 and of the board differ"):
+        with pytest.raises(DefinitionError, match=r"Fibonacci_Goal of ROS 2 and of ROS 1 differ"):
             await graph.subscribe(
                 "count/goal", own.message_type("example_interfaces/FibonacciActionGoal"), lambda _: None
             )

@@ -68,7 +68,7 @@ async def served_graphs(
             access = await stack.enter_async_context(
                 ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files)
             )
-            boards = BoardJoin(access.join, access.types, partial(_native_session, graph, msg_paths))
+            boards = BoardJoin(access.join, access.types, partial(native_session, graph, msg_paths))
             stack.push_async_callback(boards.close)
             joins.append(boards)
             types = access.types
@@ -80,7 +80,7 @@ async def served_graphs(
 
 
 @asynccontextmanager
-async def _native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> AsyncIterator[NativeSession]:
+async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> AsyncIterator[NativeSession]:
     """Join the same ROS 2 graph with ROS 2's own types; boards have those of ROS 1."""
     from rostether.ros2.actions.board_graph import NativeSession
     from rostether.ros2.types.native_registry import NativeRegistry

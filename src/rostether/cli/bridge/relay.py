@@ -1,9 +1,11 @@
-"""`rostether relay`: relays topics and services between a ROS 1 graph and a ROS 2 graph."""
+"""`rostether relay`: relays topics, services and actions between a ROS 1 graph and a ROS 2 graph."""
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AsyncExitStack
 from dataclasses import replace
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +23,7 @@ from rostether.cli.access.graph_options import (
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.served_graphs import used_master
+from rostether.cli.access.served_graphs import native_session, used_master
 from rostether.cli.service.ros1_probe import probe_type
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -46,6 +48,7 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
     rostether relay /chatter /odom                       both ways, over the ROS 2 that is here
     rostether relay --ros2 zenoh --to-ros2 "/sensors/*" --to-ros1 /cmd_vel
     rostether relay /tf /tf_static --service /enable --service /plan=nav_msgs/GetPlan
+    rostether relay --action /move_base --msg-path ~/my_msgs
     rostether relay --to-ros1 /clock                     a topic that both have must be named
     """,
 )
@@ -72,6 +75,13 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
     help="Offer this service on the ROS that lacks it; may be repeated.",
 )
 @click.option(
+    "--action",
+    "actions",
+    multiple=True,
+    metavar="NAME",
+    help="Offer this action on the ROS that lacks it; may be repeated.",
+)
+@click.option(
     "--master-port",
     type=click.IntRange(1, 65535),
     metavar="PORT",
@@ -80,26 +90,27 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @listen_option
 @msg_path_option
-def relay(
+def relay(  # noqa: PLR0913 - one argument per option
     topics: tuple[str, ...],
     forth: tuple[str, ...],
     back: tuple[str, ...],
     services: tuple[str, ...],
+    actions: tuple[str, ...],
     master_port: int | None,
     listen: str | None,
     msg_paths: tuple[Path, ...],
     graph: GraphOptions,
 ) -> None:
-    """Relay topics and services between ROS 1 and ROS 2.
+    """Relay topics, services and actions between ROS 1 and ROS 2.
 
     A TOPIC is relayed in both directions while it has a publisher; * in a name matches anything. Types are
     converted as for boards; ROS 1 types unknown to ROS 2 keep their name there.
     """
-    if not (topics or forth or back or services):
-        raise click.UsageError("give topics to relay, or services with --service")
+    if not (topics or forth or back or services or actions):
+        raise click.UsageError("give topics to relay, services with --service, or actions with --action")
     if graph.master is not None and master_port is not None:
         raise ConfigError("--master joins a master, --master-port starts one; give only one of them")
-    choice = read_choice(topics, forth, back, services)
+    choice = read_choice(topics, forth, back, services, actions)
     environment = read_environment(graph)
     if listen is not None:
         environment = environment.listening_on(listen)
@@ -119,7 +130,11 @@ def relay(
 
 
 def read_choice(
-    topics: Sequence[str], forth: Sequence[str], back: Sequence[str], services: Sequence[str]
+    topics: Sequence[str],
+    forth: Sequence[str],
+    back: Sequence[str],
+    services: Sequence[str],
+    actions: Sequence[str] = (),
 ) -> RelayFilter:
     """Return the requested relay; names are full names, with or without their first slash."""
     return RelayFilter(
@@ -129,6 +144,7 @@ def read_choice(
             *(Topics(_full(name), Direction.BACK) for name in back),
         ),
         tuple(Services(_full(name), kind) for name, _, kind in (each.partition("=") for each in services)),
+        tuple(_full(name) for name in actions),
     )
 
 
@@ -144,12 +160,14 @@ async def relay_between(
     """Relay until cancelled. Raises GraphError, ConfigError."""
     from rostether.relay.relay import Relay
     from rostether.relay.side import Side
+    from rostether.ros2.actions.board_graph import BoardJoin
 
     assert graph.ros2 is not None
     name = graph.arguments.get("__name") or anonymous_name("relay")
     async with (
         used_master(environment, is_chosen=graph.master is not None, port=master_port) as used,
         ros2_access(graph.ros2, msg_paths, reach=graph.zenoh, params_files=graph.params_files) as access,
+        AsyncExitStack() as stack,
     ):
         for line in (used.line, access.line):
             reporter.line(Level.INFO, line)
@@ -160,19 +178,17 @@ async def relay_between(
                 return await probe_type(client, service)
 
         ros1 = await joining_ros1(used.environment)(name)
-        try:
-            ros2 = await access.join(name)
-            try:
-                leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
-                sides = (
-                    Side(_ROS1, ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
-                    Side(_ROS2, ros2, finding_types(access.types)),
-                )
-                await Relay(*sides, choice, lambda level, line: reporter.line(level, line)).run()
-            finally:
-                await ros2.close()
-        finally:
-            await ros1.close()
+        stack.push_async_callback(ros1.close)
+        ros2 = await access.join(name)
+        stack.push_async_callback(ros2.close)
+        actions = BoardJoin(access.join, access.types, partial(native_session, graph, msg_paths))
+        stack.push_async_callback(actions.close)
+        leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
+        sides = (
+            Side(_ROS1, ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
+            Side(_ROS2, ros2, finding_types(access.types)),
+        )
+        await Relay(*sides, choice, lambda level, line: reporter.line(level, line), actions).run()
 
 
 def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | None = None) -> FindServiceType:

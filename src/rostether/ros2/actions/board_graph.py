@@ -10,20 +10,15 @@ import asyncio
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from rostether.graph.ports import Graph, JoinGraph, Level, OnMessages, Publisher, Subscriber
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.actions.board_action import BoardAction
+from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STATUS
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
-
-_GOAL: Final = ("/goal", "ActionGoal")
-_CANCEL: Final = ("/cancel", "actionlib_msgs/GoalID")
-_FEEDBACK: Final = ("/feedback", "ActionFeedback")
-_RESULT: Final = ("/result", "ActionResult")
-_STATUS: Final = ("/status", "actionlib_msgs/GoalStatusArray")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,9 +99,9 @@ class _BoardGraph:
         """Advertise like `Graph.advertise`; topics of an action go to the action."""
         name = self._graph.resolve(topic)
         for part, take in (
-            (_FEEDBACK, BoardAction.take_feedback),
-            (_RESULT, BoardAction.take_results),
-            (_STATUS, BoardAction.take_statuses),
+            (FEEDBACK, BoardAction.take_feedback),
+            (RESULT, BoardAction.take_results),
+            (STATUS, BoardAction.take_statuses),
         ):
             if _is(part, name, message_type):
                 return _ActionPublisher(name, message_type, self._topics(part, name), take)
@@ -120,14 +115,14 @@ class _BoardGraph:
         Also raises DefinitionError, ConfigError.
         """
         name = self._graph.resolve(topic)
-        if _is(_CANCEL, name, message_type):
-            topics = self._topics(_CANCEL, name)
+        if _is(CANCEL, name, message_type):
+            topics = self._topics(CANCEL, name)
             topics.on_cancels = on_messages
             if topics.action is not None:
                 topics.action.on_cancels = on_messages
             return _ActionSubscriber(name, topics)
-        if _is(_GOAL, name, message_type):
-            topics = self._topics(_GOAL, name)
+        if _is(GOAL, name, message_type):
+            topics = self._topics(GOAL, name)
             await self._open(topics, name, message_type, on_messages)
             return _ActionSubscriber(name, topics, is_goal=True)
         return await self._graph.subscribe(topic, message_type, on_messages, **options)
@@ -143,7 +138,7 @@ class _BoardGraph:
     ) -> None:
         session = await self._join.session()
         action = BoardAction(
-            name.removesuffix(_GOAL[0]), message_type.name.removesuffix(_GOAL[1]), self._join.types
+            name.removesuffix(GOAL[0]), message_type.name.removesuffix(GOAL[1]), self._join.types
         )
         action.on_goals, action.on_cancels = on_goals, topics.on_cancels
         await topics.close()

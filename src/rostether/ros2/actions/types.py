@@ -103,14 +103,17 @@ class GoalCall:
         self._types = types
 
     async def run(
-        self, goal: bytes, on_feedback: Callable[[bytes], None] | None = None
+        self,
+        goal: bytes,
+        on_feedback: Callable[[bytes], None] | None = None,
+        on_accepted: Callable[[], None] | None = None,
     ) -> tuple[GoalStatus, bytes]:
         """Send the goal and return its final status and its result.
 
         Raises ServiceCallError if the server rejects it, and the errors of `Graph.call_service`.
         """
         if on_feedback is None:
-            return await self._run(goal)
+            return await self._run(goal, on_accepted)
 
         def take(payloads: Sequence[bytes]) -> None:
             for payload in payloads:
@@ -127,7 +130,7 @@ class GoalCall:
         try:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(connected.wait(), CONNECTION_S)
-            return await self._run(goal)
+            return await self._run(goal, on_accepted)
         finally:
             await subscriber.close()
 
@@ -139,11 +142,13 @@ class GoalCall:
         request = self.goal_id + STAMP.pack(0, 0)
         await self._graph.call_service(f"{self._action}/{CANCEL_SERVICE}", self._types.cancel, request)
 
-    async def _run(self, goal: bytes) -> tuple[GoalStatus, bytes]:
+    async def _run(self, goal: bytes, on_accepted: Callable[[], None] | None) -> tuple[GoalStatus, bytes]:
         service = f"{self._action}/{SEND_GOAL_SERVICE}"
         answer = await self._graph.call_service(service, self._types.send_goal, self.goal_id + goal)
         if not answer[0]:
             raise ServiceCallError(f"{self._action} rejected the goal")
+        if on_accepted is not None:
+            on_accepted()
         service = f"{self._action}/{GET_RESULT_SERVICE}"
         answer = await self._graph.call_service(service, self._types.get_result, self.goal_id)
         return GoalStatus(answer[0]), answer[1:]

@@ -1,0 +1,34 @@
+"""What a relay is to carry, from one side to the other."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+from rostether.relay.side import Side
+
+
+class Kind(Enum):
+    """The kinds of things that a relay carries; the values begin the lines about them."""
+
+    TOPIC = ""
+    SERVICE = "service "
+    ACTION = "action "
+
+
+class Wish(NamedTuple):
+    """A topic, service or action to relay.
+
+    `chosen_type` is the type of an action, or of a service whose graph does not know it; else it is empty.
+    """
+
+    kind: Kind
+    name: str
+    source: Side
+    target: Side
+    chosen_type: str = ""
+
+    @property
+    def text(self) -> str:
+        """The wish for users."""
+        return f"{self.kind.value}{self.name} from {self.source.name} to {self.target.name}"
