@@ -129,7 +129,8 @@ def _checked(name: str, value: Any, nesting: int) -> ParamValue:
         return value
     if value is None:
         raise ConfigError(
-            f"parameter {name}: YAML reads it as null, which a parameter cannot be; leave it out"
+            f"parameter {name} has no value (YAML reads it as null); indent the lines that belong to it, "
+            "or leave it out"
         )
     raise ConfigError(f"parameter {name}: YAML reads {value} as a {type(value).__name__}; put it in quotes")
 

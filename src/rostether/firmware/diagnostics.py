@@ -7,11 +7,13 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 from rostether.firmware.cpp_tokens import tokenize
 from rostether.firmware.ino import read_ino
 from rostether.firmware.sketch import Sketch
+from rostether.msgdef.registry import Registry
 
 _MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
 _UNDECLARED = re.compile(r"'(\w+)' was not declared")
@@ -22,7 +24,8 @@ _JOINED = re.compile(
     r"|^[^\"\n]*//.*?(?P<code>void[ \t]+(?:setup|loop)[ \t]*\(.*)$",
     re.MULTILINE,
 )
-_TYPE_HEADER = re.compile(r"\w+_(?:msgs|srvs)/\w+\.h")
+# Packages of messages have such names, with types in camel case; folders of libraries rarely do.
+_TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
 
 # More errors of this kind do not help: all of them come from the same pasted page.
 MAX_REPORTED = 8
@@ -87,10 +90,11 @@ def _explain_pin(name: str) -> str:
 
 def _explain_header(header: str) -> str:
     if _TYPE_HEADER.fullmatch(header):
-        return (
-            f"note: no package contains {header}; give the folder of its .msg and .srv files with --msg-path"
-            f" DIR"
-        )
+        registry = Registry.from_environment()
+        known = [f"{name}.h" for name in (*registry.messages(), *registry.services())]
+        if near := get_close_matches(header, known, n=1, cutoff=0.8):
+            return f"note: no package contains {header}; did you mean {near[0]}?"
+        return f"note: no package contains {header}; give the folder of its package with --msg-path DIR"
     return f"note: no library contains {header}; give the folder of the library with --library DIR"
 
 

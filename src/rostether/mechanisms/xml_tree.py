@@ -148,4 +148,6 @@ def _cause_of_token(before: str, after: str) -> str:
         return f"the value of an attribute must be in quotes, at {after.split()[0][:30]!r}"
     if before.endswith("--"):
         return "a comment must not contain --"
+    if re.search(r"=\s*(?:\"[^\"]*\"|'[^']*')$", before) and after[:1].isalpha():
+        return f"write a space before {after.splitlines()[0][:30]!r}"
     return f"at {after.splitlines()[0][:30]!r}" if after.strip() else ""

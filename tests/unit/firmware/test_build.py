@@ -158,7 +158,8 @@ async def test_typographic_quotes_are_explained(tmp_path: Path) -> None:
     ("header", "note"),
     [
         ("Nowhere.h", "note: no library contains Nowhere.h; give the folder of the library with --library"),
-        ("my_msgs/Thing.h", "note: no package contains my_msgs/Thing.h; give the folder of its .msg"),
+        ("my_msgs/Thing.h", "note: no package contains my_msgs/Thing.h; give the folder of its package"),
+        ("std_mgs/Empty.h", "note: no package contains std_mgs/Empty.h; did you mean std_msgs/Empty.h?"),
     ],
 )
 async def test_a_missing_header_is_reported_with_what_to_do(tmp_path: Path, header: str, note: str) -> None:

@@ -17,7 +17,7 @@ IN_THE_INCLUDED = {"include_missing_argument": "args.xml:4", "include_fixed_argu
 LINES = {
     "arg_unset": (3, "argument 'x' has no value; give x:=VALUE, or a default in its <arg>"),
     "node_twice": (3, "two nodes have the name /n, one at"),
-    "no_space": (2, "not XML: not well-formed"),
+    "no_space": (2, "write a space before 'output="),
     "not_closed": (3, "not XML: mismatched tag"),
     "find_missing_package": (2, "there is no package 'no_such_package'"),
     "param_failing_command": (2, "the command 'false' failed with code 1"),

@@ -10,6 +10,7 @@ import click
 
 from rostether.cli.access.graph_options import ros2_option
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     rostether doctor --ros2                       the ROS 2 graph and the zenoh routers instead of a board
     """,
 )
-@click.argument("port", required=False, metavar="[PORT]")
+@click.argument("port", required=False, metavar="[PORT]", shell_complete=complete_ports)
 @click.option(
     "--duration",
     "seconds",

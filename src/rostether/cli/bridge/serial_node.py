@@ -20,6 +20,7 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import listen_option
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
@@ -83,7 +84,11 @@ _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__ho
 @graph_options(master="", ros=False, allow=SERVED_ALLOW)
 @config_option
 @click.argument(
-    "arguments", nargs=-1, type=click.UNPROCESSED, metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]"
+    "arguments",
+    nargs=-1,
+    type=click.UNPROCESSED,
+    shell_complete=complete_ports,
+    metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]",
 )
 def serial_node(
     arguments: tuple[str, ...], listen: str | None, config: Path | None, graph: GraphOptions

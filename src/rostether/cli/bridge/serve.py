@@ -19,6 +19,7 @@ from rostether.cli.access.graph_options import (
     graph_options,
 )
 from rostether.cli.access.options import listen_option, msg_path_option
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.served_graphs import served_graphs
 from rostether.cli.bag.line_capture import record_limit_option, recorded
@@ -160,7 +161,7 @@ _serve_options = option_group(
     """,
 )
 @_serve_options
-@click.argument("addresses", nargs=-1, metavar="[ADDRESS...]")
+@click.argument("addresses", nargs=-1, metavar="[ADDRESS...]", shell_complete=complete_ports)
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @dashboard_option
 @gateway_options

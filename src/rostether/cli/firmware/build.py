@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.board.run import OLD_OPTIONS, board_run
 from rostether.cli.firmware.options import build, build_options
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
@@ -128,7 +129,13 @@ def _record(built: BuiltFirmware, elf: ElfFile, places: tuple[Path, Path]) -> di
     """,
 )
 @build_options
-@click.option("-p", "--port", metavar="PORT", help="The board's serial port (default: the only one found).")
+@click.option(
+    "-p",
+    "--port",
+    shell_complete=complete_ports,
+    metavar="PORT",
+    help="The board's serial port (default: the only one found).",
+)
 def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
     """Build a sketch and flash it with avrdude (or arduino-cli).
 

@@ -19,6 +19,12 @@ def new() -> None:
     """Write a new sketch."""
 
 
+def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    from rostether.firmware.new_sketch import KINDS
+
+    return [each for each in KINDS if each.startswith(incomplete)]
+
+
 @click.command(
     "sensor",
     cls=Verb,
@@ -29,7 +35,7 @@ def new() -> None:
     rostether new sensor temperature --pin SENSOR=A2 --board mega
     """,
 )
-@click.argument("kind", required=False, metavar="[SENSOR]")
+@click.argument("kind", required=False, metavar="[SENSOR]", shell_complete=_complete_kinds)
 @click.argument("name", required=False, metavar="[NAME]")
 @click.option("--pin", "pins", multiple=True, metavar="NAME=PIN", help="Use another pin; may be repeated.")
 @click.option("--topic", metavar="TOPIC", help="The topic (default: the sensor's).")

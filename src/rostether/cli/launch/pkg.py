@@ -119,6 +119,8 @@ def folder_of(name: str) -> Path:
 
     packages = here()
     if name not in packages:
+        if any(role == name for role, _ in served_nodes()):
+            raise ConfigError(f"package {name} is built in and has no folder; `rosrun {name}` runs its nodes")
         near = get_close_matches(name, packages)
         hint = f"did you mean {' or '.join(near)}?" if near else "`rostether pkg list` shows those found"
         raise ConfigError(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
@@ -41,7 +42,7 @@ _MARKS = {"pass": "pass", "fail": "FAIL", "not applicable": "n/a"}
     rostether conformance --list                     the cases, without a client
     """,
 )
-@click.argument("address", required=False, metavar="[ADDRESS]")
+@click.argument("address", required=False, metavar="[ADDRESS]", shell_complete=complete_ports)
 @click.option("--quick", is_flag=True, help="Leave out the cases that wait longer than 10 s.")
 @click.option("--case", "names", multiple=True, metavar="NAME", help="Check only this case; repeatable.")
 @click.option(

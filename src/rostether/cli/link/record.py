@@ -13,6 +13,7 @@ from rostether.cli.access.graph_options import (
     graph_options,
 )
 from rostether.cli.access.options import listen_option, msg_path_option
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.bag.line_capture import record_limit_option
 from rostether.cli.bridge.serve import serve
 from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
@@ -28,7 +29,7 @@ from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
     rostether link record tcp://:11411 problem.jsonl --record-limit 10
     """,
 )
-@click.argument("address")
+@click.argument("address", shell_complete=complete_ports)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @record_limit_option
 @listen_option

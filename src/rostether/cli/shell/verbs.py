@@ -148,6 +148,9 @@ class LazyGroup(click.Group):
         """Find the given verb, or fail and suggest similar ones."""
         name = args[0]
         if name == "help" and name not in self.verbs:
+            if ctx.resilient_parsing:
+                # The shell completes the verb after it.
+                return name, self, args[1:]
             if not args[1:]:
                 click.echo(ctx.get_help())
                 ctx.exit()

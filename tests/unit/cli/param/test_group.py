@@ -62,8 +62,8 @@ def test_a_mapping_changes_what_it_names(graph: LiveGraph, shell: Shell) -> None
     [
         ("5000000000", "parameter /x: 5000000000 needs more than the 32 bits"),
         ("{a: [-2147483649]}", "parameter /x/a: -2147483649 needs more than the 32 bits"),
-        ("null", "parameter /x: YAML reads it as null"),
-        ("{a: }", "parameter /x/a: YAML reads it as null"),
+        ("null", "parameter /x has no value (YAML reads it as null)"),
+        ("{a: }", "parameter /x/a has no value (YAML reads it as null)"),
         ("2020-01-01", "YAML reads 2020-01-01 as a date; put it in quotes"),
         ("{1: 2}", "/x: the key 1 is not a string;"),
         ("{~a: 2}", "write the node's name instead of ~"),

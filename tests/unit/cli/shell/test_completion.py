@@ -4,9 +4,12 @@ import os
 import shutil
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
+from click.shell_completion import ShellComplete
 
+from rostether.cli.main import rostether
 from unit.cli.command_shell import LiveGraph, Shell
 
 
@@ -65,3 +68,22 @@ def test_bash_completes_verbs_and_names(graph: LiveGraph) -> None:
     assert completed('rostether node ""', environment)[:2] == ["list", "info"]
     assert completed("rostether node info ta", environment) == ["/talker"]
     assert completed("rostether srv show std_srvs/Set", environment) == ["std_srvs/SetBool"]
+
+
+def offered(*words: str) -> list[str]:
+    """Return what a shell is given for the last of the words."""
+    *before, last = words
+    return [
+        each.value for each in ShellComplete(rostether, {}, "rostether", "").get_completions(before, last)
+    ]
+
+
+def test_ports_sensors_and_verbs_after_help_are_completed(monkeypatch: pytest.MonkeyPatch) -> None:
+    ports = [SimpleNamespace(path=f"/dev/ttyACM{each}", description="Uno") for each in range(2)]
+    monkeypatch.setattr("rostether.transports.opening.list_serial_ports", lambda: ports)
+    assert offered("serve", "/dev/tty") == ["/dev/ttyACM0", "/dev/ttyACM1"]
+    assert offered("flash", "--port", "/dev/ttyACM1") == ["/dev/ttyACM1"]
+    # The shell completes files itself.
+    assert offered("serve", "./bo") == ["./bo"]
+    assert offered("new", "sensor", "u") == ["ultrasound"]
+    assert offered("help", "top") == ["topic"]
