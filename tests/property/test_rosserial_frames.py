@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import FORMS, encode_frame, encode_frames
-from rostether.rosserial.frame_decoder import MAX_LOOK_S, Decoded, FrameDecoder
+from rostether.rosserial.frame_decoder import MAX_SEARCH_S, Decoded, FrameDecoder
 from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import by_topic, frame
 
@@ -100,7 +100,7 @@ def test_garbage_never_raises(version: int, garbage: bytes, pauses: list[float])
 
 @given(noise, st.binary(max_size=60))
 def test_a_frame_after_garbage_is_found_when_the_line_pauses(garbage: bytes, payload: bytes) -> None:
-    # Exactly: whatever came before, a frame on an announced id is delivered within MAX_LOOK_S after its
+    # Exactly: whatever came before, a frame on an announced id is delivered within MAX_SEARCH_S after its
     # last byte, at the look that is due then; nothing need follow it. That what came before completes a sound
     # frame by swallowing the beginning of this one is possible, but not what this is about.
     sound = frame(125, payload)
@@ -116,7 +116,7 @@ def test_a_frame_after_garbage_is_found_when_the_line_pauses(garbage: bytes, pay
     ]
     assume(not swallowed)
     assert found[125][-1] == payload
-    assert last_look_s <= MAX_LOOK_S
+    assert last_look_s <= MAX_SEARCH_S
 
 
 @given(noise, st.lists(st.binary(max_size=60), min_size=1, max_size=5))

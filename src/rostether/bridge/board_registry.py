@@ -81,7 +81,7 @@ class BoardRegistry:
                 continue
             if board.is_lost:
                 board.is_lost = False
-                self._cancel_farewell(board)
+                self._cancel_leave_timer(board)
                 return board
             session = board.session
             if replaces_silent and session is not None and self._clock() - session.heard_at_s > HALF_OPEN_S:
@@ -93,7 +93,7 @@ class BoardRegistry:
                 continue
             number += 1
 
-    def lose(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
+    def handle_disconnect(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
         """The board's connection ended: keep its node for the grace period, or permanently if it is kept.
 
         The node of a peer that turned out to be no board leaves at once.
@@ -108,7 +108,7 @@ class BoardRegistry:
             grace_s = self._grace_s if board.grace_s is None else board.grace_s
             if is_stranger and not board.is_kept:
                 grace_s = 0.0
-            board.leave_timer = asyncio.get_running_loop().call_later(grace_s, self._part, board)
+            board.leave_timer = asyncio.get_running_loop().call_later(grace_s, self._end_grace, board)
 
     def end(self, board: Board) -> None:
         """Remove a board at once because its node was shut down from outside; it may reconnect later."""
@@ -130,20 +130,20 @@ class BoardRegistry:
         for closing in self._closing:
             closing.cancel()
 
-    def _part(self, board: Board) -> None:
+    def _end_grace(self, board: Board) -> None:
         if board.is_kept and board.node is not None:
             # Nothing is attached: all endpoints of the board leave the graph.
             board.node.endpoints.settle()
         else:
             self._leave(board)
 
-    def _cancel_farewell(self, board: Board) -> None:
+    def _cancel_leave_timer(self, board: Board) -> None:
         if board.leave_timer is not None:
             board.leave_timer.cancel()
             board.leave_timer = None
 
     def _leave(self, board: Board) -> None:
-        self._cancel_farewell(board)
+        self._cancel_leave_timer(board)
         if board.node is None:
             self._boards.pop(board.name, None)
         elif board.leaving is None:

@@ -258,7 +258,9 @@ class Supervisor:
             if timer is not None:
                 timer.cancel()
             transport.close()
-            self._boards.lose(board, session, is_stranger=address.listens and _is_stranger(session))
+            self._boards.handle_disconnect(
+                board, session, is_stranger=address.listens and _is_stranger(session)
+            )
 
     async def _watch(self, address: Address, board: Board, node: BoardNode) -> None:
         """End a board whose node the graph shuts down."""
@@ -287,7 +289,7 @@ class Supervisor:
         try:
             await self._give_node(address, board, device)
         finally:
-            self._boards.lose(board, None)
+            self._boards.handle_disconnect(board, None)
 
     async def _give_node(self, address: Address, board: Board, device: DeviceSettings) -> BoardNode:
         """Join the graph for a board, and stop serving it when the graph shuts down its node."""

@@ -85,7 +85,7 @@ class Playback:
             "prefix": self._settings.prefix,
         }
 
-    def take_failure(self) -> str:
+    def pop_failure(self) -> str:
         """Return why the last playback failed; once."""
         failure, self._failure = self._failure, ""
         return failure

@@ -124,7 +124,7 @@ class Recordings:
             "files": await asyncio.to_thread(self._files),
             "folder": str(self._folder),
         }
-        if failure := self._failure or self.playback.take_failure():
+        if failure := self._failure or self.playback.pop_failure():
             state["error"] = failure
         if self.is_active and self._recorder is not None:
             state["active"] = {

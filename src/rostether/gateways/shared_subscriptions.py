@@ -91,7 +91,7 @@ class SharedSubscription:
         if not self._is_closed:
             call_contained(f"subscriber of {self.topic}", self._on_batch, batch)
 
-    def meet(self, connection: PublisherConnection) -> None:
+    def report_connection(self, connection: PublisherConnection) -> None:
         """Report a publisher."""
         if self._on_connection is not None and not self._is_closed:
             call_contained(f"on_connection of {self.topic}", self._on_connection, connection)
@@ -167,7 +167,7 @@ class _Source:
         self._shares = (*self._shares, share)
         await asyncio.shield(self._opening)
         for connection in connections:
-            share.meet(connection)
+            share.report_connection(connection)
         if not latched:
             return
         there = await self._publishers()
@@ -204,11 +204,11 @@ class _Source:
         return await self._graph.subscribe(
             self.topic,
             ANY_MESSAGE,
-            self._take_of_last,
-            on_connection=self._meet,  # type: ignore[arg-type]
+            self._deliver_from_last,
+            on_connection=self._add_connection,  # type: ignore[arg-type]
         )
 
-    def _meet(self, fields: Mapping[str, str]) -> OnMessages:
+    def _add_connection(self, fields: Mapping[str, str]) -> OnMessages:
         connection = PublisherConnection(self.topic, dict(fields), self._types)
         for table in (self.connections, self._latched):
             table.pop(connection.node_name, None)
@@ -216,15 +216,15 @@ class _Source:
                 del table[next(iter(table))]
         self.connections[connection.node_name] = self._last = connection
         for share in self._shares:
-            share.meet(connection)
-        return lambda payloads: self._take(connection, payloads)
+            share.report_connection(connection)
+        return lambda payloads: self._deliver(connection, payloads)
 
-    def _take_of_last(self, payloads: Sequence[bytes]) -> None:
+    def _deliver_from_last(self, payloads: Sequence[bytes]) -> None:
         # A graph that does not distinguish publishers.
         if self._last is not None:
-            self._take(self._last, payloads)
+            self._deliver(self._last, payloads)
 
-    def _take(self, connection: PublisherConnection, payloads: Sequence[bytes]) -> None:
+    def _deliver(self, connection: PublisherConnection, payloads: Sequence[bytes]) -> None:
         if not payloads:
             return
         if connection.is_latching:

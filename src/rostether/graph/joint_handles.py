@@ -208,11 +208,11 @@ class JointWatch:
         await self.parts.close()
 
     async def _open(self, graph: Graph) -> Watch:
-        def take(value: ParamValue) -> None:
+        def on_value(value: ParamValue) -> None:
             self._values[graph] = value
             self._report_value()
 
-        return await graph.watch_param(self._name, take)
+        return await graph.watch_param(self._name, on_value)
 
     def _report_value(self) -> None:
         value = self._value()

@@ -114,7 +114,7 @@ class MessageStream(Generic[M]):
         subscriber = await self._graph.subscribe(
             self.topic,
             message_type,
-            self._take,
+            self._queue,
             on_connection=self._learn if self._type_name is None else None,
         )
         leaving = asyncio.ensure_future(self._graph.wait_closed())
@@ -162,7 +162,7 @@ class MessageStream(Generic[M]):
             self._error = error
             self._news.set()
 
-    def _take(self, payloads: Sequence[bytes]) -> None:
+    def _queue(self, payloads: Sequence[bytes]) -> None:
         codec = self._codec
         if codec is None:
             return

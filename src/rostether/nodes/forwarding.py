@@ -88,7 +88,7 @@ async def forward(
     output = OutputTopic(graph, target)
     subscriber: Subscriber | None = None
 
-    def take(payloads: Sequence[bytes]) -> None:
+    def publish_selected(payloads: Sequence[bytes]) -> None:
         if passed := select(payloads):
             output.publish(passed)
 
@@ -96,7 +96,9 @@ async def forward(
         while True:
             is_wanted = not lazy or not output.is_advertised or output.subscriber_count > 0
             if is_wanted and subscriber is None:
-                subscriber = await graph.subscribe(source, ANY_MESSAGE, take, on_connection=output.meet)
+                subscriber = await graph.subscribe(
+                    source, ANY_MESSAGE, publish_selected, on_connection=output.advertise_as
+                )
             elif not is_wanted and subscriber is not None:
                 await subscriber.close()
                 subscriber = None

@@ -54,10 +54,10 @@ class Joystick:
         self._rest = data[end:]
         when = When.NEVER
         for _, value, kind, number in EVENT.iter_unpack(data[:end]):
-            when = max(when, self._take(value, kind, number), key=lambda each: each.value)
+            when = max(when, self._apply_event(value, kind, number), key=lambda each: each.value)
         return when
 
-    def _take(self, value: int, kind: int, number: int) -> When:
+    def _apply_event(self, value: int, kind: int, number: int) -> When:
         is_initial = bool(kind & _INITIAL)
         if kind & ~_INITIAL == _BUTTON:
             self._press(number, is_pressed=value != 0)

@@ -77,7 +77,10 @@ class Mux:
             is_wanted = self._is_wanted(topic)
             if is_wanted and subscriber is None:
                 opened = await self._graph.raw.subscribe(
-                    topic, ANY_MESSAGE, partial(self._take, topic), on_connection=partial(self._meet, topic)
+                    topic,
+                    ANY_MESSAGE,
+                    partial(self._forward, topic),
+                    on_connection=partial(self._handle_connection, topic),
                 )
                 if topic in self._inputs:
                     self._inputs[topic] = opened
@@ -92,12 +95,12 @@ class Mux:
             return True
         return topic == self._selected and self._output.subscriber_count > 0
 
-    def _meet(self, topic: str, header: Mapping[str, str]) -> None:
+    def _handle_connection(self, topic: str, header: Mapping[str, str]) -> None:
         self._headers[topic] = header
         if topic == self._selected or not self._output.is_advertised:
-            self._output.meet(header)
+            self._output.advertise_as(header)
 
-    def _take(self, topic: str, payloads: Sequence[bytes]) -> None:
+    def _forward(self, topic: str, payloads: Sequence[bytes]) -> None:
         if topic == self._selected:
             self._output.publish(payloads)
 
@@ -108,7 +111,7 @@ class Mux:
         else:
             self._selected = self._known(request.topic)
             if self._selected in self._headers:
-                self._output.meet(self._headers[self._selected])
+                self._output.advertise_as(self._headers[self._selected])
         self._graph.log(Level.INFO, f"mux selected input: [{self._selected}]")
         assert self._announced is not None
         self._announced.publish(data=request.topic)

@@ -149,7 +149,7 @@ class Player:
             self._clock = await self._graph.advertise("/clock", CLOCK_TYPE)
         if control := self._settings.rate_control_topic:
             self._controlled_s = asyncio.get_running_loop().time()
-            await self._graph.subscribe(control, ANY_MESSAGE, self._heed_control)
+            await self._graph.subscribe(control, ANY_MESSAGE, self._handle_control)
         await asyncio.sleep(self._settings.delay_s)
         if self._settings.waits_for_subscribers:
             # The port does not report connections; polling is cheap.
@@ -217,7 +217,7 @@ class Player:
                 self._set_origin(self._now_ns())
                 self._is_held = is_held
 
-    def _heed_control(self, payloads: Sequence[bytes]) -> None:
+    def _handle_control(self, payloads: Sequence[bytes]) -> None:
         self._controlled_s = asyncio.get_running_loop().time()
 
     def _is_due(self, time_ns: int) -> bool:

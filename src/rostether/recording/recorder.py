@@ -100,7 +100,7 @@ class Recorder:
             for name in self._choice.names:
                 await self._subscribe(name)
             if self._choice.is_searching:
-                self._look(await self._graph.snapshot())
+                self._update_subscriptions(await self._graph.snapshot())
                 searching = asyncio.create_task(self._search())
             if on_started is not None:
                 on_started()
@@ -133,7 +133,7 @@ class Recorder:
             and self._choice.includes(topic.name, topic.subscribers)
         ]
 
-    def _look(self, snapshot: Snapshot) -> None:
+    def _update_subscriptions(self, snapshot: Snapshot) -> None:
         if not self._found(snapshot):
             self._report("no such topic yet: waiting for it")
 
@@ -144,23 +144,23 @@ class Recorder:
         def connected(fields: Mapping[str, str]) -> OnMessages:
             connection = Connection.from_fields(topic, fields)
             self._connections[topic] = connection
-            return lambda payloads: self._take(connection, payloads)
+            return lambda payloads: self._write(connection, payloads)
 
-        def take(payloads: Sequence[bytes]) -> None:
+        def write(payloads: Sequence[bytes]) -> None:
             # A graph that does not distinguish publishers.
             connection = self._connections.get(topic)
             if connection is not None:
-                self._take(connection, payloads)
+                self._write(connection, payloads)
 
         self._subscribers[topic] = await self._graph.subscribe(
             topic,
             ANY_MESSAGE,
-            take,
+            write,
             on_connection=connected,  # type: ignore[arg-type]
         )
         self._report(f"Subscribing to {topic}")
 
-    def _take(self, connection: Connection, payloads: Sequence[bytes]) -> None:
+    def _write(self, connection: Connection, payloads: Sequence[bytes]) -> None:
         if self._writer is None or connection.type.name == ANY_TYPE:
             return
         topic = connection.topic

@@ -113,14 +113,14 @@ class Relay:
             try:
                 async for snapshot in side.graph.changes():
                     self._seen[side.name] = snapshot
-                    self._meet()
+                    self._find_shared_nodes()
                     self._news.set()
             except GraphError as error:
                 self._report(Level.WARN, f"{side.name} cannot be seen: {error}; looking again")
             # Running relays continue: a graph that does not answer for a moment may still work.
             await asyncio.sleep(RETRY_S)
 
-    def _meet(self) -> None:
+    def _find_shared_nodes(self) -> None:
         """Find the other nodes that are in both graphs."""
         own = {side.graph.node_name for side in self._sides}
         marked = MarkedNodes.find(self._seen.values())
@@ -148,7 +148,7 @@ class Relay:
                 if is_gone:
                     self._gone.add(name)
                     self._report(Level.INFO, f"the relay {name} has ended without leaving: it is forgotten")
-                    self._meet()
+                    self._find_shared_nodes()
                     self._news.set()
             await asyncio.sleep(CHECK_S if known else RETRY_S)
 

@@ -55,8 +55,8 @@ class TopicRelay:
         subscriber = await self.source.graph.subscribe(
             self.topic,
             ANY_MESSAGE,
-            self._take,
-            on_connection=self._meet,
+            self._publish_or_hold,
+            on_connection=self._handle_connection,
             skip_own=True,
             skip_nodes=self._skip_nodes,
             one_type=True,
@@ -103,7 +103,7 @@ class TopicRelay:
             if publisher is not None:
                 await publisher.close()
 
-    def _meet(self, fields: Mapping[str, str]) -> None:
+    def _handle_connection(self, fields: Mapping[str, str]) -> None:
         if fields.get("callerid", "") in self._skip_nodes:
             return
         met = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
@@ -133,7 +133,7 @@ class TopicRelay:
             if publisher.subscriber_count != count:
                 changed_s, count = loop.time(), publisher.subscriber_count
 
-    def _take(self, payloads: Sequence[bytes]) -> None:
+    def _publish_or_hold(self, payloads: Sequence[bytes]) -> None:
         if self._is_ready:
             self._publish(payloads)
         elif not self._is_closed:

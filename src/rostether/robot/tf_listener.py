@@ -40,7 +40,7 @@ class TfListener:
     ) -> OnMessages:
         """Return the handler for one publisher's messages; it ignores messages that do not fit the type."""
 
-        def take(payloads: Sequence[bytes]) -> None:
+        def handle_payloads(payloads: Sequence[bytes]) -> None:
             self._notice_jump(graph.now().to_ns())
             for payload in payloads:
                 try:
@@ -48,21 +48,21 @@ class TfListener:
                 except RostetherError as error:
                     self._on_refusal(str(error))
                     continue
-                self._take(message, authority, is_static)
+                self._add_transforms(message, authority, is_static)
             self.arrived.set()
 
-        return take
+        return handle_payloads
 
-    def _take(self, message: Any, authority: str, is_static: bool) -> None:
-        taken = []
+    def _add_transforms(self, message: Any, authority: str, is_static: bool) -> None:
+        accepted = []
         for stamped in from_message(message):
             refusal = self.buffer.set_transform(stamped, authority=authority, is_static=is_static)
             if refusal:
                 self._on_refusal(refusal)
             else:
-                taken.append(stamped)
-        if taken and self.on_transforms is not None:
-            self.on_transforms(taken, authority, is_static)
+                accepted.append(stamped)
+        if accepted and self.on_transforms is not None:
+            self.on_transforms(accepted, authority, is_static)
 
     def _notice_jump(self, now_ns: int) -> None:
         if now_ns < self._last_now_ns:

@@ -147,9 +147,9 @@ class _Republisher:
 
     async def _follow_goals(self) -> None:
         async for goal in self._graph.messages(f"{NODE_NAME}/goal", f"{ACTION}Goal"):
-            self._take_goal(goal)
+            self._handle_goal(goal)
 
-    def _take_goal(self, message: Any) -> None:
+    def _handle_goal(self, message: Any) -> None:
         goal_id = message.goal_id
         try:
             request = Request.read(message.goal)

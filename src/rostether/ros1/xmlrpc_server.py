@@ -129,7 +129,7 @@ class XmlRpcServer:
             self._forget,
             self._has_room,
             self._make_room,
-            self._take_turn,
+            self._queue_turn,
             self._admit,
             max_body_bytes=self._limits.body_bytes,
             is_own_host=self._own_names.include,
@@ -153,7 +153,7 @@ class XmlRpcServer:
         held_bytes = sum(connection.body_bytes for connection in self._connections)
         return held_bytes <= _LARGEST_AT_ONCE * self._limits.body_bytes
 
-    def _take_turn(self, connection: ServerConnection) -> None:
+    def _queue_turn(self, connection: ServerConnection) -> None:
         self._turns.append(connection)
         if len(self._turns) == 1:
             asyncio.get_running_loop().call_soon(self._give_turn)

@@ -41,7 +41,7 @@ class NodeClock:
 
     async def open(self) -> None:
         """Follow the parameter until `close`. Raises GraphError."""
-        self._store.listen(self._take_changes)
+        self._store.listen(self._handle_changes)
         await self._follow()
 
     def now(self) -> Time:
@@ -51,13 +51,13 @@ class NodeClock:
     async def close(self) -> None:
         """Stop following. Idempotent."""
         self._is_closed = True
-        self._store.unlisten(self._take_changes)
+        self._store.unlisten(self._handle_changes)
         if self._following is not None:
             await self._following
         if self._subscriber is not None:
             await self._subscriber.close()
 
-    def _take_changes(self, changes: Changes) -> None:
+    def _handle_changes(self, changes: Changes) -> None:
         if USE_SIM_TIME in changes.names:
             self._switch()
             if self._following is None:
@@ -82,11 +82,11 @@ class NodeClock:
     async def _follow(self) -> None:
         while not self._is_closed and self._switch() is (self._subscriber is None):
             if self._subscriber is None:
-                self._subscriber = await self._graph.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._take)
+                self._subscriber = await self._graph.subscribe(CLOCK_TOPIC, CLOCK_TYPE, self._handle_clock)
             else:
                 subscriber, self._subscriber = self._subscriber, None
                 await subscriber.close()
 
-    def _take(self, payloads: Sequence[bytes]) -> None:
+    def _handle_clock(self, payloads: Sequence[bytes]) -> None:
         if self._simulated is not None and len(payloads[-1]) == _CLOCK.size:
             self._simulated = Time(*_CLOCK.unpack(payloads[-1]))

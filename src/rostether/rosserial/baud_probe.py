@@ -113,7 +113,7 @@ class BaudProbe:
             bauds = (known_baud, *(baud for baud in bauds if baud != known_baud))
         self._bauds = tuple(bauds)
         self._likely = self._bauds[:1] if known_baud is not None else self._bauds[:2]
-        self._steps = self._listen_steps() if listens_first else self._ask_steps()
+        self._steps = self._listening_steps() if listens_first else self._ask_steps()
         self._step = Step.ASK
         self._until_s = 0.0
         self._link = HostLink()
@@ -137,7 +137,7 @@ class BaudProbe:
             return
         self._received += data[: MAX_KEPT_BYTES - len(self._received)]
         self._heard_s = now_s
-        self._take(self._link.receive_data(data, now_s), now_s)
+        self._handle_events(self._link.receive_data(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`, on the clock of `now_s`; None at the end."""
@@ -150,7 +150,7 @@ class BaudProbe:
         """Do what is due."""
         if self.result is not None:
             return
-        self._take(self._link.handle_timer(now_s), now_s)
+        self._handle_events(self._link.handle_timer(now_s), now_s)
         if self.result is None and now_s >= self._until_s:
             if self._is_doubted:
                 self._judge_damage()
@@ -163,7 +163,7 @@ class BaudProbe:
         data = self._link.data_to_send()
         return data if self._step is Step.ASK and self.result is None else b""
 
-    def _take(self, events: Sequence[HostEvent], now_s: float) -> None:
+    def _handle_events(self, events: Sequence[HostEvent], now_s: float) -> None:
         for event in events:
             if isinstance(event, FrameDiscarded):
                 self._foreign_bytes += len(event.data)
@@ -223,7 +223,7 @@ class BaudProbe:
         else:
             self._text = self.baud, bytes(self._noise)
 
-    def _listen_steps(self) -> Iterator[tuple[Step, int, float]]:
+    def _listening_steps(self) -> Iterator[tuple[Step, int, float]]:
         yield Step.LISTEN, self._bauds[0], LISTEN_S
         if self._heard_s > float("-inf"):
             for baud in self._bauds:

@@ -155,7 +155,7 @@ class DeviceLink:
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[DeviceEvent]:
         """Process a chunk from the host, cut anywhere. Never raises for data from a host."""
         self.statistics.bytes_received += len(data)
-        return self._take(self._decoder.feed(data, now_s), now_s)
+        return self._handle_decoded(self._decoder.feed(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`, on the clock of `now_s`."""
@@ -166,7 +166,7 @@ class DeviceLink:
 
     def handle_timer(self, now_s: float) -> list[DeviceEvent]:
         """Do what is due by `now_s`; harmless when called early."""
-        events = self._take(self._decoder.handle_timer(now_s), now_s)
+        events = self._handle_decoded(self._decoder.handle_timer(now_s), now_s)
         if now_s >= self._time_lost_s:
             self._advance(Input.TIME_LOST, now_s, events)
         if now_s >= self._time_due_s:
@@ -223,7 +223,7 @@ class DeviceLink:
         """Return the device's clock: the host's time, or time since `start` until the host answered."""
         return self._clock.time(now_s)
 
-    def _take(self, decoded: list[Decoded], now_s: float) -> list[DeviceEvent]:
+    def _handle_decoded(self, decoded: list[Decoded], now_s: float) -> list[DeviceEvent]:
         events: list[DeviceEvent] = []
         is_probed = False
         for item in decoded:

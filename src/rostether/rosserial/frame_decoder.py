@@ -1,18 +1,22 @@
-"""From a byte stream to frames: keeps what is unfinished, and does not let it swallow what follows.
+"""Cuts a byte stream into frames, and finds the frames that an unfinished frame has swallowed.
 
-States and what moves between them:
+States and transitions:
 
-    EMPTY    nothing kept               -- bytes end within a frame -->     WAITING
-    WAITING  a frame has begun          -- its last byte arrives -->        EMPTY or WAITING (for the next)
-             (or its first bytes)       -- time to look, frames inside -->  EMPTY or WAITING (it was noise)
-                                        -- time to look, none inside -->    WAITING, looking half as often
+    EMPTY    no bytes pending           -- bytes end within a frame -->       WAITING
+    WAITING  an unfinished frame        -- its last byte arrives -->          EMPTY or WAITING (for the next)
+                                        -- search due, frames inside -->      EMPTY or WAITING (it was noise)
+                                        -- search due, no frames inside -->   WAITING, next search later
 
-A header in noise may claim 65535 bytes. One that claims more than its topic can have is refused at once.
-When is it time to look inside another for frames that it swallows? For a frame whose topic and length are
-known to be possible, when its bytes have stalled; for any other, soon after it began, even while bytes flow.
-A possible one too is given up while bytes flow if its last ones are several sound frames on end: boards do
-not send those in a message. Looking destroys nothing: without a complete frame inside there is nothing to
-gain by giving up, and a slow network may yet bring the rest.
+Noise may look like a header that claims 65535 bytes. A header that claims more than its topic allows is
+refused at once. The others are searched for frames inside them:
+
+- If the topic and the length are possible, the search is due when no more bytes arrive. It is also due while
+  bytes arrive, but then the frame is only given up if it ends with several valid frames in a row: boards do
+  not send those inside a message.
+- If not, it is due soon after the frame began, even while bytes arrive.
+
+A search destroys nothing: without a complete frame inside, the decoder waits for the rest, which a slow
+network may still deliver.
 """
 
 from __future__ import annotations
@@ -27,25 +31,25 @@ from rostether.rosserial.frame_scan import FrameScanner, Patience, Scan
 from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 
 # Longer than pauses inside a frame on a working line (USB polls, operating system), mostly below 20 ms.
-FIRST_LOOK_S = 0.1
+FIRST_SEARCH_S = 0.1
 
-# A frame that has had no byte for this long is not just coming in.
+# A frame that got no byte for this time is not being received.
 RECEIVING_S = 0.05
 
-# Looks get rarer, so that hostile input costs little; this bounds how late a swallowed frame is found.
-MAX_LOOK_S = 1.0
+# Searches become rarer, so that hostile input costs little; this limits how late a swallowed frame is found.
+MAX_SEARCH_S = 1.0
 
-# This many valid frames in a row are traffic that a false header has covered; by chance one in 65,536 is
-# valid.
-TELLING_FRAMES = 3
+# This number of valid frames in a row proves that the header before them is false: by chance, one frame in
+# 65,536 is valid.
+PROVING_FRAMES = 3
 
-# Places where no frame begins after all, 2.5 to 6 µs each: a tenth of a CPU. At a megabaud no more than
-# 14,000 headers arrive per second. Only a network delivers more: those bytes are counted, and only their end
-# is searched.
-VAIN_LOOKS_PER_S = 20_000
+# Each place that looks like the start of a frame costs 2.5 to 6 µs, so this is a tenth of a CPU. A line at
+# 1 Mbaud delivers at most 14,000 headers per second. A network may deliver more: then, only the end of the
+# bytes is searched, and the rest is counted.
+FALSE_STARTS_PER_S = 20_000
 
-# The most that a quiet line saves up: enough to find every frame in 64 KiB of headers alone.
-MAX_SAVED_LOOKS = 10_000
+# The limit that a quiet line saves up: enough to find every frame in 64 KiB that consist only of headers.
+MAX_SAVED_FALSE_STARTS = 10_000
 
 
 @dataclass(slots=True)
@@ -60,10 +64,10 @@ Decoded: TypeAlias = Frames | FrameDiscarded
 
 
 class FrameDecoder:
-    """Cuts one direction of a line into frames of one protocol version; linear in what it is fed.
+    """Cuts one direction of a line into frames of one protocol version, in linear time.
 
-    `limits.possible` decides which unfinished frames are waited for; whole frames outside it are delivered.
-    After `abandon_after_s` without a byte an unfinished frame is given up, whatever it holds (None: never).
+    The decoder waits for unfinished frames within `limits.possible`; complete frames beyond it are delivered
+    too. After `abandon_after_s` without a byte, any unfinished frame is given up (None: never).
     """
 
     def __init__(
@@ -83,12 +87,12 @@ class FrameDecoder:
         self._pending = bytearray()
         self._needed_bytes = 0
         self._fed_s = 0.0
-        self._looks_left = float(MAX_SAVED_LOOKS)
-        self._looks_counted_s = 0.0
-        self._look_after_s = FIRST_LOOK_S
-        self._look_at_s: float | None = None
-        self._tail_look_after_s = FIRST_LOOK_S
-        self._tail_look_at_s: float | None = None
+        self._false_starts_left = float(MAX_SAVED_FALSE_STARTS)
+        self._false_starts_counted_s = 0.0
+        self._search_after_s = FIRST_SEARCH_S
+        self._search_at_s: float | None = None
+        self._tail_search_after_s = FIRST_SEARCH_S
+        self._tail_search_at_s: float | None = None
 
     @property
     def version(self) -> int:
@@ -97,7 +101,7 @@ class FrameDecoder:
 
     @property
     def pending_bytes(self) -> int:
-        """How many bytes of an unfinished frame are kept."""
+        """The number of pending bytes of an unfinished frame."""
         return len(self._pending)
 
     @property
@@ -108,20 +112,20 @@ class FrameDecoder:
         return read_header(self._version, bytes(self._pending[: self._header_bytes]))
 
     def use_limits(self, limits: PayloadLimits) -> None:
-        """Judge by these limits from the next frame on."""
+        """Apply these limits from the next frame on."""
         self._possible = limits.possible
         self._scanner.refuse_above(limits.refused_above)
 
     def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
-        """Whether a frame of one of these ids is just coming in."""
+        """Return whether a frame of one of these ids is being received."""
         header = self.pending_header
         return header is not None and header.topic_id in topic_ids and now_s < self._fed_s + RECEIVING_S
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
-        """Handle a chunk, cut anywhere; return what it completes.
+        """Handle a chunk, which may end anywhere; return the frames that it completes.
 
-        First come the frames of reserved ids, in their order; then the messages, one group for each topic id;
-        then the discarded bytes, in their order.
+        First the frames of reserved ids, in their order; then the messages, one group for each topic id; then
+        the discarded bytes, in their order.
         """
         self._fed_s = now_s
         pending = self._pending
@@ -134,41 +138,41 @@ class FrameDecoder:
             return self._accept(buffer, self._scan(buffer, Patience.WAIT, now_s), now_s)
         pending += data
         if len(pending) < self._needed_bytes:
-            self._plan_look(now_s)
+            self._plan_search(now_s)
             return []
         buffer = bytes(pending)
         return self._accept(buffer, self._scan(buffer, Patience.WAIT, now_s), now_s)
 
     def get_timer(self) -> float | None:
         """Return when to call `handle_timer`."""
-        timers = (self._look_at_s, self._tail_look_at_s, self._abandon_at_s())
+        timers = (self._search_at_s, self._tail_search_at_s, self._abandon_at_s())
         return min((timer for timer in timers if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[Decoded]:
-        """Look inside an unfinished frame that is due; return what it swallowed, if anything."""
+        """Search the unfinished frame if a search is due; return the frames that it swallowed."""
         abandon_at_s = self._abandon_at_s()
         if abandon_at_s is not None and now_s >= abandon_at_s:
             return self.abandon(now_s)
-        is_due = self._look_at_s is not None and now_s >= self._look_at_s
-        is_tail_due = self._tail_look_at_s is not None and now_s >= self._tail_look_at_s
+        is_due = self._search_at_s is not None and now_s >= self._search_at_s
+        is_tail_due = self._tail_search_at_s is not None and now_s >= self._tail_search_at_s
         if not (is_due or is_tail_due):
             return []
         buffer = bytes(self._pending)
-        scan = self._scan(buffer, Patience.LOOK, now_s)
+        scan = self._scan(buffer, Patience.SEARCH, now_s)
         found = {*scan.groups, *(topic_id for topic_id, _ in scan.controls)}
         swallowed = any(topic_id in self._possible for topic_id in found) if self._possible else found
-        if swallowed and (is_due or scan.tail_frames >= TELLING_FRAMES):
+        if swallowed and (is_due or scan.tail_frames >= PROVING_FRAMES):
             return self._accept(buffer, scan, now_s)
         if is_due:
-            self._look_at_s = None
-            self._look_after_s = min(2 * self._look_after_s, MAX_LOOK_S)
+            self._search_at_s = None
+            self._search_after_s = min(2 * self._search_after_s, MAX_SEARCH_S)
         if is_tail_due:
-            self._tail_look_at_s = None
-            self._tail_look_after_s = min(2 * self._tail_look_after_s, MAX_LOOK_S)
+            self._tail_search_at_s = None
+            self._tail_search_after_s = min(2 * self._tail_search_after_s, MAX_SEARCH_S)
         return []
 
     def abandon(self, now_s: float) -> list[Decoded]:
-        """Wait no longer for the unfinished frame; return what it holds."""
+        """Give up the unfinished frame; return the frames inside it."""
         buffer = bytes(self._pending)
         return self._accept(buffer, self._scan(buffer, Patience.NONE, now_s), now_s)
 
@@ -180,12 +184,12 @@ class FrameDecoder:
         return _frames(scan)
 
     def _scan(self, buffer: bytes, patience: Patience, now_s: float) -> Scan:
-        """Cut a buffer, at no greater cost than this line may cause."""
-        saved = self._looks_left + (now_s - self._looks_counted_s) * VAIN_LOOKS_PER_S
-        self._looks_left = min(max(saved, 0.0), MAX_SAVED_LOOKS)
-        self._looks_counted_s = now_s
-        scan = self._scanner.scan(buffer, patience, int(self._looks_left))
-        self._looks_left -= scan.vain_looks
+        """Cut a buffer within the cost that this line may cause."""
+        saved = self._false_starts_left + (now_s - self._false_starts_counted_s) * FALSE_STARTS_PER_S
+        self._false_starts_left = min(max(saved, 0.0), MAX_SAVED_FALSE_STARTS)
+        self._false_starts_counted_s = now_s
+        scan = self._scanner.scan(buffer, patience, int(self._false_starts_left))
+        self._false_starts_left -= scan.false_starts
         return scan
 
     def _abandon_at_s(self) -> float | None:
@@ -196,21 +200,21 @@ class FrameDecoder:
     def _accept(self, buffer: bytes, scan: Scan, now_s: float) -> list[Decoded]:
         self._pending = bytearray(buffer[scan.rest :])
         self._needed_bytes = scan.needed_bytes
-        self._look_after_s = self._tail_look_after_s = FIRST_LOOK_S
-        self._look_at_s = self._tail_look_at_s = None
+        self._search_after_s = self._tail_search_after_s = FIRST_SEARCH_S
+        self._search_at_s = self._tail_search_at_s = None
         if self._pending:
-            self._plan_look(now_s)
+            self._plan_search(now_s)
         return [*_frames(scan), *scan.discarded]
 
-    def _plan_look(self, now_s: float) -> None:
+    def _plan_search(self, now_s: float) -> None:
         header = self.pending_header
         if header is None:
             return
         is_possible = header.size <= self._possible.get(header.topic_id, -1)
-        if self._look_at_s is None or is_possible:
-            self._look_at_s = now_s + self._look_after_s
-        if self._tail_look_at_s is None and is_possible:
-            self._tail_look_at_s = now_s + self._tail_look_after_s
+        if self._search_at_s is None or is_possible:
+            self._search_at_s = now_s + self._search_after_s
+        if self._tail_search_at_s is None and is_possible:
+            self._tail_search_at_s = now_s + self._tail_search_after_s
 
 
 def _frames(scan: Scan) -> list[Decoded]:

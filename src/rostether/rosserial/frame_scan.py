@@ -28,9 +28,9 @@ from rostether.rosserial.topic_id import FIRST_USER_ID
 # Stretches reported apart between two good frames; in worse noise the rest joins the last one.
 MAX_STRETCHES = 64
 
-LOOK_SUMS_BYTES = 4096
+FALSE_START_SUMS_BYTES = 4096
 # Checksumming a false frame costs as much as one header check per this many bytes.
-LOOK_RUNNING_SUMS_BYTES = 64
+FALSE_START_RUNNING_SUMS_BYTES = 64
 
 MIN_TAIL_BYTES = 256
 MAX_TAIL_BYTES = 1024
@@ -51,13 +51,13 @@ class Patience(Enum):
     # Wait for its end, without a search in the bytes after it.
     WAIT = auto()
     # Search the bytes after it: if a valid frame follows, it was noise; else wait for its end.
-    LOOK = auto()
+    SEARCH = auto()
     # It is noise; there is no rest.
     NONE = auto()
 
 
 class _Known(NamedTuple):
-    """A header found sound, with all that is needed to cut and check frames that carry it."""
+    """A valid header, with the values to cut and check frames that begin with it."""
 
     topic_id: int
     stride: int
@@ -70,8 +70,8 @@ class Scan:
     """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all.
 
     `controls` has the frames of reserved ids in the order in which they came, `groups` all others by id.
-    The last `tail_frames` frames stand one behind the other, with nothing between them. `vain_looks`: at how
-    many places a frame might have begun and did not.
+    The last `tail_frames` frames follow each other without other bytes between them. `false_starts` counts
+    the places where a frame might have begun, but did not.
     """
 
     controls: list[tuple[int, list[bytes]]] = field(default_factory=list)
@@ -80,7 +80,7 @@ class Scan:
     rest: int = 0
     needed_bytes: int = 0
     tail_frames: int = 0
-    vain_looks: int = 0
+    false_starts: int = 0
 
     def add(self, topic_id: int, payloads: list[bytes]) -> None:
         """Add the first frames of a topic, or frames of a reserved id."""
@@ -126,11 +126,11 @@ class FrameScanner:
         return known.topic_id, payload
 
     def scan(  # noqa: C901, PLR0912, PLR0915 - the hot loop: a call costs as much as a small frame
-        self, buffer: bytes, patience: Patience = Patience.WAIT, max_vain_looks: int | None = None
+        self, buffer: bytes, patience: Patience = Patience.WAIT, max_false_starts: int | None = None
     ) -> Scan:
         """Cut a buffer that begins where a frame may begin.
 
-        After more than `max_vain_looks` (None: any number) only its end is looked at, the rest is noise.
+        After more than `max_false_starts` (None: any number), only its end is searched; the rest is noise.
         """
         result = Scan()
         groups = result.groups
@@ -138,7 +138,7 @@ class FrameScanner:
         header_bytes = self._header_bytes
         total = len(buffer)
         view = memoryview(buffer)
-        waste = _Waste(buffer, self._start, max_vain_looks)
+        waste = _Waste(buffer, self._start, max_false_starts)
         sums: RunningSums | None = None
         unfinished: tuple[int, int] | None = None
         tail_frames = 0
@@ -147,7 +147,7 @@ class FrameScanner:
         while header:
             known = known_headers.get(header)
             if known is None:
-                verdict = self._judge(header)
+                verdict = self._check_header(header)
                 if isinstance(verdict, DiscardReason):
                     position = waste.next_start(position, verdict)
                     header = buffer[position : position + header_bytes]
@@ -174,8 +174,8 @@ class FrameScanner:
                 payload = buffer[position + header_bytes : end - 1]
                 good = [payload] if (summer(payload) + buffer[end - 1]) & 0xFF == target else []
             if not good:
-                looks = 1 + stride // LOOK_SUMS_BYTES
-                position = waste.next_start(position, DiscardReason.PAYLOAD_CHECKSUM, looks)
+                false_starts = 1 + stride // FALSE_START_SUMS_BYTES
+                position = waste.next_start(position, DiscardReason.PAYLOAD_CHECKSUM, false_starts)
                 header = buffer[position : position + header_bytes]
                 sums = sums or waste.sums_after(stride)
                 continue
@@ -195,12 +195,12 @@ class FrameScanner:
         result.tail_frames = tail_frames
         if unfinished is not None and patience is not Patience.NONE:
             result.rest, result.needed_bytes = unfinished
-        if waste.looks:
-            result.vain_looks = waste.looks
+        if waste.false_starts:
+            result.false_starts = waste.false_starts
             result.discarded = waste.pieces(result.rest)
         return result
 
-    def _judge(self, header: bytes) -> _Known | DiscardReason:
+    def _check_header(self, header: bytes) -> _Known | DiscardReason:
         """Judge a header not seen before; one cut short becomes a frame longer than the buffer."""
         size = len(header)
         if header[0] != SYNC:
@@ -255,40 +255,40 @@ def _cut_run(run: memoryview, header: bytes, known: _Known) -> list[bytes]:
 
 
 class _Waste:
-    """The stretches between the frames of a buffer, as [start, end, reason], and what the search costs.
+    """The stretches between the frames of a buffer, as [start, end, reason], and the cost of the search.
 
-    After more than `max_looks` (None: any number) places where no frame begins, only the end of the buffer
-    is searched.
+    After more than `max_false_starts` (None: any number) places where no frame begins, only the end of the
+    buffer is searched.
     """
 
     __slots__ = (
         "_buffer",
         "_count",
         "_frame_start",
-        "_max_looks",
+        "_max_false_starts",
         "_reason",
         "_start",
         "_stretches",
-        "_summed_in_vain",
         "_total",
+        "_wasted_bytes",
+        "false_starts",
         "is_open",
-        "looks",
     )
 
-    def __init__(self, buffer: bytes, start: bytes, max_looks: int | None) -> None:
+    def __init__(self, buffer: bytes, start: bytes, max_false_starts: int | None) -> None:
         self.is_open = False
-        self.looks = 0
+        self.false_starts = 0
         self._buffer = buffer
         self._total = len(buffer)
         self._frame_start = start
-        self._max_looks = self._total if max_looks is None else max_looks
-        self._summed_in_vain = 0
+        self._max_false_starts = self._total if max_false_starts is None else max_false_starts
+        self._wasted_bytes = 0
         self._stretches: list[tuple[int, int, DiscardReason]] = []
         self._start = 0
         self._reason = DiscardReason.NOISE
         self._count = 0
 
-    def next_start(self, position: int, reason: DiscardReason, looks: int = 1) -> int:
+    def next_start(self, position: int, reason: DiscardReason, false_starts: int = 1) -> int:
         """Begin a stretch where a check failed, and return where a frame may begin next."""
         if not self.is_open:
             self.is_open = True
@@ -299,8 +299,8 @@ class _Waste:
             self._count += 1
             self._start = position
             self._reason = reason
-        self.looks += looks
-        if self.looks > self._max_looks:
+        self.false_starts += false_starts
+        if self.false_starts > self._max_false_starts:
             position = self._skip(position)
         wanted = self._frame_start if reason is _VERSION else _SYNC
         found = self._buffer.find(wanted, position + 1)
@@ -308,10 +308,10 @@ class _Waste:
 
     def sums_after(self, stride: int) -> RunningSums | None:
         """Count the bytes of a false frame that were summed; return cheaper sums once those are too many."""
-        self._summed_in_vain += stride
-        if self._summed_in_vain <= 2 * self._total:
+        self._wasted_bytes += stride
+        if self._wasted_bytes <= 2 * self._total:
             return None
-        self.looks += self._total // LOOK_RUNNING_SUMS_BYTES
+        self.false_starts += self._total // FALSE_START_RUNNING_SUMS_BYTES
         return RunningSums(self._buffer)
 
     def end(self, position: int) -> None:
@@ -333,7 +333,7 @@ class _Waste:
     def _skip(self, position: int) -> int:
         """Let this stretch have all but the end of the buffer, and return where that end begins."""
         self._count = MAX_STRETCHES
-        self._max_looks = self._total
+        self._max_false_starts = self._total
         tail_bytes = max(MIN_TAIL_BYTES, min(self._total // TAIL_SHARE, MAX_TAIL_BYTES))
         return max(position, self._total - tail_bytes)
 

@@ -109,7 +109,7 @@ class HostLink:
                 self.is_quiet = True
                 return [self._receive_messages(frames, now_s)]
         self.is_quiet = False
-        events = self._take(decoded, now_s)
+        events = self._handle_decoded(decoded, now_s)
         self._pump(now_s)
         return events
 
@@ -117,7 +117,7 @@ class HostLink:
         """Return what noise has swallowed: the frames in a message that does not have its type's layout."""
         if isinstance(self._line, ProtocolDetector) or self._is_stopped:
             return []
-        events = self._take(self._line.rescan(payload, now_s), now_s)
+        events = self._handle_decoded(self._line.rescan(payload, now_s), now_s)
         self._pump(now_s)
         return events
 
@@ -137,7 +137,7 @@ class HostLink:
         """Do what is due by `now_s`; harmless when called early."""
         if self._is_stopped:
             return []
-        events = self._take(self._line.handle_timer(now_s), now_s)
+        events = self._handle_decoded(self._line.handle_timer(now_s), now_s)
         is_flowing = self._line.is_receiving(ids.ANNOUNCEMENTS, now_s)
         if self._negotiation.handle_timer(now_s, is_flowing=is_flowing):
             self._settle(now_s, events)
@@ -193,7 +193,7 @@ class HostLink:
             limits=self._limits,
         )
 
-    def _take(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
+    def _handle_decoded(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
         """Turn what the line brought into events."""
         events: list[HostEvent] = []
         if isinstance(self._line, ProtocolDetector) and self._line.decoder is not None:
@@ -207,12 +207,12 @@ class HostLink:
             if item.topic_id >= ids.FIRST_USER_ID:
                 messages.append(item)
             else:
-                self._take_control(item, now_s, events)
+                self._handle_control(item, now_s, events)
         for item in messages:
-            self._take_messages(item, now_s, events)
+            self._handle_messages(item, now_s, events)
         return events
 
-    def _take_messages(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
+    def _handle_messages(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
         topic_id, payloads = frames.topic_id, frames.payloads
         if topic_id in self._table.senders:
             events.append(self._receive_messages(frames, now_s))
@@ -234,7 +234,7 @@ class HostLink:
         self.statistics.frames_received += len(frames.payloads)
         self._presence.frame_received(now_s)
 
-    def _take_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
+    def _handle_control(self, frames: Frames, now_s: float, events: list[HostEvent]) -> None:
         self._note_frames(frames, now_s)
         payloads = frames.payloads
         admitted = self._rate.admit(frames.topic_id, len(payloads), now_s)
@@ -324,7 +324,7 @@ class HostLink:
             self._negotiation.set_version(None, now_s)
             self._negotiation.ask(now_s)
             events.append(DeviceSilent(now_s - self._presence.heard_s))
-            events += self._take(unfinished, now_s)
+            events += self._handle_decoded(unfinished, now_s)
 
     def _on_reset(self, now_s: float, events: list[HostEvent]) -> None:
         self.statistics.resets += 1

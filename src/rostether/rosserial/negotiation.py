@@ -198,7 +198,7 @@ class Negotiation:
             self._answer_delay_s = now_s - self._asked_s
             if self._unanswered == 1:
                 self.round_trip_s = self._answer_delay_s
-        self._hear(now_s)
+        self._handle_answer(now_s)
         return meaning
 
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
@@ -216,7 +216,7 @@ class Negotiation:
                 self._advance(Input.ANSWER)
         if is_same_burst and pause_s <= MAX_QUIET_S:
             self._quiet_s = max(self._quiet_s, min(QUIET_MARGIN * pause_s, MAX_QUIET_S))
-        self._hear(now_s)
+        self._handle_answer(now_s)
         self._completeness.note_announcement(kind, info)
 
     def get_timer(self) -> float | None:
@@ -243,7 +243,7 @@ class Negotiation:
         self._send(Input.MORE_NEEDED, now_s)
         return False
 
-    def _hear(self, now_s: float) -> None:
+    def _handle_answer(self, now_s: float) -> None:
         """Note that the device answers or continues to answer."""
         if self.phase is Phase.ASKED:
             self._unanswered = 0

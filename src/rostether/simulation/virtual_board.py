@@ -124,14 +124,14 @@ class VirtualBoard:
         """Run until cancelled, while a host is connected; each new connection gets a greeting."""
         while True:
             await self._device.wait_connected()
-            greeting = asyncio.get_running_loop().create_task(self._greet())
+            reporting = asyncio.get_running_loop().create_task(self._report_ready())
             try:
                 while self._device.connected:
                     due_s = self.step(self._clock())
                     await asyncio.sleep(max(0.0, due_s - self._clock()))
             finally:
-                greeting.cancel()
-                await asyncio.gather(greeting, return_exceptions=True)
+                reporting.cancel()
+                await asyncio.gather(reporting, return_exceptions=True)
 
     async def read_parameters(self) -> None:
         """Read `~blink_hz` and `~frame_id` from the host; unset or invalid values have no effect."""
@@ -145,7 +145,7 @@ class VirtualBoard:
         if isinstance(frame_id, str) and frame_id:
             self._frame_id = frame_id
 
-    async def _greet(self) -> None:
+    async def _report_ready(self) -> None:
         self._device.loginfo("virtual board ready")
         await self.read_parameters()
 

@@ -77,10 +77,10 @@ class ListenerHello:
 
         Raises RemoteProtocolError for a peer without the key.
         """
-        taken = self._lines.take(data)
-        if taken is None:
+        received = self._lines.receive_line(data)
+        if received is None:
             return None
-        line, rest = taken
+        line, rest = received
         match = _ANSWER.fullmatch(line)
         if match is None:
             raise RemoteProtocolError("it sent no pre-shared-key hello; give it the key, see psk=")
@@ -107,10 +107,10 @@ class ConnectorHello:
 
         Raises RemoteProtocolError for a peer without the key.
         """
-        taken = self._lines.take(data)
-        if taken is None:
+        received = self._lines.receive_line(data)
+        if received is None:
             return None
-        line, rest = taken
+        line, rest = received
         if not self._expected:
             match = _GREETING.fullmatch(line)
             if match is None:
@@ -139,7 +139,7 @@ class _Lines:
     def __init__(self) -> None:
         self._pending = b""
 
-    def take(self, data: bytes) -> tuple[bytes, bytes] | None:
+    def receive_line(self, data: bytes) -> tuple[bytes, bytes] | None:
         self._pending += data
         line, end, rest = self._pending.partition(b"\n")
         if len(line) > MAX_LINE_BYTES:

@@ -211,7 +211,7 @@ class TcpListener:
             return
         self._make_room(transport.host)
         self._unproven[transport] = None
-        task = asyncio.get_running_loop().create_task(self._greet(transport, self._greeting))
+        task = asyncio.get_running_loop().create_task(self._check_greeting(transport, self._greeting))
         self._greetings.add(task)
         task.add_done_callback(self._greetings.discard)
 
@@ -230,7 +230,7 @@ class TcpListener:
         self._refusals.refuse(transport.peer, reason)
         transport.abort()
 
-    async def _greet(self, transport: TcpTransport, greeting: Greeting) -> None:
+    async def _check_greeting(self, transport: TcpTransport, greeting: Greeting) -> None:
         reason: str | None
         try:
             transport.proof = await greeting.exchange(transport)

@@ -154,7 +154,7 @@ class WebTransport:
         self._heard_s = self._loop.time()
         try:
             if self.hello is None:
-                self._greet(message)
+                self._handle_hello(message)
             elif isinstance(message, str):
                 self._note_written(read_progress(message))
             elif len(message) > MAX_MESSAGE_BYTES:
@@ -174,7 +174,7 @@ class WebTransport:
         """The page closed the connection, or the network did."""
         self._end(PeerClosedError(f"{self.peer} is away: its page was closed or hidden, or lost its network"))
 
-    # within
+    # Internal methods.
 
     def admit(self, address: WebAddress, hello: WebHello) -> None:
         """Serve the board that the page has named."""
@@ -187,7 +187,7 @@ class WebTransport:
         self._socket.pause_reading()
         self._socket.send(_CONNECTED)
 
-    def _greet(self, message: str | bytes) -> None:
+    def _handle_hello(self, message: str | bytes) -> None:
         if not isinstance(message, str):
             raise RemoteProtocolError("a page first names its board, as text")
         reason = self._connect(self, read_hello(message))

@@ -48,7 +48,7 @@ async def served(boards: BoardRegistry, name: str) -> tuple[Board, Any]:
 async def test_a_lost_board_keeps_its_node_for_the_grace_period() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
     board, node = await served(boards, "/arm")
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     assert await boards.claim("/arm") is board
     assert (board.node,) == (node,)
     assert list(boards) == [board]
@@ -61,7 +61,7 @@ async def test_each_node_that_has_left_is_reported() -> None:
     boards = BoardRegistry(0.0, lambda: 0.0, lambda: left.append(1))
     for name in ("/arm", "/leg", "/eye"):
         board, _ = await served(boards, name)
-        boards.lose(board, board.session)
+        boards.handle_disconnect(board, board.session)
     await until(lambda: len(left) == 3 and not list(boards), "the nodes to leave")
     await boards.close()
 
@@ -71,7 +71,7 @@ async def test_a_node_that_takes_long_to_leave_leaves_completely(monkeypatch: py
     boards = BoardRegistry(0.0, lambda: 0.0)
     board, node = await served(boards, "/arm")
     node.may_leave.clear()
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     await until(lambda: "/arm" not in boards._boards, "the name to be free")
     assert not node.is_closed
     node.may_leave.set()
@@ -84,7 +84,7 @@ async def test_a_board_that_comes_before_the_news_that_it_left_is_the_same() -> 
     board, _ = await served(boards, "/arm")
     coming = asyncio.create_task(boards.claim("/arm"))
     await asyncio.sleep(0)
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     assert await coming is board
     await boards.close()
 
@@ -92,7 +92,7 @@ async def test_a_board_that_comes_before_the_news_that_it_left_is_the_same() -> 
 async def test_after_the_grace_period_the_name_is_free() -> None:
     boards = BoardRegistry(0.01, lambda: 0.0)
     board, node = await served(boards, "/arm")
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     await until(lambda: node.is_closed and not list(boards), "the node to leave")
     assert (await boards.claim("/arm")).node is None
 
@@ -101,7 +101,7 @@ async def test_a_kept_node_stays_without_its_board_and_without_its_topics() -> N
     boards = BoardRegistry(0.01, lambda: 0.0)
     board, node = await served(boards, "/arm")
     board.is_kept = True
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     await until(lambda: node.settled == 1, "the topics to leave")
     assert not node.is_closed
     assert await boards.claim("/arm") is board
@@ -119,7 +119,7 @@ async def test_a_name_that_is_just_leaving_is_waited_for() -> None:
     boards = BoardRegistry(0.0, lambda: 0.0)
     board, node = await served(boards, "/arm")
     node.may_leave.clear()
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     await until(lambda: board.leaving is not None, "the node to begin to leave")
     claim = asyncio.ensure_future(boards.claim("/arm"))
     await asyncio.sleep(0)
@@ -132,7 +132,7 @@ async def test_a_name_that_is_just_leaving_is_waited_for() -> None:
 async def test_a_board_that_never_joined_leaves_nothing() -> None:
     boards = BoardRegistry(60.0, lambda: 0.0)
     board = await boards.claim("/arm")
-    boards.lose(board, None)
+    boards.handle_disconnect(board, None)
     assert await boards.claim("/arm") is not board
 
 
@@ -147,7 +147,7 @@ async def test_a_connection_that_was_taken_over_ends_nothing() -> None:
     assert old.is_abandoned
     new: Any = FakeSession()
     board.session = new
-    boards.lose(board, old)
+    boards.handle_disconnect(board, old)
     assert board.session is new
     assert board.leave_timer is None
     assert not node.is_closed
@@ -158,7 +158,7 @@ async def test_a_node_that_was_shut_down_comes_with_the_next_connection() -> Non
     board, node = await served(boards, "/arm")
     node.may_leave.clear()
     boards.end(board)
-    boards.lose(board, board.session)
+    boards.handle_disconnect(board, board.session)
     claim = asyncio.ensure_future(boards.claim("/arm"))
     await asyncio.sleep(0)
     assert not claim.done()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from rostether.rosserial.events import DiscardReason, FrameDiscarded
-from rostether.rosserial.frame_decoder import FIRST_LOOK_S, MAX_LOOK_S, Decoded, FrameDecoder, Frames
+from rostether.rosserial.frame_decoder import FIRST_SEARCH_S, MAX_SEARCH_S, Decoded, FrameDecoder, Frames
 from rostether.rosserial.payload_limits import PayloadLimits
 from unit.rosserial.decoding import (
     by_topic,
@@ -155,7 +155,7 @@ class TestUnfinishedFrames:
         assert decoder.feed(self.CLAIM + A + A, 10.0) == []
         due_s = decoder.get_timer()
         assert due_s is not None
-        assert due_s == pytest.approx(10.0 + FIRST_LOOK_S)
+        assert due_s == pytest.approx(10.0 + FIRST_SEARCH_S)
         assert decoder.handle_timer(due_s - 0.01) == []
         assert decoder.handle_timer(due_s) == [
             Frames(125, [b"alpha"] * 2),
@@ -172,7 +172,7 @@ class TestUnfinishedFrames:
             now_s += 0.02
             found += decoder.feed(A, now_s)
             found += decoder.handle_timer(now_s)
-        assert now_s <= FIRST_LOOK_S + 0.03
+        assert now_s <= FIRST_SEARCH_S + 0.03
         assert by_topic(found)[125] == [b"alpha"] * round(now_s / 0.02)
 
     def test_a_possible_frame_is_waited_for_while_its_bytes_flow(self) -> None:
@@ -209,7 +209,7 @@ class TestUnfinishedFrames:
             now_s = due_s
             assert decoder.handle_timer(now_s) == []
         assert gaps == sorted(gaps)
-        assert gaps[-1] == pytest.approx(MAX_LOOK_S)
+        assert gaps[-1] == pytest.approx(MAX_SEARCH_S)
 
     def test_frames_inside_on_ids_that_make_no_sense_are_no_reason_to_give_up(self) -> None:
         decoder = FrameDecoder(limits=PayloadLimits({125: 100}))

@@ -11,7 +11,7 @@ import pytest
 from rostether.rosserial import frame_scan
 from rostether.rosserial.events import FrameDiscarded
 from rostether.rosserial.frame import encode_frame
-from rostether.rosserial.frame_decoder import MAX_SAVED_LOOKS, VAIN_LOOKS_PER_S, FrameDecoder, Frames
+from rostether.rosserial.frame_decoder import FALSE_STARTS_PER_S, MAX_SAVED_FALSE_STARTS, FrameDecoder, Frames
 from rostether.rosserial.frame_scan import FrameScanner, Patience
 from rostether.rosserial.payload_limits import PayloadLimits
 
@@ -49,13 +49,13 @@ HOSTILE: list[Callable[[random.Random], bytes]] = [_dense, _varied, _lengths, _d
 def test_looks_are_bounded_over_time(
     make: Callable[[random.Random], bytes], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    looks = 0
+    false_starts = 0
     scan = FrameScanner.scan
 
     def counted(scanner: FrameScanner, *arguments: object) -> object:
-        nonlocal looks
+        nonlocal false_starts
         result = scan(scanner, *arguments)  # type: ignore[arg-type]
-        looks += result.vain_looks
+        false_starts += result.false_starts
         return result
 
     monkeypatch.setattr(FrameScanner, "scan", counted)
@@ -69,7 +69,7 @@ def test_looks_are_bounded_over_time(
         decoded = decoder.feed(noise, now_s)
         discarded += sum(len(item.data) for item in decoded if isinstance(item, FrameDiscarded))
     # The ends are looked at beside what may be spent.
-    assert looks < MAX_SAVED_LOOKS + 2 * VAIN_LOOKS_PER_S * seconds + chunks * 300
+    assert false_starts < MAX_SAVED_FALSE_STARTS + 2 * FALSE_STARTS_PER_S * seconds + chunks * 300
     assert discarded > chunks * CHUNK_BYTES * 0.9
     found = decoder.feed(GOOD * 2, now_s + 0.01)
     for _ in range(40):
@@ -93,7 +93,7 @@ def test_a_frame_at_the_end_of_a_hostile_chunk_is_found(make: Callable[[random.R
 @pytest.mark.parametrize("make", [_dense, _varied, _damaged])
 def test_a_line_that_was_quiet_is_looked_at_whole(make: Callable[[random.Random], bytes]) -> None:
     decoder = FrameDecoder(limits=PayloadLimits(LIMITS, REFUSED_ABOVE))
-    noise = make(random.Random(5))[: MAX_SAVED_LOOKS * 6] + bytes(600)
+    noise = make(random.Random(5))[: MAX_SAVED_FALSE_STARTS * 6] + bytes(600)
     found = decoder.feed(noise[:30_000] + bytes(600) + GOOD + noise[30_000:], 0.0)
     found += decoder.abandon(0.1)
     assert any(isinstance(item, Frames) and b"good" in item.payloads for item in found)
@@ -104,7 +104,7 @@ def test_every_byte_is_accounted_for_when_the_middle_is_not_looked_at() -> None:
     scan = FrameScanner(2, 65535, REFUSED_ABOVE).scan(noise, Patience.NONE, 10)
     assert sum(len(item.data) for item in scan.discarded) + len(GOOD) == len(noise)
     assert scan.groups == {125: [b"good"]}
-    assert scan.vain_looks < 400
+    assert scan.false_starts < 400
 
 
 def test_headers_that_come_once_cost_no_layout(monkeypatch: pytest.MonkeyPatch) -> None:

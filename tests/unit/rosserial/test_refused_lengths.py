@@ -7,7 +7,7 @@ import pytest
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.events import DiscardReason, FrameDiscarded, MessagesReceived, TimeRequested
 from rostether.rosserial.frame import encode_frame
-from rostether.rosserial.frame_decoder import FIRST_LOOK_S, FrameDecoder, Frames
+from rostether.rosserial.frame_decoder import FIRST_SEARCH_S, FrameDecoder, Frames
 from rostether.rosserial.host_link import HostLink, HostLinkConfig
 from rostether.rosserial.packets import TopicInfo
 from rostether.rosserial.payload_limits import PayloadLimits
@@ -82,7 +82,7 @@ def test_a_possible_length_is_given_up_while_good_frames_flow_behind_it() -> Non
         now_s += 0.02
         count += 1
         found = decoder.feed(GOOD, now_s) + decoder.handle_timer(now_s)
-    assert now_s <= FIRST_LOOK_S + 0.03
+    assert now_s <= FIRST_SEARCH_S + 0.03
     assert found == [
         Frames(125, [b"\x02\0\0\0hi"] * count),
         FrameDiscarded(DiscardReason.UNFINISHED, claim),
@@ -122,4 +122,4 @@ def test_looking_inside_is_paid_from_what_noise_may_cost() -> None:
     for _ in range(20):
         found += len(decoder.rescan(noise + GOOD, 0.0))
     assert found == 20
-    assert decoder._looks_left < 1000
+    assert decoder._false_starts_left < 1000

@@ -91,7 +91,7 @@ class EndpointOpenings:
         task.add_done_callback(self._tasks.discard)
         return task
 
-    async def _take_turn(self) -> None:
+    async def _yield_to_loop(self) -> None:
         """Yield to the event loop: many announcements at once must not delay the messages of others."""
         async with self._turn:
             await asyncio.sleep(0)
@@ -117,7 +117,7 @@ class EndpointOpenings:
         while True:
             try:
                 async with self._places:
-                    await self._take_turn()
+                    await self._yield_to_loop()
                     if endpoint in self._unwanted:
                         return
                     await open_it()
@@ -150,7 +150,7 @@ class EndpointOpenings:
             if opening is not None:
                 await asyncio.wait([opening])
             async with self._places:
-                await self._take_turn()
+                await self._yield_to_loop()
                 await endpoint.close()
             self._log(endpoint, "closed")
         except Exception as error:  # noqa: BLE001 - callers that wait for this closing continue

@@ -103,11 +103,11 @@ class PublisherEndpoint:
     def receive(self, payloads: list[bytes]) -> None:
         """Handle messages from the board."""
         if self._accepts_all(payloads):
-            self._take(payloads)
+            self._publish_or_hold(payloads)
         else:
             self._sort_out(payloads)
 
-    def _take(self, payloads: list[bytes]) -> None:
+    def _publish_or_hold(self, payloads: list[bytes]) -> None:
         if self._rate is not None:
             payloads = self._keep_rate(self._rate, payloads)
         if not payloads:
@@ -165,10 +165,10 @@ class PublisherEndpoint:
                 continue
             misfits.append(payload)
             if line is not None and _SYNC in payload:
-                self._take(fitting)
+                self._publish_or_hold(fitting)
                 fitting = []
                 line.rescan(payload)
-        self._take(fitting)
+        self._publish_or_hold(fitting)
         first = misfits[0]
         self.misfit_count += len(misfits)
         self._notices.episode(

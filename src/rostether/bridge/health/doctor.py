@@ -148,14 +148,14 @@ class Doctor:
     async def _examine_listener(self, address: Address) -> Diagnosis:
         came: asyncio.Future[Transport] = self._loop.create_future()
 
-        def take(transport: Transport) -> None:
+        def on_transport(transport: Transport) -> None:
             if came.done():
                 transport.close()
             else:
                 came.set_result(transport)
 
         try:
-            listener: Listener = await listen(address, take, entry=BOARD_ENTRY)
+            listener: Listener = await listen(address, on_transport, entry=BOARD_ENTRY)
         except RostetherError as failure:
             return Diagnosis(str(address), (await self._why_not_listening(address, failure),))
         try:

@@ -23,7 +23,7 @@ from rostether.serde.store import TypeStore
 PERIOD_S = 1.0
 
 # A new subscriber gets its first message within this time.
-GREETING_PERIOD_S = 0.2
+NEW_SUBSCRIBER_PERIOD_S = 0.2
 
 # Boards checked in one turn, in 1 or 2 ms: a hundred in one turn would delay all messages.
 TURN_BOARDS = 4
@@ -55,7 +55,7 @@ class HealthRound:
         loop = asyncio.get_running_loop()
         self._tasks = [loop.create_task(self._run())]
         if self._publishes:
-            self._tasks.append(loop.create_task(self._greet()))
+            self._tasks.append(loop.create_task(self._serve_new_subscribers()))
 
     async def close(self) -> None:
         """End. Idempotent."""
@@ -65,13 +65,13 @@ class HealthRound:
         for publication in list(self._publications.values()):
             await publication.close()
 
-    def _look_at_all(self, boards: Iterable[Board]) -> None:
+    def _check_boards(self, boards: Iterable[Board]) -> None:
         now_s = self._clock()
         for board in boards:
             if board.node is None or board.leaving is not None:
                 continue
             try:
-                self._look_at(board, board.node, now_s)
+                self._check_board(board, board.node, now_s)
             except Exception as error:  # noqa: BLE001 - what is only for people must not end what works
                 self._report_defect(error)
 
@@ -81,18 +81,18 @@ class HealthRound:
             starts = range(0, len(boards), TURN_BOARDS) or range(1)
             for start in starts:
                 await asyncio.sleep(PERIOD_S / len(starts))
-                self._look_at_all(boards[start : start + TURN_BOARDS])
+                self._check_boards(boards[start : start + TURN_BOARDS])
 
-    async def _greet(self) -> None:
+    async def _serve_new_subscribers(self) -> None:
         while True:
-            await asyncio.sleep(GREETING_PERIOD_S)
-            self._look_at_all(board for board in list(self._boards()) if self._has_new_subscriber(board))
+            await asyncio.sleep(NEW_SUBSCRIBER_PERIOD_S)
+            self._check_boards(board for board in list(self._boards()) if self._has_new_subscriber(board))
 
     def _has_new_subscriber(self, board: Board) -> bool:
         publication = self._publications.get(board.node) if board.node is not None else None
         return publication is not None and publication.has_new_subscriber()
 
-    def _look_at(self, board: Board, node: BoardNode, now_s: float) -> None:
+    def _check_board(self, board: Board, node: BoardNode, now_s: float) -> None:
         session = board.session
         is_connected = session is not None and session.is_connected
         findings = node.health.find(now_s) if is_connected else []

@@ -156,9 +156,9 @@ class Outbox:
             return
         if self._ready:
             if self._pacer is None:
-                self._take_turns(pieces, WRITE_BYTES)
+                self._encode_ready(pieces, WRITE_BYTES)
             elif (room := self._pacer.room_bytes(self._loop.time())) > 0:
-                self._take_turns(pieces, room)
+                self._encode_ready(pieces, room)
         if pieces:
             self._flushed_s = self._loop.time()
             self._write(pieces)
@@ -234,7 +234,7 @@ class Outbox:
             self._pacer.observe(self._transport.write_buffer_bytes, self._loop.time())
         self.flush()
 
-    def _take_turns(self, pieces: list[bytes], room_bytes: int) -> None:
+    def _encode_ready(self, pieces: list[bytes], room_bytes: int) -> None:
         ready = self._ready
         while room_bytes > 0 and ready:
             queue = ready.popleft()

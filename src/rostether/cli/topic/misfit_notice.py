@@ -34,14 +34,14 @@ async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGener
         many = "1 message does" if reported_count == 1 else f"{reported_count} messages do"
         warn(f"WARNING: {stream.topic}: {many} not fit the type and cannot be shown: {reason}")
 
-    def take(error: SerializationError) -> None:
+    def on_misfit(error: SerializationError) -> None:
         nonlocal next_s, reason
         reason = str(error)
         if (now_s := asyncio.get_running_loop().time()) >= next_s:
             next_s = now_s + NOTICE_PERIOD_S
             report()
 
-    stream.on_misfit = take
+    stream.on_misfit = on_misfit
     async with aclosing(aiter(stream)) as messages:
         try:
             yield messages

@@ -30,7 +30,7 @@ MAX_CHANNELS = 20_000
 _ASKED_AT_ONCE = 16
 
 # How long to wait for a publisher's type; then the next topic follows.
-_MEETING_S = 2.0
+_PUBLISHER_WAIT_S = 2.0
 
 
 class Channels:
@@ -56,7 +56,7 @@ class Channels:
         self._names: dict[str, str] = {}
         self._learning: dict[str, asyncio.Task[None]] = {}
         self._learned: set[str] = set()
-        self._asked_at_once = asyncio.Semaphore(_ASKED_AT_ONCE)
+        self._learning_slots = asyncio.Semaphore(_ASKED_AT_ONCE)
         self._next_id = 1
 
     def update(self, snapshot: Snapshot) -> None:
@@ -139,15 +139,15 @@ class Channels:
         """Subscribe until a publisher has sent its definition."""
         actual: asyncio.Future[MessageType] = asyncio.get_running_loop().create_future()
 
-        def meet(connection: PublisherConnection) -> None:
+        def on_connection(connection: PublisherConnection) -> None:
             if not actual.done():
                 actual.set_result(connection.type)
 
         share: SharedSubscription | None = None
         try:
-            async with self._asked_at_once:
-                share = await self._shared.subscribe(topic, lambda _: None, meet)
-                await asyncio.wait([actual], timeout=_MEETING_S)
+            async with self._learning_slots:
+                share = await self._shared.subscribe(topic, lambda _: None, on_connection)
+                await asyncio.wait([actual], timeout=_PUBLISHER_WAIT_S)
             # Without a publisher, no message can arrive either.
             message_type = await actual
         except RostetherError as error:

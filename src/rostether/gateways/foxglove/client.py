@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError
-from rostether.gateways.foxglove import client_messages as asked
-from rostether.gateways.foxglove import server_messages as outgoing
+from rostether.gateways.foxglove import client_messages as requests
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_parameters import ClientParameters
 from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
 from rostether.gateways.foxglove.client_recordings import ClientRecordings
@@ -30,25 +30,25 @@ MAX_REPORTED_MISTAKES = 100
 # The refusal for a client that may only view.
 _VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
 _ACTIONS = (
-    asked.Advertise,
-    asked.MessageData,
-    asked.ServiceRequest,
-    asked.SetParameters,
-    asked.StartRecording,
-    asked.StopRecording,
-    asked.PlayRecording,
-    asked.PausePlayback,
-    asked.StopPlayback,
+    requests.Advertise,
+    requests.MessageData,
+    requests.ServiceRequest,
+    requests.SetParameters,
+    requests.StartRecording,
+    requests.StopRecording,
+    requests.PlayRecording,
+    requests.PausePlayback,
+    requests.StopPlayback,
 )
 
 _CAPABILITY_OF: dict[type, str] = {
-    asked.Advertise: "clientPublish",
-    asked.GetParameters: "parameters",
-    asked.SetParameters: "parameters",
-    asked.SubscribeParameters: "parametersSubscribe",
-    asked.ServiceRequest: "services",
-    asked.SubscribeConnectionGraph: "connectionGraph",
-    asked.FetchAsset: "assets",
+    requests.Advertise: "clientPublish",
+    requests.GetParameters: "parameters",
+    requests.SetParameters: "parameters",
+    requests.SubscribeParameters: "parametersSubscribe",
+    requests.ServiceRequest: "services",
+    requests.SubscribeConnectionGraph: "connectionGraph",
+    requests.FetchAsset: "assets",
 }
 
 
@@ -64,51 +64,51 @@ class Client:
         self._by_channel: dict[int, Subscription] = {}
         self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
-        self._parameters = ClientParameters(gateway, self._work, line.send, self.mistake)
-        self._recordings = ClientRecordings(gateway, self._work, line.send, self.mistake)
+        self._parameters = ClientParameters(gateway, self._work, line.send, self.report_mistake)
+        self._recordings = ClientRecordings(gateway, self._work, line.send, self.report_mistake)
         self._fetching = asyncio.Semaphore(1)
         self._mistakes = 0
         self._dropped = DroppedReport(line.send)
-        self._asleep = 0
+        self._waiting_publishers = 0
         self._handlers: dict[type, Callable[[Any], None]] = {
-            asked.Subscribe: self._subscribe,
-            asked.Unsubscribe: self._unsubscribe,
-            asked.Advertise: self._advertise,
-            asked.Unadvertise: self._unadvertise,
-            asked.MessageData: self._publish,
-            asked.ServiceRequest: self._call,
-            asked.GetParameters: self._parameters.get,
-            asked.SetParameters: self._parameters.set,
-            asked.SubscribeParameters: self._parameters.watch,
-            asked.UnsubscribeParameters: self._parameters.unwatch,
-            asked.SubscribeConnectionGraph: self._watch_graph,
-            asked.UnsubscribeConnectionGraph: self._unwatch_graph,
-            asked.FetchAsset: self._fetch,
-            asked.ListRecordings: self._recordings.follow,
-            asked.StartRecording: self._recordings.start,
-            asked.StopRecording: self._recordings.stop,
-            asked.PlayRecording: self._recordings.play,
-            asked.PausePlayback: self._recordings.pause,
-            asked.StopPlayback: self._recordings.stop_playing,
-            asked.AskTime: self._tell_time,
+            requests.Subscribe: self._subscribe,
+            requests.Unsubscribe: self._unsubscribe,
+            requests.Advertise: self._advertise,
+            requests.Unadvertise: self._unadvertise,
+            requests.MessageData: self._publish,
+            requests.ServiceRequest: self._call,
+            requests.GetParameters: self._parameters.get,
+            requests.SetParameters: self._parameters.set,
+            requests.SubscribeParameters: self._parameters.watch,
+            requests.UnsubscribeParameters: self._parameters.unwatch,
+            requests.SubscribeConnectionGraph: self._watch_graph,
+            requests.UnsubscribeConnectionGraph: self._unwatch_graph,
+            requests.FetchAsset: self._fetch,
+            requests.ListRecordings: self._recordings.follow,
+            requests.StartRecording: self._recordings.start,
+            requests.StopRecording: self._recordings.stop,
+            requests.PlayRecording: self._recordings.play,
+            requests.PausePlayback: self._recordings.pause,
+            requests.StopPlayback: self._recordings.stop_playing,
+            requests.AskTime: self._send_time,
         }
 
     # Events of the connection.
 
     def opened(self) -> None:
         """Send the lists of channels and services."""
-        self._gateway.greet(self)
+        self._gateway.add_client(self)
 
     def received(self, message: str | bytes) -> None:
         """Handle a message."""
         try:
             request = parse_text(message) if isinstance(message, str) else parse_binary(message)
         except RemoteProtocolError as error:
-            self.mistake(str(error))
+            self.report_mistake(str(error))
             return
         capability = _CAPABILITY_OF.get(type(request))
         if capability is not None and capability not in self._gateway.settings.capabilities:
-            self.mistake(f"this gateway does not offer {capability}")
+            self.report_mistake(f"this gateway does not offer {capability}")
             return
         if self.rights is Rights.VIEW and isinstance(request, _ACTIONS):
             self._refuse(request)
@@ -138,9 +138,9 @@ class Client:
 
     def status(self, level: StatusLevel, text: str, status_id: str | None = None) -> None:
         """Show a line to the client's user."""
-        self.line.send(outgoing.status(level, text, status_id))
+        self.line.send(replies.status(level, text, status_id))
 
-    def mistake(self, text: str) -> None:
+    def report_mistake(self, text: str) -> None:
         """Report a mistake to the client, up to a limit."""
         self._mistakes += 1
         if self._mistakes <= MAX_REPORTED_MISTAKES:
@@ -152,54 +152,56 @@ class Client:
             del self._subscriptions[subscription.id]
             self._gateway.run(subscription.close())
 
-    # requests
+    # Requests.
 
-    def _subscribe(self, request: asked.Subscribe) -> None:
+    def _subscribe(self, request: requests.Subscribe) -> None:
         for subscription_id, channel_id in request.subscriptions:
             channel = self._gateway.channels.by_id.get(channel_id)
             if channel is None:
                 # It is not a mistake of the client if the channel has just ended.
-                self.mistake(f"there is no channel {channel_id}")
+                self.report_mistake(f"there is no channel {channel_id}")
             elif subscription_id in self._subscriptions or channel_id in self._by_channel:
-                self.mistake(f"channel {channel_id} or subscription {subscription_id} is already subscribed")
+                self.report_mistake(
+                    f"channel {channel_id} or subscription {subscription_id} is already subscribed"
+                )
             elif len(self._subscriptions) >= self._gateway.limits.subscriptions:
-                self.mistake(f"a client may have {self._gateway.limits.subscriptions} subscriptions")
+                self.report_mistake(f"a client may have {self._gateway.limits.subscriptions} subscriptions")
             else:
                 subscription = Subscription(
                     subscription_id, channel, self.line, self._gateway.channels, self._gateway.clock.now_ns
                 )
                 self._subscriptions[subscription_id] = self._by_channel[channel_id] = subscription
-                subscription.open(self._gateway.shared, self.mistake)
+                subscription.open(self._gateway.shared, self.report_mistake)
 
-    def _unsubscribe(self, request: asked.Unsubscribe) -> None:
+    def _unsubscribe(self, request: requests.Unsubscribe) -> None:
         for subscription_id in request.subscription_ids:
             # It may have ended with its channel.
             if subscription := self._subscriptions.pop(subscription_id, None):
                 del self._by_channel[subscription.channel.id]
                 self._gateway.run(subscription.close())
 
-    def _advertise(self, request: asked.Advertise) -> None:
+    def _advertise(self, request: requests.Advertise) -> None:
         for channel in request.channels:
             if channel.id in self._topics:
-                self.mistake(f"channel {channel.id} is already advertised")
+                self.report_mistake(f"channel {channel.id} is already advertised")
             elif len(self._topics) >= self._gateway.limits.client_channels:
-                self.mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
+                self.report_mistake(f"a client may publish {self._gateway.limits.client_channels} topics")
             elif not channel.topic.strip("/"):
-                self.mistake(f"channel {channel.id} has no topic")
+                self.report_mistake(f"channel {channel.id} has no topic")
             elif not self._may_publish(channel.topic):
-                self.mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
+                self.report_mistake(f"this gateway does not let clients publish {channel.topic[:200]}")
             else:
                 topic = self._topics[channel.id] = self._topic(channel)
                 topic.open(self._gateway.graph, self._gateway.store)
 
-    def _topic(self, channel: asked.ClientChannel) -> ClientTopic | DrivenTopic:
+    def _topic(self, channel: requests.ClientChannel) -> ClientTopic | DrivenTopic:
         teleop = self._gateway.teleop
         if channel.driver is None or teleop is None:
-            return ClientTopic(channel, self.mistake)
-        return DrivenTopic(channel, self.line.peer, teleop, self._report_drive, self.mistake)
+            return ClientTopic(channel, self.report_mistake)
+        return DrivenTopic(channel, self.line.peer, teleop, self._report_drive, self.report_mistake)
 
     def _report_drive(self, state: Mapping[str, Any]) -> None:
-        self.line.send(outgoing.drive(state))
+        self.line.send(replies.drive(state))
 
     def _may_publish(self, topic: str) -> bool:
         try:
@@ -208,33 +210,33 @@ class Client:
             # The graph reports the error.
             return True
 
-    def _unadvertise(self, request: asked.Unadvertise) -> None:
+    def _unadvertise(self, request: requests.Unadvertise) -> None:
         for channel_id in request.channel_ids:
             if topic := self._topics.pop(channel_id, None):
                 self._gateway.run(topic.close())
             else:
-                self.mistake(f"channel {channel_id} is not advertised")
+                self.report_mistake(f"channel {channel_id} is not advertised")
 
-    def _publish(self, message: asked.MessageData) -> None:
+    def _publish(self, message: requests.MessageData) -> None:
         topic = self._topics.get(message.channel_id)
         if topic is None:
-            self.mistake(f"channel {message.channel_id} is not advertised")
+            self.report_mistake(f"channel {message.channel_id} is not advertised")
         elif (behind := topic.publish(message.payload)) is not None:
             self._work.start(self._wait_for(behind))
 
     async def _wait_for(self, behind: Publisher) -> None:
-        self._asleep += 1
+        self._waiting_publishers += 1
         self.line.pause_reading()
         try:
             await drained(behind)
         finally:
-            self._asleep -= 1
-            if not self._asleep:
+            self._waiting_publishers -= 1
+            if not self._waiting_publishers:
                 self.line.resume_reading()
 
-    def _call(self, request: asked.ServiceRequest) -> None:
+    def _call(self, request: requests.ServiceRequest) -> None:
         def fail(text: str) -> None:
-            self.line.send(outgoing.service_failure(request.service_id, request.call_id, text))
+            self.line.send(replies.service_failure(request.service_id, request.call_id, text))
 
         service = self._gateway.services.by_id.get(request.service_id)
         if service is None:
@@ -246,40 +248,40 @@ class Client:
                 service, request.encoding, request.payload, self._gateway.limits.call_timeout_s
             )
             await self.line.send_large(
-                outgoing.service_response(request.service_id, request.call_id, request.encoding, answer)
+                replies.service_response(request.service_id, request.call_id, request.encoding, answer)
             )
 
         self._work.ask(call, fail, self._gateway.limits.calls)
 
-    def _watch_graph(self, _: asked.SubscribeConnectionGraph) -> None:
+    def _watch_graph(self, _: requests.SubscribeConnectionGraph) -> None:
         if not self.wants_connection_graph:
             self.wants_connection_graph = True
-            self.line.send(outgoing.connection_graph_update(self._gateway.connections.whole()))
+            self.line.send(replies.connection_graph_update(self._gateway.connections.whole()))
 
-    def _unwatch_graph(self, _: asked.UnsubscribeConnectionGraph) -> None:
+    def _unwatch_graph(self, _: requests.UnsubscribeConnectionGraph) -> None:
         self.wants_connection_graph = False
 
-    def _tell_time(self, request: asked.AskTime) -> None:
-        self.line.send(outgoing.time_answer(request.request_id, self._gateway.clock.now_ns()))
+    def _send_time(self, request: requests.AskTime) -> None:
+        self.line.send(replies.time_answer(request.request_id, self._gateway.clock.now_ns()))
 
-    def _fetch(self, request: asked.FetchAsset) -> None:
+    def _fetch(self, request: requests.FetchAsset) -> None:
         async def fetch() -> None:
             # One at a time: each may be large, and is sent before the next is read.
             async with self._fetching:
                 data = await self._gateway.assets.read(request.uri)
-                await self.line.send_large(outgoing.asset(request.request_id, data))
+                await self.line.send_large(replies.asset(request.request_id, data))
 
         self._work.ask(
             fetch,
-            lambda text: self.line.send(outgoing.asset_failure(request.request_id, text)),
+            lambda text: self.line.send(replies.asset_failure(request.request_id, text)),
             self._gateway.limits.assets,
             "assets",
         )
 
-    # within
+    # Internal methods.
 
     def _refuse(self, request: object) -> None:
-        if isinstance(request, asked.ServiceRequest):
-            self.line.send(outgoing.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
+        if isinstance(request, requests.ServiceRequest):
+            self.line.send(replies.service_failure(request.service_id, request.call_id, _VIEW_ONLY))
         else:
-            self.mistake(_VIEW_ONLY)
+            self.report_mistake(_VIEW_ONLY)

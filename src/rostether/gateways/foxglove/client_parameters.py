@@ -91,7 +91,7 @@ class ClientParameters:
 
     async def _watch(self, name: str) -> None:
         try:
-            await self._gateway.parameters.watch(name, self._take_change)
+            await self._gateway.parameters.watch(name, self._queue_change)
         except RostetherError as error:
             self._watched.discard(name)
             self._mistake(f"parameter {name[:80]} cannot be watched: {error}")
@@ -100,9 +100,9 @@ class ClientParameters:
         for name in names:
             if name in self._watched:
                 self._watched.discard(name)
-                self._gateway.run(self._gateway.parameters.unwatch(name, self._take_change))
+                self._gateway.run(self._gateway.parameters.unwatch(name, self._queue_change))
 
-    def _take_change(self, described: dict[str, Any]) -> None:
+    def _queue_change(self, described: dict[str, Any]) -> None:
         # Many parameters are watched and set at once: one message has them all.
         if not self._changed:
             asyncio.get_running_loop().call_soon(self._send_changed)

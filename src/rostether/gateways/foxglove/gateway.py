@@ -185,7 +185,7 @@ class FoxgloveGateway:
 
     # Calls from clients.
 
-    def greet(self, client: Client) -> None:
+    def add_client(self, client: Client) -> None:
         """Send the current state to a new client."""
         self._clients[client] = None
         capabilities = [
@@ -229,7 +229,7 @@ class FoxgloveGateway:
         self._work.add(task)
         task.add_done_callback(self._work.discard)
 
-    # within
+    # Internal methods.
 
     def _warn(self, text: str) -> None:
         self._report(Level.WARN, f"{self.settings.label}: {text}")

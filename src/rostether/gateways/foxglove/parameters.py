@@ -158,7 +158,7 @@ class _Watched:
 
     async def open(self, graph: Graph) -> None:
         if self._opening is None:
-            self._opening = asyncio.ensure_future(graph.watch_param(self._name, self._take))
+            self._opening = asyncio.ensure_future(graph.watch_param(self._name, self._handle_change))
         await asyncio.shield(self._opening)
 
     async def close(self) -> None:
@@ -168,7 +168,7 @@ class _Watched:
         if not self._opening.cancelled() and self._opening.exception() is None:
             await self._opening.result().close()
 
-    def _take(self, value: ParamValue) -> None:
+    def _handle_change(self, value: ParamValue) -> None:
         self.latest = describe(self._name, value)
         for listener in list(self.listeners):
             listener(self.latest)

@@ -43,7 +43,7 @@ class SimClock:
     async def start(self) -> None:
         """Find out which clock is used, and watch for changes."""
         try:
-            self._watch = await self._graph.watch_param(_USE_SIM_TIME, self._take_choice)
+            self._watch = await self._graph.watch_param(_USE_SIM_TIME, self._handle_use_sim_time)
         except RostetherError:
             # Without the parameter, the wall clock is used.
             return
@@ -61,7 +61,7 @@ class SimClock:
             await asyncio.wait([self._following])
             await self._follow()
 
-    def _take_choice(self, value: ParamValue) -> None:
+    def _handle_use_sim_time(self, value: ParamValue) -> None:
         if (value is True) == self.is_simulated:
             return
         self.is_simulated = value is True
@@ -80,14 +80,14 @@ class SimClock:
         """Subscribe to /clock while it is used."""
         if self.is_simulated and self._share is None:
             try:
-                self._share = await self._shared.subscribe(_CLOCK_TOPIC, self._take)
+                self._share = await self._shared.subscribe(_CLOCK_TOPIC, self._handle_clock)
             except RostetherError as error:
                 _log.warning("%s cannot be subscribed: %s", _CLOCK_TOPIC, error)
         elif not self.is_simulated and self._share is not None:
             share, self._share = self._share, None
             await share.close()
 
-    def _take(self, batch: Batch) -> None:
+    def _handle_clock(self, batch: Batch) -> None:
         payload = batch.payloads[-1]
         if self.is_simulated and len(payload) == _STAMP.size:
             seconds, nanoseconds = _STAMP.unpack(payload)

@@ -60,14 +60,14 @@ class Subscription:
 
     async def _open(self, shared: SharedSubscriptions, report: Callable[[str], None]) -> None:
         try:
-            self._share = await shared.subscribe(self.channel.topic, self._take, self._meet)
+            self._share = await shared.subscribe(self.channel.topic, self._send_batch, self._report_publisher)
         except RostetherError as error:
             report(f"{self.channel.topic} cannot be subscribed: {error}")
 
-    def _meet(self, connection: PublisherConnection) -> None:
+    def _report_publisher(self, connection: PublisherConnection) -> None:
         self._channels.met(self.channel, connection)
 
-    def _take(self, batch: Batch) -> None:
+    def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
             self._line.send_data(self.id, self._now_ns(), batch.payloads)

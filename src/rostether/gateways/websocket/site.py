@@ -196,7 +196,7 @@ class Site:
         common = (*_ALWAYS, ("Vary", "Accept-Encoding"))
         body, tag = file.content, f'"{file.tag}"'
         encoding: tuple[tuple[str, str], ...] = ()
-        if file.compressed is not None and _takes_gzip(headers.get_all("Accept-Encoding")):
+        if file.compressed is not None and _accepts_gzip(headers.get_all("Accept-Encoding")):
             body, encoding, tag = file.compressed, (("Content-Encoding", "gzip"),), f'"{file.tag}-gzip"'
         if _has_tag(headers.get_all("If-None-Match"), tag):
             return Reply(HTTPStatus.NOT_MODIFIED, (*common, ("ETag", tag)), b"", 0)
@@ -229,7 +229,7 @@ def _content_type(name: str) -> str:
     return known or mimetypes.guess_type(name)[0] or "application/octet-stream"
 
 
-def _takes_gzip(values: list[str]) -> bool:
+def _accepts_gzip(values: list[str]) -> bool:
     for each in ",".join(values).split(","):
         coding, _, weight = each.partition(";")
         if coding.strip().lower() in ("gzip", "*"):

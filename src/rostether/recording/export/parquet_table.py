@@ -47,7 +47,7 @@ class ParquetTable:
         self._schema = arrow.schema(fields)
         self._values: list[list[Any]] = [[] for _ in fields]
         self._is_closed = False
-        with self._telling():
+        with self._explained_errors():
             try:
                 self._writer = arrow.parquet.ParquetWriter(str(path), self._schema)
             except arrow.ArrowNotImplementedError:
@@ -71,7 +71,7 @@ class ParquetTable:
             return
         arrow = self._arrow
         waiting, self._values = self._values, [[] for _ in self._values]
-        with self._telling():
+        with self._explained_errors():
             columns = [
                 arrow.array(values, type=field.type)
                 for values, field in zip(waiting, self._schema, strict=True)
@@ -86,11 +86,11 @@ class ParquetTable:
         try:
             self.flush()
         finally:
-            with self._telling():
+            with self._explained_errors():
                 self._writer.close()
 
     @contextmanager
-    def _telling(self) -> Iterator[None]:
+    def _explained_errors(self) -> Iterator[None]:
         """Convert the package's errors (full disk, unsupported type) to RecordingError."""
         try:
             yield

@@ -124,17 +124,17 @@ class Subscription:
         if self._learns_type and node_name not in self._skip_nodes:
             self.type = type_of(fields)
         record = ConnectionRecord(transport, peer=uri, topic=self.topic, direction="i")
-        take = self._taker(fields)
+        on_messages = self._report_connection(fields)
         if self._skip_nodes != ():
-            take = self._leaving_out(node_name, take)
+            on_messages = self._leaving_out(node_name, on_messages)
         connection = PublisherConnection(
-            transport, record, take, self._limits.message_bytes, node_name=node_name
+            transport, record, on_messages, self._limits.message_bytes, node_name=node_name
         )
         if self._is_paused:
             connection.pause()
         return connection
 
-    def _taker(self, fields: Mapping[str, str]) -> OnMessages:
+    def _report_connection(self, fields: Mapping[str, str]) -> OnMessages:
         """Report a connection; returns the function that receives its messages."""
         own: list[OnMessages | None] = []
         if self._on_connection is not None:
@@ -142,27 +142,27 @@ class Subscription:
             call_contained(
                 f"on_connection of {self.topic}", lambda given: own.append(on_connection(given)), fields
             )
-        take = own[0] if own else None
-        if take is None:
-            return self._take
+        on_messages = own[0] if own else None
+        if on_messages is None:
+            return self._deliver
 
-        def take_own(payloads: Sequence[bytes]) -> None:
+        def deliver_own(payloads: Sequence[bytes]) -> None:
             if not self._is_closed:
-                call_contained(self._what, take, payloads)
+                call_contained(self._what, on_messages, payloads)
 
-        return take_own
+        return deliver_own
 
-    def _take(self, payloads: Sequence[bytes]) -> None:
+    def _deliver(self, payloads: Sequence[bytes]) -> None:
         if not self._is_closed:
             call_contained(self._what, self._on_messages, payloads)
 
-    def _leaving_out(self, node_name: str, take: OnMessages) -> OnMessages:
+    def _leaving_out(self, node_name: str, on_messages: OnMessages) -> OnMessages:
         # A publisher that is left out stays connected: it would be asked repeatedly.
-        def take_wanted(payloads: Sequence[bytes]) -> None:
+        def deliver_wanted(payloads: Sequence[bytes]) -> None:
             if node_name not in self._skip_nodes:
-                take(payloads)
+                on_messages(payloads)
 
-        return take_wanted
+        return deliver_wanted
 
     def _report_trouble(self, trouble: str) -> None:
         self._report(Level.WARN, f"cannot subscribe to {self.topic}: {trouble}")

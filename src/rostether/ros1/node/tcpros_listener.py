@@ -86,12 +86,12 @@ class TcprosListener:
         loop = asyncio.get_running_loop()
         for host in hosts:
             async with system_bind_errors(host, self.port):
-                server = await loop.create_server(self._take, host, self.port, backlog=128)
+                server = await loop.create_server(self._create_handshake, host, self.port, backlog=128)
             lengthen_backlog(server)
             self._servers.append(server)
             self.port = server.sockets[0].getsockname()[1]
 
-    def _take(self) -> HandshakeProtocol:
+    def _create_handshake(self) -> HandshakeProtocol:
         return HandshakeProtocol(
             self._accept, admit=self._admit, limits=self._limits, has_room=self._has_room
         )

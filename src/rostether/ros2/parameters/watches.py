@@ -47,9 +47,9 @@ class ParameterWatches:
         async with self._lock:
             if self._subscriber is None:
                 self._subscriber = await self._graph.subscribe(
-                    PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), self._take
+                    PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), self._handle_events
                 )
-                self._own.listen(self._take_own)
+                self._own.listen(self._handle_own_changes)
         watch = ParameterWatch(self, name, on_change, self._fetch)
         self._watches.append(watch)
         await watch.start()
@@ -61,7 +61,7 @@ class ParameterWatches:
             self._watches.remove(watch)
         async with self._lock:
             if not self._watches and self._subscriber is not None:
-                self._own.unlisten(self._take_own)
+                self._own.unlisten(self._handle_own_changes)
                 subscriber, self._subscriber = self._subscriber, None
                 await subscriber.close()
 
@@ -70,11 +70,11 @@ class ParameterWatches:
         for watch in list(self._watches):
             await watch.close()
 
-    def _take_own(self, changes: Changes) -> None:
+    def _handle_own_changes(self, changes: Changes) -> None:
         for watch in self._watches:
             watch.look_again()
 
-    def _take(self, payloads: Sequence[bytes]) -> None:
+    def _handle_events(self, payloads: Sequence[bytes]) -> None:
         codec = rcl_interfaces().codec("ParameterEvent")
         nodes = set()
         for payload in payloads:

@@ -165,12 +165,12 @@ class RclpySubscriber:
         support = self._support
         assert support is not None
         if self._subscription is not None:
-            self._take_rest(self._subscription, [])
+            self._receive_rest(self._subscription, [])
             self._seen = dict(self._latest)
         self.end()
 
         def on_message(message: bytes, info: Mapping[str, Any]) -> None:
-            self._take_rest(subscription, [(message, info)])
+            self._receive_rest(subscription, [(message, info)])
 
         type_class = message_class(support.name)
         subscription = self._subscription = self._own.create_for_topic(
@@ -199,15 +199,15 @@ class RclpySubscriber:
         try:
             return make(
                 matched=lambda _: self.look(),
-                incompatible_qos=self._take_mismatch,
+                incompatible_qos=self._handle_mismatch,
                 use_default_callbacks=False,
             )
         except TypeError:
             # Humble does not report matched publishers.
             self._tells_matches = False
-            return make(incompatible_qos=self._take_mismatch, use_default_callbacks=False)
+            return make(incompatible_qos=self._handle_mismatch, use_default_callbacks=False)
 
-    def _take_mismatch(self, event: Any) -> None:
+    def _handle_mismatch(self, event: Any) -> None:
         self.look()
         policy = name_policy(event)
         # `look` adapts to these two policies.
@@ -217,16 +217,16 @@ class RclpySubscriber:
                 f"requests; change its quality of service"
             )
 
-    def _take_rest(self, subscription: Any, taken: list[tuple[bytes, Mapping[str, Any]]]) -> None:
+    def _receive_rest(self, subscription: Any, received: list[tuple[bytes, Mapping[str, Any]]]) -> None:
         message_type = subscription.msg_type
         with subscription.handle as handle:
             handle = handle or subscription.handle
-            while len(taken) < MAX_BATCH:
+            while len(received) < MAX_BATCH:
                 message = handle.take_message(message_type, True)
                 if message is None:
                     break
-                taken.append(message)
-        messages = [message for message, info in taken if self._is_wanted(info)]
+                received.append(message)
+        messages = [message for message, info in received if self._is_wanted(info)]
         if messages:
             if not self._known and self._on_connection is not None:
                 self.look()

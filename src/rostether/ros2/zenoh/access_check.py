@@ -92,12 +92,12 @@ def _missing(
     """Send probes to each key until all have arrived or the time is over; returns the missing keys."""
     missing = set(keys)
 
-    def take(sample: zenoh.Sample) -> None:
+    def on_sample(sample: zenoh.Sample) -> None:
         stay_known()
         missing.discard(str(sample.key_expr))
 
     for key in keys:
-        receiver.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
+        receiver.declare_subscriber(key, zenoh.handlers.Callback(on_sample, indirect=False))
     for _ in range(round(PROBE_LIMIT_S / _REPEAT_S)):
         for key in list(missing):
             sender.put(key, b"")

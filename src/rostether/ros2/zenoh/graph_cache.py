@@ -83,7 +83,7 @@ class GraphCache:
     def snapshot(self) -> Snapshot:
         """Return the whole graph; types are ROS 2's names, several of one topic with a space between them."""
         if self._snapshot is None:
-            self._snapshot = self._take_snapshot()
+            self._snapshot = self._create_snapshot()
         return self._snapshot
 
     async def changes(self, closed: asyncio.Event) -> AsyncIterator[Snapshot]:
@@ -127,7 +127,7 @@ class GraphCache:
         if not endpoints:
             self._endpoints.pop(place, None)
 
-    def _take_snapshot(self) -> Snapshot:
+    def _create_snapshot(self) -> Snapshot:
         nodes = {token.node_name for token in self._tokens.values()}
         topics = sorted({name for kind, name in self._endpoints if kind in _TOPICS})
         services = sorted(name for kind, name in self._endpoints if kind is Kind.SERVER)

@@ -22,12 +22,12 @@ class Mismatches:
 
     def report(self, ends: Sequence[Token]) -> None:
         """Check the current endpoints; forget those that are gone."""
-        wrong = {end for end in ends if not self._meets(end)}
+        wrong = {end for end in ends if not self._matches(end)}
         for end in wrong - self._reported:
             self._report(Level.WARN, self._explain(end))
         self._reported = wrong
 
-    def _meets(self, end: Token) -> bool:
+    def _matches(self, end: Token) -> bool:
         return end.type == self._type_name and end.type_hash == self._support.type_hash
 
     def _explain(self, end: Token) -> str:

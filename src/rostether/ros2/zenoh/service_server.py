@@ -56,7 +56,7 @@ class ServiceServer:
         self._last_words: list[Future[None]] = []
         type_name = dds_name(support.name)
         self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
-        self._queue: Handover[zenoh.Query] = Handover(self._take, limit=MAX_CALLS)
+        self._queue: Handover[zenoh.Query] = Handover(self._handle_queries, limit=MAX_CALLS)
         self._queryable = node.session.zenoh.declare_queryable(
             self._key, zenoh.handlers.Callback(self._put, indirect=False), complete=True
         )
@@ -81,7 +81,7 @@ class ServiceServer:
         stay_known()
         self._queue.put(query)
 
-    def _take(self, queries: list[zenoh.Query]) -> None:
+    def _handle_queries(self, queries: list[zenoh.Query]) -> None:
         for query in queries:
             if len(self._calls) >= MAX_CALLS + MAX_REFUSALS:
                 query.drop()

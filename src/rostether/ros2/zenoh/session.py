@@ -96,7 +96,7 @@ class ZenohSession:
         Raises ConfigError, and MasterUnreachableError if zenoh cannot open it.
         """
         reach = reach or Reach()
-        if await _takes_routers_place(environment, reach):
+        if await _replaces_router(environment, reach):
             try:
                 session = await _open(configuration := router_configuration(environment, reach))
             except MasterUnreachableError:
@@ -162,11 +162,13 @@ class ZenohSession:
             except RuntimeError:
                 _log.debug("an answer came after the loop had ended")
 
-        def take(reply: zenoh.Reply) -> None:
+        def on_reply(reply: zenoh.Reply) -> None:
             if reply.ok is not None:
                 found.append(str(reply.ok.key_expr))
 
-        self._liveliness.get(key, zenoh.handlers.Callback(take, finish, indirect=False), timeout=timeout_s)
+        self._liveliness.get(
+            key, zenoh.handlers.Callback(on_reply, finish, indirect=False), timeout=timeout_s
+        )
         await done.wait()
         return found
 
@@ -201,7 +203,7 @@ class ZenohSession:
             self._tasks.append(asyncio.ensure_future(watching))
         key = all_tokens(self.domain_id)
         self._watch = self._liveliness.declare_subscriber(
-            key, zenoh.handlers.Callback(self._take_token, indirect=False), history=True
+            key, zenoh.handlers.Callback(self._handle_token, indirect=False), history=True
         )
         # A snapshot or service call right after the start must see the existing endpoints.
         started_s = time.monotonic()
@@ -246,7 +248,7 @@ class ZenohSession:
         for endpoint, fault in faults.items():
             _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
 
-    def _take_token(self, sample: zenoh.Sample) -> None:
+    def _handle_token(self, sample: zenoh.Sample) -> None:
         stay_known()
         key = str(sample.key_expr)
         # The session's own tokens are ignored here: zenoh reports them as gone to a client that loses its
@@ -271,7 +273,7 @@ class LiveToken:
         self._session.apply_own_token(self.text, is_there=False)
 
 
-async def _takes_routers_place(environment: Ros2Environment, reach: Reach) -> bool:
+async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:
     if reach.router is not RouterChoice.AUTO:
         return reach.router is RouterChoice.ALWAYS
     if reach.connect or names_its_own_place(environment):

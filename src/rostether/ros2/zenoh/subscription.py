@@ -82,7 +82,9 @@ class Subscription:
         else:
             self._mismatches = Mismatches(topic, support, taker.report)
             self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
-        self._queue: Handover[tuple[str, bytes, bytes]] = Handover(self._take, limit=DEFAULT_QUEUE_BYTES)
+        self._queue: Handover[tuple[str, bytes, bytes]] = Handover(
+            self._handle_samples, limit=DEFAULT_QUEUE_BYTES
+        )
         self._learnt = LearntTypes(
             topic,
             node.session.types,
@@ -96,7 +98,7 @@ class Subscription:
             node.session.zenoh,
             self._key,
             zenoh.handlers.Callback(
-                self._put if support is not None and self._takes_all else self._put_of_any, indirect=False
+                self._put if support is not None and self._accepts_all else self._put_of_any, indirect=False
             ),
             history=ext.HistoryConfig(detect_late_publishers=True, max_samples=history_samples),
         )
@@ -149,7 +151,7 @@ class Subscription:
     def _put_of_any(self, sample: zenoh.Sample) -> None:
         stay_known()
         gid = b""
-        if not self._takes_all and sample.attachment is not None:
+        if not self._accepts_all and sample.attachment is not None:
             attachment = parse_attachment(sample.attachment.to_bytes())
             if attachment is not None:
                 gid = attachment.gid
@@ -158,7 +160,7 @@ class Subscription:
         data = sample.payload.to_bytes()
         self._queue.put(("" if self._support else str(sample.key_expr), gid, data), len(data))
 
-    def _take(self, samples: Sequence[tuple[str, bytes, bytes]]) -> None:
+    def _handle_samples(self, samples: Sequence[tuple[str, bytes, bytes]]) -> None:
         payloads: list[bytes] = []
         support = self._support
         for key, gid, cdr in samples:
@@ -177,7 +179,7 @@ class Subscription:
             call_contained(self._what, self._taker.on_messages, payloads)
 
     @property
-    def _takes_all(self) -> bool:
+    def _accepts_all(self) -> bool:
         return self._own_gids is None and self._skip_nodes == ()
 
     def _look(self) -> None:

@@ -44,9 +44,9 @@ class ActionClient:
         name = remap_name(ns)
         self.pub_goal = Publisher(f"{name}/goal", parts.goal, queue_size=out_size)
         self.pub_cancel = Publisher(f"{name}/cancel", GoalID, queue_size=out_size)
-        self.status_sub = self._subscribe(name, "status", GoalStatusArray, self._take_statuses, in_size)
-        self.result_sub = self._subscribe(name, "result", parts.result, self._take_result, in_size)
-        self.feedback_sub = self._subscribe(name, "feedback", parts.feedback, self._take_feedback, in_size)
+        self.status_sub = self._subscribe(name, "status", GoalStatusArray, self._handle_statuses, in_size)
+        self.result_sub = self._subscribe(name, "result", parts.result, self._handle_result, in_size)
+        self.feedback_sub = self._subscribe(name, "feedback", parts.feedback, self._handle_feedback, in_size)
 
     def stop(self) -> None:
         """Leave the action's topics."""
@@ -124,7 +124,7 @@ class ActionClient:
     ) -> Subscriber:
         return Subscriber(f"{name}/{leaf}", kind, callback, queue_size=size)
 
-    def _take_statuses(self, message: Any) -> None:
+    def _handle_statuses(self, message: Any) -> None:
         self.last_status_msg = message
         statuses = {status.goal_id.id: status for status in reversed(message.status_list)}
         with self._lock:
@@ -132,11 +132,11 @@ class ActionClient:
         for goal in goals:
             goal.note_status(statuses.get(goal.id))
 
-    def _take_result(self, message: Any) -> None:
+    def _handle_result(self, message: Any) -> None:
         if (goal := self._goal_of(message)) is not None:
             goal.note_result(message)
 
-    def _take_feedback(self, message: Any) -> None:
+    def _handle_feedback(self, message: Any) -> None:
         if (goal := self._goal_of(message)) is not None:
             goal.note_feedback(message)
 

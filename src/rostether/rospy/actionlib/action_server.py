@@ -174,7 +174,7 @@ class ActionServer:
             logdebug("The action server has received a new goal request")
             for known in self.status_list:
                 if known.status.goal_id.id == goal.goal_id.id:
-                    self._take_again(known)
+                    self._handle_repeated_goal(known)
                     return
             served = ServedGoal(goal=goal)
             self._list(served)
@@ -208,7 +208,7 @@ class ActionServer:
                 self._list(early)
             self.last_cancel = max(self.last_cancel, goal_id.stamp)
 
-    def _take_again(self, known: ServedGoal) -> None:
+    def _handle_repeated_goal(self, known: ServedGoal) -> None:
         if known.status.status == GoalStatus.RECALLING:
             known.status.status = GoalStatus.RECALLED
             self.publish_result(known.status, self.ActionResultType())

@@ -127,7 +127,7 @@ class SimpleActionServer:
         """Accept a goal, unless it is older than the current ones."""
         with self.execute_condition:
             try:
-                self._take(goal)
+                self._accept_goal(goal)
             except Exception as error:  # noqa: BLE001 - a program's callback must not end the server
                 logerr("SimpleActionServer.internal_goal_callback - exception %s", error)
 
@@ -139,7 +139,7 @@ class SimpleActionServer:
             elif preempt == self.next_goal:
                 self.new_goal_preempt_request = True
 
-    def _take(self, goal: ServerGoalHandle) -> None:
+    def _accept_goal(self, goal: ServerGoalHandle) -> None:
         here = [each for each in (self.current_goal, self.next_goal) if each.get_goal() is not None]
         if any(goal.get_goal_id().stamp < each.get_goal_id().stamp for each in here):
             goal.set_canceled(None, _ANOTHER_CAME)

@@ -116,11 +116,11 @@ def wait_for_message(topic: str, topic_type: type[Message], timeout: Any = None)
     found: list[Message] = []
     news = threading.Event()
 
-    def take(message: Message) -> None:
+    def on_message(message: Message) -> None:
         found.append(message)
         news.set()
 
-    subscriber = Subscriber(topic, topic_type, take)
+    subscriber = Subscriber(topic, topic_type, on_message)
     try:
         while not is_shutdown() and not news.wait(0.1):
             if deadline_s is not None and time.monotonic() >= deadline_s:

@@ -62,9 +62,9 @@ class Shutdown:
     def register_signals(self) -> None:
         """End the node on SIGTERM and SIGINT; previous handlers are called too."""
         for number in (signal.SIGTERM, signal.SIGINT):
-            self._previous[number] = signal.signal(number, self._take_signal)
+            self._previous[number] = signal.signal(number, self._handle_signal)
 
-    def _take_signal(self, number: int, frame: FrameType | None) -> None:
+    def _handle_signal(self, number: int, frame: FrameType | None) -> None:
         self.signal(f"signal-{number}")
         previous = self._previous.get(number)
         if callable(previous):

@@ -47,7 +47,7 @@ class SubscribedTopic:
                     self.resolved_name,
                     message_type_of(self.data_class),
                     _ignore,
-                    on_publisher=self._take_connection,
+                    on_publisher=self._handle_connection,
                     tcp_nodelay=self.tcp_nodelay,
                 )
             )
@@ -92,18 +92,18 @@ class SubscribedTopic:
             raise KeyError("no matching cb") from None
         self.callbacks = remaining
 
-    def _take_connection(self, fields: Mapping[str, str]) -> Callable[[Sequence[bytes]], None]:
+    def _handle_connection(self, fields: Mapping[str, str]) -> Callable[[Sequence[bytes]], None]:
         header = dict(fields)
         thread = CallbackThread(
             f"rospy {self.resolved_name}", self._receive, limit=self.queue_size, on_full=self._note_full
         )
         self._threads = [*(each for each in self._threads if each.is_alive), thread]
 
-        def take(payloads: Sequence[bytes]) -> None:
+        def queue_payloads(payloads: Sequence[bytes]) -> None:
             thread.limit = self.queue_size
             thread.put((payload, header) for payload in payloads)
 
-        return take
+        return queue_payloads
 
     def _note_full(self, is_full: bool) -> None:
         node.loop.post(self._pause_or_resume, 1 if is_full else -1)

@@ -74,11 +74,11 @@ class OpenCrBoard:
         self._terminal = terminal
         self._link_path = link_path
         self._unfinished = b""
-        self._felt = ""
+        self._sent_motion_line = ""
         self._loop = asyncio.get_running_loop()
         self._started_s = self._loop.time()
         self._read_lines("OPENCR_DXL", self._ask_servos)
-        self._read_lines("OPENCR_PINS", self._hear_pins)
+        self._read_lines("OPENCR_PINS", self._receive_pins)
         self._ending = self._loop.create_task(self._wait())
 
     @classmethod
@@ -107,7 +107,7 @@ class OpenCrBoard:
                 ours[name].setblocking(False)
                 descriptors[name] = other.fileno()
             # These lines wait for the program when it starts.
-            _send(ours["OPENCR_PINS"], _battery_line(12.0) + _feel_line(base))
+            _send(ours["OPENCR_PINS"], _battery_line(12.0) + _motion_line(base))
             try:
                 process = await asyncio.create_subprocess_exec(
                     str(program),
@@ -144,7 +144,7 @@ class OpenCrBoard:
 
     def set_pin(self, name: str, *, high: bool) -> None:
         """Drive an input. Raises ConfigError for an unknown pin."""
-        self._tell(f"pin {pin_number(name)} {int(high)}\n")
+        self._send_to_sketch(f"pin {pin_number(name)} {int(high)}\n")
 
     def set_voltage(self, name: str, volts: float) -> None:
         """Put 0 to 3.3 V at an analog input. Raises ConfigError for an unknown pin or another voltage."""
@@ -152,7 +152,7 @@ class OpenCrBoard:
             raise ConfigError(
                 f"{volts:g} V is not possible at {name}; its inputs accept 0 to {PIN_FULL_SCALE_V:g} V"
             )
-        self._tell(f"adc {pin_number(name)} {round(volts / PIN_FULL_SCALE_V * 1023)}\n")
+        self._send_to_sketch(f"adc {pin_number(name)} {round(volts / PIN_FULL_SCALE_V * 1023)}\n")
 
     def set_battery(self, volts: float) -> None:
         """Change the supply of the board and the servos. Raises ConfigError beyond 0 to 18 V."""
@@ -160,13 +160,13 @@ class OpenCrBoard:
             raise ConfigError(
                 f"a battery of {volts:g} V would destroy the board; give 0 to {_MAX_BATTERY_V:g} V"
             )
-        self._tell(_battery_line(volts))
+        self._send_to_sketch(_battery_line(volts))
         for servo in self.base.servos.values():
             servo.set_voltage(volts)
 
     def set_range(self, metres: float | None) -> None:
         """Put an obstacle in front of the sonar, or none."""
-        self._tell(f"sonar {0 if metres is None else round(metres * _ECHO_US_PER_M)}\n")
+        self._send_to_sketch(f"sonar {0 if metres is None else round(metres * _ECHO_US_PER_M)}\n")
 
     def hold_remote(self, buttons: int) -> None:
         """Send a packet of the remote control RC-100. `buttons`: bits up 1, down 2, left 4, right 8."""
@@ -224,12 +224,12 @@ class OpenCrBoard:
         answer = self.base.receive(data)
         if answer:
             _send(self._lines["OPENCR_DXL"], answer)
-        felt = _feel_line(self.base)
-        if felt != self._felt:
-            self._felt = felt
-            self._tell(felt)
+        motion_line = _motion_line(self.base)
+        if motion_line != self._sent_motion_line:
+            self._sent_motion_line = motion_line
+            self._send_to_sketch(motion_line)
 
-    def _hear_pins(self, data: bytes) -> None:
+    def _receive_pins(self, data: bytes) -> None:
         *lines, self._unfinished = (self._unfinished + data)[-_MAX_LINE_BYTES * 64 :].split(b"\n")
         for line in lines:
             match line.split():
@@ -249,7 +249,7 @@ class OpenCrBoard:
         if self.on_event is not None:
             self.on_event(BoardEvent(name, self.time_s, MappingProxyType(values)))
 
-    def _tell(self, text: str) -> None:
+    def _send_to_sketch(self, text: str) -> None:
         _send(self._lines["OPENCR_PINS"], text)
 
     async def _wait(self) -> None:
@@ -272,5 +272,5 @@ def _battery_line(volts: float) -> str:
     return f"adc {_BATTERY_PIN} {min(1023, round(volts / BATTERY_FULL_SCALE_V * 1023))}\n"
 
 
-def _feel_line(base: DriveBase) -> str:
+def _motion_line(base: DriveBase) -> str:
     return "feel " + " ".join(f"{part:.9g}" for vector in base.feel() for part in vector) + "\n"

@@ -52,7 +52,7 @@ class SimulatedBoard:
         self._link_path = link_path
         self._listeners: list[Callable[[BoardEvent], None]] = []
         self._levels: dict[str, bool] = {}
-        process.on_event = self._take
+        process.on_event = self._handle_event
 
     @classmethod
     async def start(  # noqa: PLR0913 - each is an independent setting of a board
@@ -94,7 +94,7 @@ class SimulatedBoard:
         process, events = await RunnerProcess.start(runner, [*arguments, "--", str(program), *words])
         made = cls(process, events[0], link_path)
         for event in events[1:]:
-            made._take(event)
+            made._handle_event(event)
         try:
             if link_path is not None and link == "pty":
                 place_link(link_path, made._terminal)
@@ -285,7 +285,7 @@ class SimulatedBoard:
         finally:
             self._listeners.remove(listener)
 
-    def _take(self, event: BoardEvent) -> None:
+    def _handle_event(self, event: BoardEvent) -> None:
         # The list of all pins is large, and is requested many times a second.
         if event.name != "pins":
             self.recent.append(event)
