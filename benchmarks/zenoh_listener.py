@@ -13,7 +13,7 @@ import time
 
 import zenoh
 
-from rostether.ros2.zenoh.handover import stay_known
+from rostether.ros2.zenoh.thread_state import stay_known
 
 ATTACHMENT_BYTES = 33
 IDLE_S = 3.0

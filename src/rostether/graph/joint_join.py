@@ -17,7 +17,7 @@ from rostether.graph.joint_parts import retry_backoff
 from rostether.graph.ports import Graph, JoinGraph, Level
 
 # How often changes of the graphs are looked through at most: many boards that come at once cost one look.
-LOOK_INTERVAL_S = 0.25
+POLL_INTERVAL_S = 0.25
 
 _log = logging.getLogger("rostether.graph")
 
@@ -56,7 +56,7 @@ class JointJoin:
             raise (serious or wrong)[0]
         joint = JointGraph(graphs, self._joint_nodes, self._relays)
         joint.run_until_closed(partial(self._be_listed, joint.node_name))
-        joint.run_until_closed(partial(self._look, joint))
+        joint.run_until_closed(partial(self._poll, joint))
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
                 _log.warning("%s is not in every graph yet: %s", joint.node_name, result)
@@ -82,7 +82,7 @@ class JointJoin:
                 del self._own_nodes[node_name]
             self._update()
 
-    async def _look(self, joint: JointGraph) -> None:
+    async def _poll(self, joint: JointGraph) -> None:
         async with self._looking, aclosing(joint.changes_of_each()) as changes:
             async for snapshots in changes:
                 self._seen = MarkedNodes.find(snapshots)
@@ -91,7 +91,7 @@ class JointJoin:
                         Level.INFO, f"{name} is a relay between the same graphs: its copies are left out"
                     )
                 self._update()
-                await asyncio.sleep(LOOK_INTERVAL_S)
+                await asyncio.sleep(POLL_INTERVAL_S)
 
     def _update(self) -> None:
         replace_names(self._relays, set(self._seen.relays))

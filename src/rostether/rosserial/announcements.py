@@ -22,23 +22,23 @@ from rostether.rosserial.topic_id import (
 )
 from rostether.rosserial.topic_table import EndpointKey, TopicTable, key_of
 
-# Between two questions about one id: an answer takes less, but a message may come every 10 ms.
+# The pause between two requests because of one id: an answer takes less, but a message may come every 10 ms.
 FIRST_PAUSE_S = 1.0
 
-# A device that never announces an id it uses is asked about it ever more rarely.
+# The pause grows to this for a device that never announces an id that it uses.
 MAX_PAUSE_S = 60.0
 
-# Ids remembered; noise that passes for messages forgets the oldest.
+# Remembered ids; noise may look like messages, so the oldest id is forgotten.
 MAX_IDS = 256
 
-# As many as endpoints; bounds the reports about a device that announces new names all the time.
+# As many as endpoints; limits the reports about a device that keeps announcing new names.
 MAX_REFUSALS = 256
 
 _Announcement: TypeAlias = tuple[int, TopicInfo]
 
 
 class Announcements:
-    """Keeps `table` and knows what else the device sends on."""
+    """Keeps `table`, and remembers other ids on which the device sends."""
 
     def __init__(self, table: TopicTable, rate: ControlRate) -> None:
         self._table = table
@@ -67,11 +67,11 @@ class Announcements:
         return info, changes
 
     def withdraw_all_but(self, complete: Iterable[EndpointKey]) -> list[HostEvent]:
-        """Keep what a settled negotiation found, and of that what can be bridged."""
+        """Keep only the endpoints that a settled negotiation found and that can be bridged."""
         return self._table.withdraw_all_but(frozenset(complete) - self._refusals.keys)
 
     def refuse_lone_halves(self) -> list[HostEvent]:
-        """Reject service halves whose other half will certainly not arrive."""
+        """Refuse service halves whose other half will not arrive any more."""
         return [*self._refusals.refuse_lone_halves(self._table.lone_halves())]
 
     def is_refused_sender(self, topic_id: int) -> bool:
@@ -79,18 +79,18 @@ class Announcements:
         return self._refusals.is_sender(topic_id)
 
     def should_ask(self, topic_id: int, now_s: float) -> bool:
-        """Whether to ask for the topics again because of a message on an id that is not known."""
+        """Return whether to request the topics again because of a message on an unknown id."""
         return self._unknown_ids.should_ask(topic_id, now_s)
 
 
 class UnknownIds:
-    """Remembers which unknown ids were asked about when."""
+    """Remembers when the topics were requested because of each unknown id."""
 
     def __init__(self) -> None:
         self._pauses: dict[int, tuple[float, float]] = {}
 
     def should_ask(self, topic_id: int, now_s: float) -> bool:
-        """Whether it is time to ask about this id; True doubles the pause before the next time."""
+        """Return whether a request because of this id is due; True doubles the pause before the next one."""
         again_s, pause_s = self._pauses.get(topic_id, (now_s, FIRST_PAUSE_S))
         if now_s < again_s:
             return False
@@ -112,7 +112,7 @@ class Refusals:
         self._once: OrderedDict[_Announcement, None] = OrderedDict()
         self._reported: set[_Announcement] = set()
 
-        # Endpoints that the device is known to have and that are not bridged.
+        # The refused endpoints of the device, which are not bridged.
         self.keys: set[EndpointKey] = set()
 
     def refuse(self, kind: int, info: TopicInfo, reason: str) -> list[AnnouncementRefused]:
@@ -129,11 +129,11 @@ class Refusals:
         return self._report(announcement, reason)
 
     def refuse_lone_halves(self, halves: Iterable[tuple[int, TopicInfo]]) -> list[AnnouncementRefused]:
-        """Record service halves whose other half will certainly not arrive."""
+        """Record service halves whose other half will not arrive any more."""
         return [event for half in halves for event in self._report(half, _half_reason(half[0]))]
 
     def forget(self, kind: int, info: TopicInfo) -> None:
-        """Note that the endpoint has been announced as it should be."""
+        """Remove an endpoint that has now been announced correctly."""
         self.keys.discard(key_of(kind, info))
 
     def is_sender(self, topic_id: int) -> bool:

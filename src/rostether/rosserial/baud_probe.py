@@ -1,9 +1,10 @@
 """Finds out whether a port speaks rosserial, and its baud rate and protocol version.
 
 A board that receives a topic request at its own rate answers at once; at any other rate it receives noise and
-does not answer. So the rates are tried in turn, the likely ones first and again while a boot loader may still
-be running. A board that was configured before sends messages unasked, which are noise at a wrong rate. But
-230400 and 250000 baud are so close that short frames get through: such rates must bring clean frames only.
+does not answer. The rates are therefore tried in turn. The likely ones come first, and are repeated while a
+boot loader may still run. A board that was configured before sends messages without a request; at a wrong
+rate, they are noise. But 230400 and 250000 baud are so close that short frames are received correctly: such
+a rate is accepted only if all its frames are valid.
 
     phase    until                              then
     LISTEN   1.2 s of silence                   ASK                       (only if asked to listen first)
@@ -23,13 +24,13 @@ from enum import Enum, auto
 from rostether.rosserial.events import FrameDiscarded, HostEvent
 from rostether.rosserial.host_link import HostLink
 
-# In the order in which sketches have them: the library's default first, then what tutorials write.
+# By frequency in sketches: the library's default first, then the rates in tutorials.
 USUAL_BAUDS = (57600, 115200, 9600, 250000, 500000, 1000000, 38400, 19200, 230400, 460800, 921600, 2000000)
 
 # Opening a port resets many boards; their boot loaders take up to 2 s.
 BOOT_S = 2.5
 
-# The two likeliest rates take turns while a boot loader may be at work.
+# The two likeliest rates alternate while a boot loader may run.
 FIRST_DWELL_S = 0.5
 
 # Two requests; most sketches answer within 50 ms.
@@ -41,36 +42,36 @@ PATIENT_DWELL_S = 0.9
 # A GPS receiver sends once a second.
 LISTEN_S = 1.2
 
-# As above; text is believed when two such stretches bring it.
+# For the same reason; text counts after two such periods with text.
 SURVEY_DWELL_S = 1.1
 
-# What came before that was a boot message.
+# Bytes before this pause were a boot message.
 QUIET_S = 4.0
 
-# Noise passes for one message on an unknown topic id once in 65,536 tries, and not for two.
+# Noise looks like one message on an unknown topic id once in 65,536 tries, but not like two.
 MIN_MESSAGES = 2
 
 # Rates closer than this read some of each other's frames: bits are sampled at most 0.8 bits too late.
 NEAR_RATIO = 1.12
 
-# At such a rate: the bytes after the first frame have arrived by then.
+# At such a rate, the bytes after the first frame have arrived within this time.
 CONFIRM_S = 0.1
 
-# At such a rate: the highest damaged share of the received bytes. At the near rate more than half is damaged.
+# At such a rate, the largest damaged share of the bytes; at the wrong one, more than half is damaged.
 MAX_DAMAGE = 0.25
 
-# Noise passes for this much text once in a million tries.
+# Noise looks like text of this length once in a million tries.
 MIN_TEXT_BYTES = 16
 
-# What came at the right rate is handed on, so that its announcements are not lost.
+# Bytes at the right rate are passed on, so that no announcement is lost.
 MAX_KEPT_BYTES = 64 * 1024
 
-# What of foreign bytes is kept to show: a line of text.
+# The bytes of another protocol that are shown: a line of text.
 SHOWN_BYTES = 60
 
 
 class Step(Enum):
-    """What a stretch at one rate is for."""
+    """The purpose of a period at one rate."""
 
     LISTEN = auto()
     SURVEY = auto()
@@ -79,7 +80,7 @@ class Step(Enum):
 
 @dataclass(frozen=True, slots=True)
 class BoardFound:
-    """A board: `received` is what came at that rate, for the link that serves it."""
+    """A board. `received` are the bytes at its rate, for the link that serves it."""
 
     baud: int
     version: int
@@ -88,7 +89,7 @@ class BoardFound:
 
 @dataclass(frozen=True, slots=True)
 class NoBoard:
-    """No board: how many bytes came that mean nothing here, and which text at which rate, if it was text."""
+    """No board: the number of unknown bytes, and if they were text, the text and its rate."""
 
     foreign_bytes: int
     text: bytes = b""
@@ -159,7 +160,7 @@ class BaudProbe:
                 self._next(now_s)
 
     def data_to_send(self) -> bytes:
-        """Return what to send now; nothing while only listening."""
+        """Return the bytes to send now; none while it only listens."""
         data = self._link.data_to_send()
         return data if self._step is Step.ASK and self.result is None else b""
 
@@ -210,7 +211,7 @@ class BaudProbe:
             self._link.start(now_s)
 
     def _is_busy(self, now_s: float) -> bool:
-        """Whether a device that was only listened to still sends; then it is not a board that waits for a
+        """Whether the device still sends without a request; then it is not a board that waits for a
         request.
         """
         return self._step is not Step.ASK and now_s - self._heard_s < QUIET_S

@@ -31,19 +31,19 @@ def one_plus_sum(data: bytes) -> int:
 
 @cache
 def _cutter(count: int) -> Callable[[bytes], tuple[bytes, ...]]:
-    """Return what cuts that many pieces off the beginning, at half the cost of slices; 255 at most."""
+    """Return a struct that cuts off that number of pieces (at most 255), at half the cost of slices."""
     return Struct(f"{PIECE_BYTES}s" * count).unpack_from
 
 
 def summer_for(size: int) -> Callable[[bytes], int]:
-    """Return the quickest function that does what `one_plus_sum` does for data of exactly `size` bytes."""
+    """Return the fastest equivalent of `one_plus_sum` for data of exactly `size` bytes."""
     return adler32 if size <= PIECE_BYTES else one_plus_sum
 
 
 class RunningSums:
     """Sums of any stretch of one buffer in constant time, after one pass over it.
 
-    Keeps a rescan of hostile bytes linear: there every byte may begin a frame that claims tens of kilobytes.
+    A rescan of hostile bytes stays linear with it, although each byte may begin a frame of many kilobytes.
     """
 
     def __init__(self, buffer: bytes) -> None:

@@ -63,9 +63,9 @@ class ClockEstimate:
         return -median(self._slopes) * 1e6
 
     def offset_s(self, round_trip_s: float | None = None) -> float | None:
-        """Return how far the board's clock is ahead just before it is set again; None while not known.
+        """Return the lead of the board's clock just before it is set again; None while unknown.
 
-        Half of the line's shortest round trip is taken for the way of a stamp that nothing delayed.
+        The transfer time of a stamp without delay counts as half of the line's shortest round trip.
         """
         if not self._ends:
             return None
@@ -83,7 +83,7 @@ class ClockEstimate:
         self._samples.clear()
 
     def stamped(self, stamp_ns: int, host_ns: int, now_s: float) -> None:
-        """Take a stamp that arrived at `host_ns`, the host's time at `now_s`."""
+        """Add a stamp that arrived at `host_ns`, the host's time at `now_s`."""
         if self._answered_s is None:
             return
         elapsed_s = now_s - self._answered_s
@@ -102,7 +102,7 @@ class ClockEstimate:
             self._answered_s = None
 
     def _close(self) -> None:
-        """Take the two ends of the interval that is over."""
+        """Add the two ends of the finished interval."""
         samples, self._samples = self._samples, []
         if not samples:
             return

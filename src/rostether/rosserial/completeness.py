@@ -1,9 +1,9 @@
-"""Whether all announcements of a device have been heard, judged round by round.
+"""Decides after each round whether all announcements of a device were received.
 
-A round is one topic request and the burst that answers it; any part of either may have been lost. What a
-single round tells is taken as complete only when later rounds bring nothing new: one more on a clean line,
-three where anything hints at loss (rounds that differ, damage, gaps in the ids, half a service, less than
-before), none if the round repeats exactly what was complete before.
+A round is one topic request and the burst that answers it; any part of both may be lost. The announcements
+of a round count as complete if later rounds announce nothing new: one more round on a clean line, three if
+there is a sign of loss (rounds that differ, damage, gaps in the ids, half a service, less than before), none
+if the round equals the last complete state.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rostether.rosserial.topic_table import EndpointKey, key_of
 
 Announcement: TypeAlias = tuple[int, TopicInfo]
 
-# Each costs a healthy board one more burst, so one must do.
+# Each costs a healthy board one more burst, so one must be enough.
 CLEAN_CONFIRMATIONS = 1
 
 # At 5 % loss an announcement is missed four times in a row once in 160,000 cases.
@@ -31,15 +31,15 @@ LOSSY_CONFIRMATIONS = 3
 # An announcement missing in this many equal rounds was not lost: the device no longer has it.
 EQUAL_ROUNDS = 4
 
-# A device without endpoints is rare, one whose only announcement was lost is not.
+# A device without endpoints is rare; a device whose only announcement was lost is not.
 EMPTY_CONFIRMATIONS = 2
 
-# Sixteen times as many as a link bridges; a device that makes up ever new ids fills no memory.
+# Sixteen times the endpoints of a link; a device that invents new ids cannot fill the memory.
 MAX_HEARD = 4096
 
 
 class Completeness:
-    """What one device has announced, in this negotiation and at the end of the last."""
+    """The announcements of one device, in this negotiation and at the end of the last one."""
 
     def __init__(self) -> None:
         self.rounds = 0
@@ -55,7 +55,7 @@ class Completeness:
 
     @property
     def complete(self) -> frozenset[EndpointKey]:
-        """What was last taken for complete."""
+        """The last complete state."""
         return frozenset(self._complete)
 
     @property
@@ -64,7 +64,7 @@ class Completeness:
         return bool(self._heard or self._complete)
 
     def begin(self, *, is_lossy: bool) -> None:
-        """Begin a negotiation. `is_lossy`: something is known to have been lost before."""
+        """Begin a negotiation. `is_lossy`: data was lost before."""
         self.rounds = 0
         self.is_lossy = is_lossy
         self._heard = {}
@@ -79,7 +79,7 @@ class Completeness:
         self._has_news = False
 
     def resume_round(self) -> None:
-        """Go on with the round that was closed last: more of its burst came late."""
+        """Continue the last round: a part of its burst came late."""
         self.rounds, self._quiet_rounds = self._before_close
 
     def is_known(self, kind: int, info: TopicInfo) -> bool:
@@ -87,11 +87,11 @@ class Completeness:
         return self._complete.get(key_of(kind, info)) == (kind, info)
 
     def is_continued_by(self, kind: int, info: TopicInfo) -> bool:
-        """Whether the announcement can belong to the last round's burst: that had others only."""
+        """Return whether the announcement can belong to the last round's burst, which did not have it."""
         return bool(self._round) and key_of(kind, info) not in self._round
 
     def note_announcement(self, kind: int, info: TopicInfo) -> None:
-        """Take one announcement of this round."""
+        """Add an announcement to this round."""
         key = key_of(kind, info)
         if key not in self._heard and len(self._heard) >= MAX_HEARD:
             return
@@ -101,7 +101,7 @@ class Completeness:
             self._has_news = True
 
     def close_round(self) -> bool:
-        """Judge the round that is over; whether all has been heard."""
+        """End the round; return whether all announcements were received."""
         if not self._round and (self._heard or self._complete):
             self.is_lossy = True
             return False
@@ -121,7 +121,7 @@ class Completeness:
         return True
 
     def accept(self, *, is_confirmed: bool) -> None:
-        """Take what was heard for complete; unconfirmed, it only adds to what was complete before."""
+        """Accept the announcements as the complete state; without confirmation, only add them to it."""
         self._complete = dict(self._heard) if is_confirmed else self._complete | self._heard
 
     def _needed_rounds(self) -> int:
@@ -135,7 +135,7 @@ class Completeness:
 
 
 def _looks_whole(heard: dict[EndpointKey, Announcement]) -> bool:
-    """Whether ids follow each other in both directions, and services have both halves."""
+    """Return whether the ids have no gaps in both directions, and services have both halves."""
     for sends in (False, True):
         numbers = [key.topic_id for key in heard if key.sends is sends]
         if numbers and max(numbers) - min(numbers) >= len(numbers):

@@ -1,8 +1,8 @@
-"""How often a device may cause work that its line could bring in any number: what control frames ask for.
+"""Limits how often a device may cause work with control frames.
 
-Each costs 20 µs to 1 ms, against a fraction of a microsecond for a message: one device that sends nothing
-else would take the time of all others. What is beyond the rate is dropped unread and counted. Dropped frames
-are requested again: announcements by the host, the time and parameters by the device.
+Each costs 20 µs to 1 ms, while a message costs a fraction of a microsecond: without a limit, one device could
+block all others. Frames beyond the rate are dropped and counted. They are requested again later:
+announcements by the host, the time and parameters by the device.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from rostether.rosserial import topic_id as ids
 
 
 class Allowance(NamedTuple):
-    """This many per second, and `saved` of them at once after a pause."""
+    """A rate per second, and the burst (`saved`) that is allowed after a pause."""
 
     per_s: float
     saved: int
 
 
-# A negotiation of the largest device, 256 halves, takes some rounds; a line of 115200 baud brings 150/s.
+# A negotiation of the largest device, 256 halves, takes some rounds; 115200 baud can transfer 150/s.
 ANNOUNCEMENTS = Allowance(512.0, 2048)
 
-# Each opens or closes something in the graph. The largest device starts at once, in 5 s as another.
+# Each opens or closes an endpoint in the graph. The largest device can start at once, and change in 5 s.
 CHANGES = Allowance(50.0, 256)
 
 # Log lines: as many as fit a full line of 115200 baud; users cannot read more.
@@ -31,7 +31,7 @@ LOGS = Allowance(500.0, 2000)
 # A board asks every 2.5 s, and again for each probe and topic request.
 TIME_REQUESTS = Allowance(50.0, 50)
 
-# Parameters: a board asks for the next when it has the one before.
+# Parameters: a board requests the next one after it has received the last one.
 OTHERS = Allowance(200.0, 500)
 
 
@@ -45,11 +45,11 @@ class ControlRate:
         self._changes = _Bucket(CHANGES)
 
     def admit(self, topic_id: int, count: int, now_s: float) -> int:
-        """Return how many of `count` frames on a reserved id are to be read now, at most all."""
+        """Return how many of `count` frames on a reserved id may be processed now."""
         return self._buckets.get(topic_id, self._others).admit(count, now_s)
 
     def admit_change(self, now_s: float) -> bool:
-        """Whether an announcement may change now what is in the graph."""
+        """Return whether an announcement may change the graph now."""
         return self._changes.admit(1, now_s) == 1
 
 

@@ -1,7 +1,7 @@
 """The endpoints of a device, numbered and announced in the order of the established library.
 
-Subscribers count from 100, publishers from 100 + the number of subscribers there is room for. A service
-takes a place of each: it publishes on one half and listens on the other.
+Subscribers count from 100, publishers from 100 + the maximum number of subscribers. A service uses one id of
+each kind: the device publishes one half and subscribes the other.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class DeviceEndpoints:
         self._listeners: dict[int, tuple[int, TopicInfo]] = {}
 
     def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic the device sends on; return its id."""
+        """Declare a topic that the device publishes; return its id."""
         return self._add_sender(ids.PUBLISHER, topic, message_type, md5sum)
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic the device receives; return its id."""
+        """Declare a topic that the device subscribes; return its id."""
         return self._add_listener(ids.SUBSCRIBER, topic, message_type, md5sum)
 
     def add_service_server(
@@ -69,7 +69,7 @@ class DeviceEndpoints:
         return topic_id in self._listeners
 
     def announcements(self) -> Iterator[tuple[int, TopicInfo]]:
-        """Yield (reserved id to announce on, what), publishers first."""
+        """Yield (reserved id, announcement), publishers first."""
         yield from self._senders.values()
         yield from self._listeners.values()
 

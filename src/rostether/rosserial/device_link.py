@@ -1,4 +1,4 @@
-"""The device's end of a rosserial line, behaving as the established library does, without its traps."""
+"""The device's end of a rosserial line: behaves like the established library, without its known defects."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ from rostether.rosserial.packets import (
 from rostether.rosserial.time_sync import OUR_REQUEST_PERIOD_S, SYNC_LOST_S, DeviceClock
 from rostether.rostime import Time
 
-# What must fit the output buffer beside the payload, in both versions (established library).
+# Bytes that the output buffer also holds, in both versions (established library).
 PUBLISHER_OVERHEAD_BYTES = 8
 
 # An unfinished frame must not swallow a probe; the established library waits 20 ms, networks need more.
 ABANDON_AFTER_S = 0.25
 
-# Beyond this nothing more is published until the driver has taken some: a second of a 10 Mbit line.
+# Beyond this, nothing is published until the driver has sent some data: a second of a 10 Mbit line.
 MAX_WAITING_BYTES = 1 << 20
 
 # The level, and the length of the text.
@@ -53,7 +53,7 @@ LOG_OVERHEAD_BYTES = 5
 
 @dataclass(frozen=True, slots=True)
 class DeviceLinkConfig:
-    """What kind of device to be; the defaults are those of the established library on a large board."""
+    """The properties of the device; the defaults are those of the established library on a large board."""
 
     version: int = 2
     max_subscribers: int = 25
@@ -94,7 +94,7 @@ class DeviceLink:
         self.start(0.0)
 
     def start(self, now_s: float) -> None:
-        """Boot, or boot again: unconfigured, clock at zero, silent until asked."""
+        """Start or restart: unconfigured, with the clock at zero, and silent until a request."""
         self._state = State.UNCONFIGURED
         self._decoder = FrameDecoder(
             self._config.version,
@@ -110,17 +110,17 @@ class DeviceLink:
 
     @property
     def is_configured(self) -> bool:
-        """Whether a host has asked for the topics and still answers: only then messages are sent."""
+        """Whether a host has requested the topics and still answers; only then messages are sent."""
         return self._state is State.CONFIGURED
 
     def add_publisher(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic the device sends on; return its id. Raises LocalProtocolError if full."""
+        """Declare a topic that the device publishes; return its id. Raises LocalProtocolError if full."""
         topic_id = self._endpoints.add_publisher(topic, message_type, md5sum)
         self._announce_late(topic_id)
         return topic_id
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic the device receives; return its id. Raises LocalProtocolError if full."""
+        """Declare a topic that the device subscribes; return its id. Raises LocalProtocolError if full."""
         topic_id = self._endpoints.add_subscriber(topic, message_type, md5sum)
         self._announce_late(topic_id)
         return topic_id
@@ -146,14 +146,14 @@ class DeviceLink:
         return service_ids
 
     def _announce_late(self, *topic_ids: int) -> None:
-        """Announce what is declared after the host asked: it does not know that it should ask again."""
+        """Announce an endpoint that was declared after the host's request, which comes only once."""
         if self._state is State.CONFIGURED:
             for kind, info in self._endpoints.announcements():
                 if info.topic_id in topic_ids:
                     self._queue_control(kind, info.encode())
 
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[DeviceEvent]:
-        """Process a chunk from the host, cut anywhere. Never raises for data from a host."""
+        """Process a chunk from the host, which may end anywhere. Never raises because of its data."""
         self.statistics.bytes_received += len(data)
         return self._handle_decoded(self._decoder.feed(data, now_s), now_s)
 
@@ -178,7 +178,7 @@ class DeviceLink:
         return events
 
     def data_to_send(self) -> bytes:
-        """Take the bytes that are waiting to be sent."""
+        """Return the waiting bytes, and remove them from the queue."""
         data = b"".join(self._outgoing)
         self._outgoing.clear()
         self._outgoing_bytes = 0
@@ -186,7 +186,7 @@ class DeviceLink:
         return data
 
     def publish(self, topic_id: int, payloads: Sequence[bytes]) -> bool:
-        """Queue messages; False (and nothing sent) while unconfigured or while too much waits to be sent.
+        """Queue messages; return False without sending while unconfigured, or while too much data waits.
 
         Raises LocalProtocolError for an id the device does not send on, or a payload larger than its buffer.
         """
@@ -207,13 +207,13 @@ class DeviceLink:
         return True
 
     def log(self, level: LogLevel, text: str) -> None:
-        """Queue a log line, cut to what the output buffer holds; sent even while unconfigured."""
+        """Queue a log line, cut to the size of the output buffer; it is sent even while unconfigured."""
         room = self._config.output_buffer_bytes - PUBLISHER_OVERHEAD_BYTES - LOG_OVERHEAD_BYTES
         cut = text.encode("utf-8", "replace")[:room].decode("utf-8", "ignore")
         self._queue_control(ids.LOG, Log(level, cut).encode())
 
     def request_parameter(self, name: str, now_s: float, *, timeout_s: float = 1.0) -> None:
-        """Ask for a parameter; ends in ParameterReceived or ParameterTimedOut. One at a time on the wire.
+        """Request a parameter; ParameterReceived or ParameterTimedOut follows. One request at a time is sent.
 
         Raises LocalProtocolError for a name that cannot be asked for, or when too many requests wait.
         """

@@ -1,4 +1,4 @@
-"""A device's parameter requests: answers carry no name, so one at a time is on the wire."""
+"""A device's parameter requests. Answers have no name, so only one request is on the wire."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ParameterQueue:
         return self.following(now_s) if len(self._requests) == 1 else None
 
     def following(self, now_s: float) -> str | None:
-        """Return the name to send now that the one before is done with."""
+        """Return the name to send next, after the last request has ended."""
         self._due_s = None
         if not self._requests:
             return None

@@ -24,7 +24,7 @@ class State(Enum):
 
 
 class Input(Enum):
-    """What can happen to a device."""
+    """The inputs of the state table."""
 
     TOPIC_REQUEST = auto()
     WRONG_VERSION = auto()
@@ -33,7 +33,7 @@ class Input(Enum):
     STOP = auto()
 
 
-# Every other pair changes nothing.
+# All other pairs change nothing.
 TRANSITIONS: dict[tuple[State, Input], tuple[State, tuple[str, ...]]] = {
     (State.UNCONFIGURED, Input.TOPIC_REQUEST): (State.CONFIGURED, ("ask_time", "announce")),
     (State.UNCONFIGURED, Input.WRONG_VERSION): (State.UNCONFIGURED, ("ask_time",)),

@@ -33,7 +33,7 @@ class ServiceRole(Enum):
 
 
 class DiscardReason(Enum):
-    """Why bytes were not believed."""
+    """Why bytes were discarded."""
 
     NOISE = "bytes outside any frame"
     VERSION = "sync byte followed by another protocol version"
@@ -69,7 +69,7 @@ class TopicAnnounced:
 
 @dataclass(frozen=True, slots=True)
 class TopicWithdrawn:
-    """A topic announced earlier is no longer the device's."""
+    """A topic announced earlier has been removed from the device."""
 
     role: TopicRole
     info: TopicInfo
@@ -92,7 +92,7 @@ class ServiceAnnounced:
 
 @dataclass(frozen=True, slots=True)
 class ServiceWithdrawn:
-    """A service announced earlier is no longer the device's."""
+    """A service announced earlier has been removed from the device."""
 
     role: ServiceRole
     name: str
@@ -103,8 +103,9 @@ class ServiceWithdrawn:
 
 @dataclass(frozen=True, slots=True)
 class AnnouncementRefused:
-    """The device announced an endpoint that cannot be bridged, twice, so it was not damage; reported once
-    each. `reason` explains the problem and what to change in the sketch.
+    """The device announced twice an endpoint that cannot be bridged; reported once for each.
+
+    `reason` explains the problem and what to change in the sketch.
     """
 
     topic_name: str
@@ -137,7 +138,7 @@ class LogReceived:
 
 @dataclass(frozen=True, slots=True)
 class ParameterRequested:
-    """The device asks for a parameter and waits: call `HostLink.answer_parameter`, even if there is none."""
+    """The device requests a parameter and waits: always call `HostLink.answer_parameter`."""
 
     name: str
 
@@ -163,7 +164,7 @@ class UnknownTopicId:
 
 @dataclass(frozen=True, slots=True)
 class ControlFlood:
-    """The device sends more on a reserved topic id than any has reason to; `count` were dropped unread."""
+    """The device sends too much on a reserved topic id; `count` frames were dropped unread."""
 
     topic_id: int
     count: int
@@ -171,7 +172,7 @@ class ControlFlood:
 
 @dataclass(frozen=True, slots=True)
 class DeviceReset:
-    """The device has forgotten us (reset or lost the time answers); the link asks for its topics at once.
+    """The device lost its configuration (reset, or no time answers); the link requests its topics.
 
     Until it has announced a topic id again, nothing may be sent on it.
     """

@@ -1,4 +1,4 @@
-"""The rosserial frame, both versions of it, and how one is written.
+"""The two versions of the rosserial frame, and their encoding.
 
 Version 2 (Hydro and later), 8 bytes around the payload:
 
@@ -37,7 +37,7 @@ _V2_HEAD = struct.Struct("<BBHBH")
 
 
 class FrameForm(NamedTuple):
-    """What differs between the versions: the two first bytes, and the sizes around the payload."""
+    """The differences of the versions: the second byte, and the sizes of header and checksum."""
 
     version_byte: int
     header_bytes: int
@@ -70,7 +70,7 @@ def read_header(version: int, header: bytes) -> Header | None:
 
 @lru_cache(maxsize=4096)  # a few dozen topics times the lengths their strings take
 def _head(version: int, topic_id: int, size: int) -> tuple[bytes, int]:
-    """Return the header, and what to add to 1 + the payload's sum to get the complement of its check."""
+    """Return the header, and the number to add to 1 + the payload's sum for the checksum's complement."""
     if not 0 <= topic_id <= LAST_ID:
         raise LocalProtocolError(f"topic id {topic_id} does not fit in two bytes; use 0 to {LAST_ID}")
     if size > MAX_PAYLOAD_BYTES:

@@ -1,13 +1,12 @@
-"""One pass over one buffer: which frames are in it, what else, and where an unfinished frame begins.
+"""Scans a buffer in one pass: finds its frames, other bytes, and the start of an unfinished frame.
 
 Frames that follow each other under the same header (same topic, same length) are the common case, so one
-header is judged once and `struct.iter_unpack` cuts the whole run at C speed. A header seen before costs one
+header is checked once and `struct.iter_unpack` cuts the whole run at C speed. A known header costs one
 dictionary lookup.
 
-What is not a frame is reported in stretches: one begins where a check fails and goes on to the next place
-where a frame may begin, so every byte of the buffer is in exactly one frame, one stretch or the unfinished
-rest. After a failed check the search goes on at the byte after the sync, because noise may hold a valid
-header.
+Other bytes are reported in stretches. A stretch begins where a check fails, and ends where a frame may begin;
+so every byte of the buffer is in exactly one frame, one stretch or the unfinished rest. After a failed check,
+the search continues at the byte after the sync, because noise may contain a valid header.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from rostether.rosserial.events import DiscardReason, FrameDiscarded
 from rostether.rosserial.frame import FORMS, SYNC
 from rostether.rosserial.topic_id import FIRST_USER_ID
 
-# Stretches reported apart between two good frames; in worse noise the rest joins the last one.
+# Stretches between two valid frames; in worse noise, the last stretch includes all further ones.
 MAX_STRETCHES = 64
 
 FALSE_START_SUMS_BYTES = 4096
@@ -37,7 +36,7 @@ MAX_TAIL_BYTES = 1024
 # If a buffer is too noisy to scan completely, its end is scanned: it has the newest data of the device.
 TAIL_SHARE = 64
 
-# A few dozen topics times the lengths of their strings; when it is full, all headers are forgotten.
+# Some dozen topics times the lengths of their strings; when the table is full, all headers are forgotten.
 MAX_KNOWN_HEADERS = 1024
 
 _SYNC = bytes((SYNC,))
@@ -46,7 +45,7 @@ _JOINABLE = (DiscardReason.NOISE, DiscardReason.VERSION)
 
 
 class Patience(Enum):
-    """What to do about a frame whose end is not in the buffer."""
+    """How to handle a frame whose end is not in the buffer."""
 
     # Wait for its end, without a search in the bytes after it.
     WAIT = auto()
@@ -67,9 +66,9 @@ class _Known(NamedTuple):
 
 @dataclass(slots=True)
 class Scan:
-    """What one buffer held; from `rest` on an unfinished frame, which takes `needed_bytes` in all.
+    """The content of a buffer. At `rest`, an unfinished frame of `needed_bytes` begins.
 
-    `controls` has the frames of reserved ids in the order in which they came, `groups` all others by id.
+    `controls` are the frames of reserved ids in their order, `groups` all others by id.
     The last `tail_frames` frames follow each other without other bytes between them. `false_starts` counts
     the places where a frame might have begun, but did not.
     """
@@ -93,8 +92,8 @@ class Scan:
 class FrameScanner:
     """Finds the frames of one protocol version, remembering headers from buffer to buffer.
 
-    A header that claims more than `refused_above` has for its topic id, or, on an id that is not in there,
-    more than it has for None, is not a frame.
+    A header that claims more than the limit of its topic id in `refused_above` is not a frame; the limit of
+    other ids is under None.
     """
 
     def __init__(
@@ -108,14 +107,14 @@ class FrameScanner:
         self._known: dict[bytes, _Known] = {}
 
     def refuse_above(self, refused_above: Mapping[int | None, int]) -> None:
-        """Judge by these lengths from now on, also the headers seen before."""
+        """Apply these limits from now on, also to known headers."""
         self._refused_above = refused_above
         self._known.clear()
 
     def only_frame(self, buffer: bytes) -> tuple[int, bytes] | None:
-        """Return topic id and payload if the buffer is one valid frame with a header seen before.
+        """Return topic id and payload if the buffer is one valid frame with a known header.
 
-        A quarter of the time of a scan, for boards that send one message at a time.
+        It takes a quarter of the time of a scan, for boards that send one message at a time.
         """
         known = self._known.get(buffer[: self._header_bytes])
         if known is None or known.stride != len(buffer):
@@ -201,19 +200,19 @@ class FrameScanner:
         return result
 
     def _check_header(self, header: bytes) -> _Known | DiscardReason:
-        """Judge a header not seen before; one cut short becomes a frame longer than the buffer."""
+        """Check an unknown header; an incomplete one becomes a frame longer than the buffer."""
         size = len(header)
         if header[0] != SYNC:
             return DiscardReason.NOISE
         if size > 1 and header[1] != self._version_byte:
             return DiscardReason.VERSION
-        if self._version == 2 and size >= 5:  # the length check stands before the topic id
+        if self._version == 2 and size >= 5:  # the length checksum is before the topic id
             if (header[2] + header[3] + header[4]) & 0xFF != 0xFF:
                 return DiscardReason.LENGTH_CHECKSUM
             length = header[2] | header[3] << 8
             if length > self._max_payload_bytes:
                 return DiscardReason.TOO_LONG
-            # The rest of this is for sound headers; noise is refused at half its price.
+            # Only complete headers continue here; noise is refused at half the cost.
             if size == self._header_bytes:
                 return self._remember(header, header[5] | header[6] << 8, length, header[5] + header[6])
         if size < self._header_bytes:
@@ -222,7 +221,7 @@ class FrameScanner:
         return self._remember(header, header[2] | header[3] << 8, length, sum(header[2:]))
 
     def _remember(self, header: bytes, topic_id: int, length: int, base: int) -> _Known | DiscardReason:
-        """Judge a sound header by its length; `base` is what the checksum adds to the payload's sum."""
+        """Check the length of a valid header; `base` is the header's part of the payload checksum."""
         if length > self._most(topic_id) or length > self._max_payload_bytes:
             return DiscardReason.TOO_LONG
         if len(self._known) >= MAX_KNOWN_HEADERS:
@@ -239,7 +238,7 @@ class FrameScanner:
 
 @lru_cache(maxsize=MAX_KNOWN_HEADERS)
 def _run_layout(header_bytes: int, stride: int) -> Struct:
-    """Return what cuts a run of frames; made when one comes, because most headers in noise come once."""
+    """Return a struct that cuts a run of frames; not kept for every header: most in noise occur once."""
     return Struct(f"{header_bytes}s{stride - header_bytes - 1}sB")
 
 
@@ -331,7 +330,7 @@ class _Waste:
         ]
 
     def _skip(self, position: int) -> int:
-        """Let this stretch have all but the end of the buffer, and return where that end begins."""
+        """Extend this stretch to the last part of the buffer, and return where that part begins."""
         self._count = MAX_STRETCHES
         self._max_false_starts = self._total
         tail_bytes = max(MIN_TAIL_BYTES, min(self._total // TAIL_SHARE, MAX_TAIL_BYTES))

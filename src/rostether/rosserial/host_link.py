@@ -3,13 +3,13 @@
 The link itself has no states of its own; it joins machines that have:
 
     ProtocolDetector, FrameDecoder   bytes to frames
-    Negotiation                      when to ask for topics, when to believe they are all known
-    Presence                         whether the device is there and still knows us
-    TopicTable, Announcements        what it announced, and what of that cannot be bridged
-    ControlRate                      how much of what is no message it may bring
-    HostOutput                       what goes to it, and what must wait
+    Negotiation                      when to request topics, when all are known
+    Presence                         whether the device is connected and configured
+    TopicTable, Announcements        its endpoints, and those that cannot be bridged
+    ControlRate                      how many control frames it may send
+    HostOutput                       frames to send, and frames that must wait
 
-Nothing beyond its buffer goes to a device, nor an id not announced since its last reset: either can crash it.
+Frames beyond its buffer, or with an id not announced since its last reset, can crash a device: none is sent.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class HostLink:
     out.
 
     After every call that may have changed something, send `data_to_send()` and wait for `get_timer()`; after
-    `receive_data` only if it was not quiet, so that boards which send one message at a time cost half.
+    `receive_data` only if it was not quiet, which halves the cost of boards that send one message at a time.
     """
 
     def __init__(self, config: HostLinkConfig | None = None) -> None:
@@ -81,7 +81,7 @@ class HostLink:
 
     @property
     def is_settled(self) -> bool:
-        """Whether the set of endpoints is taken to be complete."""
+        """Whether the set of endpoints is considered complete."""
         return self._negotiation.is_settled
 
     def start(self, now_s: float) -> None:
@@ -90,7 +90,7 @@ class HostLink:
         self._pump(now_s)
 
     def receive_data(self, data: bytes | bytearray | memoryview, now_s: float) -> list[HostEvent]:
-        """Process a chunk from the device, cut anywhere. Never raises for data from a device.
+        """Process a chunk from the device, which may end anywhere. Never raises because of its data.
 
         Announcements and other control packets of a chunk are reported before its messages.
         """
@@ -114,7 +114,7 @@ class HostLink:
         return events
 
     def rescan(self, payload: bytes, now_s: float) -> list[HostEvent]:
-        """Return what noise has swallowed: the frames in a message that does not have its type's layout."""
+        """Return the frames inside a message that does not have its type's layout."""
         if isinstance(self._line, ProtocolDetector) or self._is_stopped:
             return []
         events = self._handle_decoded(self._line.rescan(payload, now_s), now_s)
@@ -146,7 +146,7 @@ class HostLink:
         return events
 
     def data_to_send(self) -> bytes:
-        """Take the control frames that are waiting to be sent."""
+        """Return the waiting control frames, and remove them from the queue."""
         return self._output.pop_ready()
 
     def encode_message(self, topic_id: int, payload: bytes) -> bytes:
@@ -165,7 +165,7 @@ class HostLink:
         return self._output.messages(topic_id, payloads)
 
     def answer_time(self, time: Time, now_s: float) -> None:
-        """Answer TimeRequested with what time it is at `now_s`; held back during a call of the board."""
+        """Answer TimeRequested with the time at `now_s`; the answer waits during a call of the board."""
         self._output.time(time, now_s)
 
     def answer_parameter(
@@ -175,7 +175,7 @@ class HostLink:
         self._output.parameter(ParameterResponse(tuple(ints), tuple(floats), tuple(strings)))
 
     def service_call_started(self, now_s: float) -> None:
-        """Note that the board itself waits for a service response: time answers are held back."""
+        """Hold back time answers: the board itself waits for a service response."""
         self._output.call_started()
 
     def service_call_finished(self, now_s: float) -> None:
@@ -194,7 +194,7 @@ class HostLink:
         )
 
     def _handle_decoded(self, decoded: list[Decoded], now_s: float) -> list[HostEvent]:
-        """Turn what the line brought into events."""
+        """Convert decoded frames to events."""
         events: list[HostEvent] = []
         if isinstance(self._line, ProtocolDetector) and self._line.decoder is not None:
             self._line = self._line.decoder
@@ -274,7 +274,7 @@ class HostLink:
                 is_excused = meaning is TimeRequestMeaning.ANSWER
                 self._judge(self._presence.time_request(now_s, is_excused=is_excused), now_s, events)
             else:
-                # One behind the announcements may have waited for them: the next may be due sooner.
+                # A time request after the announcements may have waited for them: the next may be due sooner.
                 self._presence.answered(now_s, is_timely=not is_listening)
 
     def _report(self, event: HostEvent, now_s: float, events: list[HostEvent]) -> None:

@@ -1,4 +1,4 @@
-"""The output to a device: only messages that fit and were announced, and nothing that disturbs its work."""
+"""The output to a device: messages that fit its buffer, and control frames at the right time."""
 
 from __future__ import annotations
 
@@ -105,12 +105,12 @@ class HostOutput:
         self._gate.call_started()
 
     def call_finished(self, now_s: float) -> None:
-        """Let go what was held back for this call."""
+        """Release the frames that waited for this call."""
         self._gate.call_finished()
         self.pump(now_s)
 
     def device_reset(self) -> None:
-        """Forget the calls that the device can no longer be waiting for."""
+        """Forget calls: a device that was reset waits for none."""
         self._gate.forget_calls()
 
     def get_timer(self) -> float | None:
@@ -118,7 +118,7 @@ class HostOutput:
         return self._gate.get_timer()
 
     def pump(self, now_s: float) -> None:
-        """Queue what was held back, if it may go now."""
+        """Queue the waiting frames, if they may be sent now."""
         if self._time is None and self._request is None:
             return
         if self._gate.is_closed(now_s):

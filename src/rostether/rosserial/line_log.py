@@ -39,7 +39,7 @@ class LineLog:
         self._topics: dict[int, str] = {}
 
     def feed(self, time_s: float, from_device: bool, data: bytes) -> Iterator[LineEntry]:
-        """Handle bytes of one side and yield what they complete."""
+        """Handle bytes of one side, and yield the entries that they complete."""
         decoder = self._decoders[from_device]
         while (due_s := decoder.get_timer()) is not None and due_s <= time_s:
             yield from self._entries(due_s, from_device, decoder.handle_timer(due_s))
@@ -47,12 +47,12 @@ class LineLog:
         for at in range(0, len(data), _STEP_BYTES):
             decoded += decoder.feed(data[at : at + _STEP_BYTES], time_s)
         if not from_device:
-            # A host writes whole frames, of one version and then of another when it looks for the board's.
+            # A host writes complete frames, and may change the version while it searches for the board's.
             decoded += decoder.abandon(time_s)
         yield from self._entries(time_s, from_device, _joined(decoded))
 
     def finish(self, time_s: float) -> Iterator[LineEntry]:
-        """Yield the rest of frames that never ended."""
+        """Yield the unfinished frames."""
         for from_device, decoder in self._decoders.items():
             yield from self._entries(time_s, from_device, decoder.abandon(time_s))
 
@@ -111,7 +111,7 @@ def version_of(device_bytes: bytes) -> int:
 
 
 def _joined(decoded: list[Decoded]) -> list[Decoded]:
-    """Return the same with neighbouring bytes outside of frames as one."""
+    """Join consecutive entries of bytes outside frames."""
     joined: list[Decoded] = []
     for each in decoded:
         last = joined[-1] if joined else None

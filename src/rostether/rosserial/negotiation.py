@@ -6,18 +6,18 @@ request and the burst that answers it.
     phase       input         next        what happens
     IDLE        ASK           ASKED       send a request, begin a negotiation
     ASKED       UNANSWERED    ASKED       send the next request
-    ASKED       ENOUGH        SETTLED     it answered once and never again: accept that
+    ASKED       ENOUGH        SETTLED     it answered only once: accept that answer
     ASKED       ANSWER        LISTENING   a burst begins: a time request first, then the announcements (or
-                                          the burst before goes on after all, and the round with it)
-    LISTENING   ANSWER        LISTENING   the burst goes on: wait until it has been quiet for a while
+                                          the last burst continues, and its round)
+    LISTENING   ANSWER        LISTENING   the burst continues: wait for a pause
     LISTENING   MORE_NEEDED   ASKED       the round is over, send the next request
     LISTENING   ENOUGH        SETTLED
     SETTLED     ANSWER        LISTENING   announcements without a request, or late ones
     SETTLED     ASK           ASKED       send a request, begin a negotiation
 
 During a burst nothing is sent: at 57600 baud fifty announcements take 0.8 s, and a board that sends may lose
-received bytes. The pause that ends a burst is derived from the pauses within it. A device that has sent
-nothing at all is asked in both protocol versions in turn.
+received bytes. The pause that ends a burst depends on the pauses within it. The requests to a device that
+has sent nothing alternate between the two protocol versions.
 """
 
 from __future__ import annotations
@@ -32,38 +32,37 @@ from rostether.rosserial.topic_table import EndpointKey, key_of
 
 _LOG = logging.getLogger(__name__)
 
-# A burst is over after this long without a sign of it: one announcement takes 0.1 s at 9600 baud.
+# A burst ends after a pause of this length: one announcement takes 0.1 s at 9600 baud.
 QUIET_S = 0.1
 
-# On a line with longer pauses between announcements: after this many times the longest one seen.
+# On a line with longer pauses between announcements, after the longest pause times this factor.
 QUIET_MARGIN = 1.5
 
-# Announcements further apart than this are taken for answers to two requests.
+# With a longer pause between them, announcements answer two requests.
 MAX_QUIET_S = 1.0
 
-# At 30 % loss one announcement in two million is missed each time; a device that still differs is left as it
-# is.
+# At 30 % loss, one announcement in two million is lost in every round. Rounds that still differ are accepted.
 MAX_ROUNDS = 12
 
-# (version to ask in, wait after it) while nothing is heard; the last two go on forever. Dense at first,
-# because one request in twenty may be lost on the way; then slow enough that the stack of requests in the 64
-# bytes of a board whose sketch sleeps a second between spins stays small, and quick enough that a board which
-# comes up later is found within a second.
+# (version of the request, pause after it) until the device answers; the last two repeat forever. Frequent at
+# first, because one request in twenty may be lost; then rare enough that few requests collect in the 64 bytes
+# of a board whose sketch sleeps a second between spins, and frequent enough to find a board that starts later
+# within a second.
 SEARCH_STEPS = ((2, 0.2), (2, 0.2), (1, 0.3), (2, 0.3), (1, 0.5), (2, 0.5))
 
-# Waiting for an answer on a line that works; most boards answer within 20 ms (ANSWER_MARGIN: others).
+# The wait for an answer on a working line; most boards answer within 20 ms (ANSWER_MARGIN: others).
 RETRY_S = 0.2
 
 # Three requests lost in a row, once in 8000 cases at 5 % loss, then cost less than a second.
 RETRY_GROWTH = 1.5
 
-# Unanswered requests get rarer up to this: a user expects a lost board back within two seconds.
+# Unanswered requests become rarer up to this: a user expects a lost board back within two seconds.
 MAX_RETRY_S = 1.0
 
-# A sketch that spins rarely answers late every time: wait this many times its last answer's delay.
+# A sketch that rarely spins answers late every time: wait for its last answer's delay times this factor.
 ANSWER_MARGIN = 1.5
 
-# A device that answers a first request but no later one is asked for some seconds, then left in peace.
+# The number of requests to a device that answered the first one, but no later one: some seconds.
 MAX_UNANSWERED = 6
 
 
@@ -77,7 +76,7 @@ class Phase(Enum):
 
 
 class Input(Enum):
-    """What can happen to a negotiation."""
+    """The inputs of the phase table."""
 
     ASK = auto()
     ANSWER = auto()
@@ -86,7 +85,7 @@ class Input(Enum):
     ENOUGH = auto()
 
 
-# Every other pair leaves the phase as it is and does nothing.
+# All other pairs change nothing.
 TRANSITIONS = {
     (Phase.IDLE, Input.ASK): Phase.ASKED,
     (Phase.ASKED, Input.UNANSWERED): Phase.ASKED,
@@ -101,7 +100,7 @@ TRANSITIONS = {
 
 
 class Negotiation:
-    """The negotiations of one device, one after the other, driven by received frames and their times.
+    """The negotiations of one device, controlled by received frames and their times.
 
     `name` is for the log.
     """
@@ -130,7 +129,7 @@ class Negotiation:
 
     @property
     def is_settled(self) -> bool:
-        """Whether all topics are taken to be known."""
+        """Whether all topics are considered known."""
         return self.phase is Phase.SETTLED
 
     @property
@@ -145,17 +144,17 @@ class Negotiation:
 
     @property
     def complete(self) -> frozenset[EndpointKey]:
-        """Once settled: all endpoints of the device."""
+        """All endpoints of the device, once settled."""
         return self._completeness.complete
 
     def ask(self, now_s: float, *, is_lossy: bool = False) -> None:
-        """Start a negotiation, unless one is running. `is_lossy`: something was lost before."""
+        """Start a negotiation, unless one is running. `is_lossy`: data was lost before."""
         if (self.phase, Input.ASK) in TRANSITIONS:
             self._begin(now_s, is_lossy=is_lossy)
             self._send(Input.ASK, now_s)
 
     def set_version(self, version: int | None, now_s: float) -> None:
-        """Learn the device's version (ask at once if the last request was in the other one), or forget it."""
+        """Set the device's version (ask at once if the last request had the other one), or None to forget it."""
         self.version = version
         self._search_step = 0
         if version is None:
@@ -171,7 +170,7 @@ class Negotiation:
         return request
 
     def note_damage(self, now_s: float) -> None:
-        """Learn that a damaged frame came: if the line had looked clean, ask again if that was all."""
+        """Record a damaged frame; on a line that was clean before, another round confirms the topics."""
         self._answers.damaged(now_s)
         if self.phase is not Phase.SETTLED:
             self._completeness.is_lossy = True
@@ -180,18 +179,18 @@ class Negotiation:
             self.ask(now_s)
 
     def forget_requests(self) -> None:
-        """Expect no answer to earlier requests: the board was reset."""
+        """Forget earlier requests: the board was reset and will not answer them."""
         self._answers.forget()
 
     def time_requested(self, now_s: float) -> TimeRequestMeaning:
-        """Handle a time request, which may begin an answer; return what it means."""
+        """Handle a time request, which may begin an answer; return its meaning."""
         has_topics = self._completeness.has_heard_anything
         meaning = self._answers.time_requested(now_s, has_topics=has_topics)
         if self.phase is Phase.SETTLED:
             return meaning
         if self.phase is Phase.LISTENING:
             if self._unanswered == 0 and meaning is TimeRequestMeaning.ANSWER:
-                # So no request was lost before: the sketch is slow and takes all at once when it spins.
+                # So no request was lost: the sketch is slow, and handles all requests at once when it spins.
                 self._answer_delay_s = max(self._answer_delay_s or 0.0, now_s - self._first_asked_s)
             self._unanswered = 0
         elif meaning is TimeRequestMeaning.ANSWER:
@@ -202,7 +201,7 @@ class Negotiation:
         return meaning
 
     def announced(self, kind: int, info: TopicInfo, now_s: float) -> None:
-        """Take one announcement, sound or not: both are seen, none is missing."""
+        """Handle an announcement, also one that is refused: it was not lost."""
         is_known = self._completeness.is_known(kind, info)
         self._answers.announced(key_of(kind, info), now_s, is_known=is_known)
         if self.phase is Phase.SETTLED and is_known:
@@ -224,7 +223,7 @@ class Negotiation:
         return self._due_s
 
     def handle_timer(self, now_s: float, *, is_flowing: bool) -> bool:
-        """Do what is due; True when that settled it. `is_flowing`: an announcement is just coming in."""
+        """Do what is due; return True if it is settled. `is_flowing`: an announcement is being received."""
         if self._due_s is None or now_s < self._due_s:
             return False
         if self.phase is Phase.ASKED:
@@ -238,13 +237,13 @@ class Negotiation:
         if self._bursts >= MAX_ROUNDS and self._completeness.has_heard_anything:
             return self._settle(is_confirmed=False)
         if self.requests == 0:
-            # What comes unasked need not be all there is, so what is missing in it was not lost.
+            # Without a request, a device may announce only a part: endpoints missing in it were not lost.
             self._completeness.begin(is_lossy=False)
         self._send(Input.MORE_NEEDED, now_s)
         return False
 
     def _handle_answer(self, now_s: float) -> None:
-        """Note that the device answers or continues to answer."""
+        """Record that the device answers or continues to answer."""
         if self.phase is Phase.ASKED:
             self._unanswered = 0
             self._completeness.open_round()

@@ -7,8 +7,8 @@
     RequestParam response  int32[] ints, float32[] floats, string[] strings
     Time                   uint32 secs, uint32 nsecs
 
-About one damaged frame in 256 passes its checksum, so a payload is believed only if it has exactly its layout
-and says something possible: the decoders return None otherwise. Source: rosserial_msgs, std_msgs/Time.
+About one damaged frame in 256 passes its checksum. A payload is therefore accepted only if it has exactly its
+layout and possible values; otherwise the decoders return None. Source: rosserial_msgs, std_msgs/Time.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rostether.errors import LocalProtocolError
 from rostether.rosserial.topic_id import FIRST_USER_ID, LAST_ID
 from rostether.rostime import NS_PER_S, Time
 
-# Longer names and types fit no board's buffer (150 to 512 bytes); one that claims more is damage.
+# Longer names and types fit no board's buffer (150 to 512 bytes), so they are damage.
 MAX_NAME_BYTES = 255
 
 # A frame holds at most 65535 bytes; devices with more memory may round up, but none announces more than 1
@@ -32,7 +32,7 @@ MAX_BUFFER_BYTES = 1 << 20
 
 TIME_BYTES = 8
 
-# A request has no content: some firmware sends it empty, and the established host answers it.
+# A request needs no content: some firmware sends it empty, and the established host answers it.
 TIME_REQUEST_BYTES = (0, TIME_BYTES)
 
 _NAME = re.compile(r"(?!.*//)[A-Za-z~/][A-Za-z0-9_/]*\Z", re.ASCII)
@@ -56,7 +56,7 @@ class LogLevel(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
-    """One announced endpoint; `buffer_size` in bytes: what it receives, or sends with 8 of framing."""
+    """One announced endpoint; `buffer_size`: the bytes that it receives, or sends including 8 of framing."""
 
     topic_id: int
     topic_name: str
@@ -74,7 +74,7 @@ class TopicInfo:
 
     @classmethod
     def decode(cls, payload: bytes) -> TopicInfo | None:
-        """Read an announcement; None unless names, type, md5sum, id and size can all be meant."""
+        """Decode an announcement; None if a name, the type, the md5sum, the id or the size is impossible."""
         info = cls.read(payload)
         return info if info is not None and info.fault() is None else None
 
@@ -88,7 +88,7 @@ class TopicInfo:
         return cls(topic_id, name, message_type, md5sum, buffer_size) if reader.is_spent else None
 
     def fault(self) -> str | None:
-        """Return what cannot be meant and what to change in the sketch, None if all can."""
+        """Return the impossible value and the change that the sketch needs, None if all are possible."""
         if not FIRST_USER_ID <= self.topic_id <= LAST_ID:
             return (
                 f"its topic id is {self.topic_id}, but ids below {FIRST_USER_ID} are reserved; use a larger "
@@ -127,7 +127,7 @@ class Log(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> Log | None:
-        """Read a log line; a level above FATAL is FATAL, bytes that are not UTF-8 are replaced."""
+        """Decode a log line; a level above FATAL becomes FATAL, and invalid UTF-8 is replaced."""
         if not payload:
             return None
         reader = _Reader(payload, 1)
@@ -146,7 +146,7 @@ class ParameterRequest(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> ParameterRequest | None:
-        """Read a request; the name need not be legal (the asker waits for an answer), only printable."""
+        """Decode a request; the name must be printable, but may be illegal: the device waits for an answer."""
         reader = _Reader(payload)
         name = reader.text(MAX_NAME_BYTES)
         return cls(name) if reader.is_spent and name and name.isprintable() else None
@@ -189,7 +189,7 @@ def encode_time(time: Time) -> bytes:
 
 
 def decode_time(payload: bytes) -> Time | None:
-    """Read a time; None unless it is 8 bytes with less than a second of nanoseconds."""
+    """Decode a time; None unless it has 8 bytes and less than a second of nanoseconds."""
     if len(payload) != TIME_BYTES:
         return None
     secs, nsecs = _TIME.unpack(payload)
@@ -218,7 +218,7 @@ def _string(text: str) -> bytes:
 
 
 class _Reader:
-    """Reads fields in order; once one does not fit, all after it are zero and `is_spent` is false."""
+    """Reads fields in order; after one that does not fit, all fields are zero and `is_spent` is false."""
 
     def __init__(self, payload: bytes, position: int = 0) -> None:
         self._payload = payload
@@ -230,7 +230,7 @@ class _Reader:
 
     @property
     def is_spent(self) -> bool:
-        """Whether every byte was read, none twice and none missing."""
+        """Whether every byte was read exactly once."""
         return self._position == len(self._payload)
 
     def number(self, form: struct.Struct) -> int:

@@ -1,4 +1,4 @@
-"""How long the payloads of a device can be, as far as it has announced them."""
+"""The possible lengths of a device's payloads, from its announcements."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class PayloadLimits:
-    """By topic id: the longest plausible payload, and the length above which a header is noise.
+    """The longest plausible payload of each topic id, and the length above which a header is noise.
 
-    `refused_above` has the limit of every other id under None.
+    `refused_above` has the limit of all other ids under None.
     """
 
     possible: Mapping[int, int] = field(default_factory=dict)

@@ -1,16 +1,16 @@
-"""Whether the device is there and still knows us; asks by probes that a healthy board does not answer.
+"""Tracks whether the device is connected and configured, with probes that only a reset board answers.
 
-A board that has been reset is silent on user ids while we go on talking to it. A frame begun with a wrong
-version byte (`ff 00`) makes an unconfigured board ask for the time; a configured one ignores it and asks
-only every 2.5 s. When even that fails to come, the topic request is the question that every board answers,
-those of protocol version 1 too, which know no probe.
+A board that has been reset sends nothing on user ids, although the host continues to send. A frame start with
+a wrong version byte (`ff 00`) makes an unconfigured board request the time; a configured board ignores it,
+and requests the time only every 2.5 s. Without that request, the host requests the topics: every board
+answers that, also boards of protocol version 1, which ignore probes.
 
     state     input      next      verdict
     ABSENT    SIGN       PRESENT             a sign of a configured board: a message, an announcement
     ABSENT    EARLY      PRESENT             a time request sooner than a configured board sends one
     ABSENT    ON_TIME    PRESENT             a time request when one is due
     PRESENT   EARLY      DOUBTED   PROBE
-    PRESENT   QUIET      DOUBTED   PROBE     no sign for a while
+    PRESENT   QUIET      DOUBTED   PROBE     no sign for some time
     DOUBTED   SIGN       PRESENT
     DOUBTED   QUIET      DOUBTED   PROBE
     DOUBTED   EARLY      PRESENT   RESET     it answered the probe
@@ -32,7 +32,7 @@ from enum import Enum, auto
 
 _LOG = logging.getLogger(__name__)
 
-# A reset is found this long after the last message, so that messages flow again well within two seconds.
+# A reset is detected this time after the last message, so that messages continue within two seconds.
 PROBE_AFTER_S = 1.0
 
 # Probes and their answers can be lost; a probe of two bytes at this interval does no harm.
@@ -41,7 +41,7 @@ NEXT_PROBE_S = 0.4
 # A configured board requests the time every 2.5 s; half a second for the jitter of networks.
 EARLY_S = 2.0
 
-# A timer that is handled this late means that this process stood still: it measured wrong intervals.
+# A timer that is handled this late means that this process was stopped: its intervals are wrong.
 LATE_S = 0.2
 
 # A healthy board may be silent for 3 s: it requests the time every 2.5 s, and sketches sleep.
@@ -50,12 +50,12 @@ OVERDUE_S = 3.0
 # A second for the answers to several topic requests, in case some are lost.
 SILENT_AFTER_S = 4.0
 
-# A device that answers probes though configured looks reset each time; it is believed ever more rarely.
+# A configured device that answers probes seems reset each time; its resets are accepted ever more rarely.
 MAX_QUARANTINE_S = 60.0
 
 
 class State(Enum):
-    """What is known about the device."""
+    """The states of a device."""
 
     ABSENT = auto()
     PRESENT = auto()
@@ -64,7 +64,7 @@ class State(Enum):
 
 
 class Input(Enum):
-    """What can be noticed."""
+    """The inputs of the state table."""
 
     SIGN = auto()
     EARLY = auto()
@@ -75,7 +75,7 @@ class Input(Enum):
 
 
 class Verdict(Enum):
-    """What to do: send a probe, ask for topics, take the device for reset, or for gone."""
+    """The actions: send a probe, request topics, report a reset, report silence."""
 
     PROBE = auto()
     ASK = auto()
@@ -83,7 +83,7 @@ class Verdict(Enum):
     SILENT = auto()
 
 
-# Every other pair changes nothing.
+# All other pairs change nothing.
 TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
     (State.ABSENT, Input.SIGN): (State.PRESENT, None),
     (State.ABSENT, Input.EARLY): (State.PRESENT, None),
@@ -105,7 +105,7 @@ TRANSITIONS: dict[tuple[State, Input], tuple[State, Verdict | None]] = {
 }
 
 
-# How long a state lasts before QUIET.
+# The duration of a state until QUIET.
 _PATIENCE_S = {
     State.PRESENT: PROBE_AFTER_S,
     State.DOUBTED: NEXT_PROBE_S,
@@ -132,7 +132,7 @@ class Presence:
         return self.state is State.PRESENT
 
     def frame_received(self, now_s: float) -> None:
-        """Take any valid frame."""
+        """Handle any valid frame."""
         self._note_stall(now_s)
         self.heard_s = now_s
 
@@ -142,14 +142,14 @@ class Presence:
         self.sign(now_s)
 
     def sign(self, now_s: float) -> None:
-        """Take another sign of a configured board."""
+        """Handle another sign of a configured board."""
         self.heard_s = now_s
         if self.state is not State.PRESENT:
             self._step(Input.SIGN, now_s)
         self._changed_s = now_s
 
     def answered(self, now_s: float, *, is_timely: bool = True) -> None:
-        """Take the time request that answers a topic request; `is_timely`: it came when it was sent."""
+        """Handle the time request that answers a topic request; `is_timely`: it was not delayed."""
         if is_timely:
             self._time_request_s = now_s
         self.sign(now_s)
@@ -157,7 +157,7 @@ class Presence:
     def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:
         """Handle a time request; `is_excused`: it may answer an earlier topic request."""
         self.heard_s = now_s
-        # After a standstill of this process, a request that waited looks late and the next one early.
+        # After a pause of this process, a request that waited seems late, and the next one early.
         is_measured = now_s - self._stalled_s >= EARLY_S
         is_early = now_s - self._time_request_s < EARLY_S and is_measured and not is_excused
         self._time_request_s = now_s
@@ -171,7 +171,7 @@ class Presence:
         return verdict
 
     def get_timer(self, *, probes: bool) -> float | None:
-        """Return when to call `handle_timer`. `probes`: whether asking the device makes sense now."""
+        """Return when to call `handle_timer`. `probes`: whether the device may be asked now."""
         if self.state is State.ABSENT:
             return None
         silent_s = self.heard_s + SILENT_AFTER_S

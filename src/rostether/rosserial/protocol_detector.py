@@ -1,9 +1,8 @@
-"""Which protocol version a device speaks, found in its first frames.
+"""Detects the protocol version of a device from its first frames.
 
-Both versions are read at once until one of them yields a plausible frame: version 2 checks the
-header on its own, so any of its frames will do; version 1 does not, so only a control packet that has its
-exact layout counts. What one version takes for noise may be the other's frame, so noise is reported once
-that is settled, or when it has waited long enough.
+Both versions are decoded until one of them yields a plausible frame. Version 2 has a header checksum, so each
+of its frames counts; version 1 has none, so only a control packet with its exact layout counts. Noise in one
+version may be a frame in the other, so noise is reported only after the detection, or after a delay.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from rostether.rosserial.payload_limits import NO_LIMITS, PayloadLimits
 # An announcement takes 0.1 s at 9600 baud; text that a board prints is shown after this delay at most.
 HOLD_NOISE_S = 0.25
 
-# Stretches of noise held back; more of them do not wait.
+# The number of delayed stretches of noise; further ones are reported at once.
 MAX_HELD = 256
 
 
@@ -36,16 +35,16 @@ class ProtocolDetector:
         self._release_s: float | None = None
 
     def is_receiving(self, topic_ids: Container[int], now_s: float) -> bool:
-        """Whether a frame of one of these ids is just coming in: not known while the version is not."""
+        """Return whether a frame of these ids is being received; False while the version is unknown."""
         return False
 
     def use_limits(self, limits: PayloadLimits) -> None:
-        """Judge by these limits from the next frame on."""
+        """Apply these limits from the next frame on."""
         for reader in self._candidates.values():
             reader.use_limits(limits)
 
     def feed(self, data: bytes | bytearray | memoryview, now_s: float) -> list[Decoded]:
-        """Handle a chunk; return nothing until a version is found or noise has waited long enough."""
+        """Handle a chunk; return nothing until the version is known, or noise has waited long enough."""
         return self._sift(
             {version: reader.feed(data, now_s) for version, reader in self._candidates.items()}, now_s
         )
@@ -56,7 +55,7 @@ class ProtocolDetector:
         return min((timer for timer in (*timers, self._release_s) if timer is not None), default=None)
 
     def handle_timer(self, now_s: float) -> list[Decoded]:
-        """Look inside unfinished frames, and let noise go that has waited long enough."""
+        """Search unfinished frames, and report noise that has waited long enough."""
         decoded = self._sift(
             {version: reader.handle_timer(now_s) for version, reader in self._candidates.items()}, now_s
         )

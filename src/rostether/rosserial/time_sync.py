@@ -1,9 +1,9 @@
-"""Time on both ends of the line: the device's estimate of the host's clock, and when the host may answer.
+"""Time on both ends of the line: the device's clock, and the time answers of the host.
 
-The established device library sets its clock to the host's stamp plus the whole round trip, although the
-stamp was made about half way; `DeviceClock` adds half. And while it waits for a service response, a time
-answer ends that wait with an empty result; `AnswerGate` tells the host to hold answers back, for a bounded
-time.
+The established device library sets its clock to the host's stamp plus the whole round trip; `DeviceClock`
+adds half of it, because the stamp was made about halfway. While the established library waits for a service
+response, a time answer ends that wait with an empty result; `AnswerGate` therefore delays time answers, for a
+limited time.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ REQUEST_PERIOD_S = 2.5
 # Our own devices ask a little more often, so that one lost answer matters less.
 OUR_REQUEST_PERIOD_S = 2.2
 
-# Without an answer for this long a device takes itself for unconfigured (established library: 5 * 2.2 s).
+# Without an answer for this time, a device becomes unconfigured (established library: 5 * 2.2 s).
 SYNC_LOST_S = 11.0
 
-# How far the host's clock may be behind before a device follows it back: longer than any round trip, and as
-# in the C++ client.
+# A device follows the host's clock back only over more than this: longer than any round trip, and as in the
+# C++ client.
 MAX_HOLD_S = 10.0
 
 # With 2.5 s between requests, a held answer comes 7.5 s after the last: well before the board gives up.
@@ -40,11 +40,11 @@ class DeviceClock:
         self._latest_ns = 0
 
     def requested(self, now_s: float) -> None:
-        """Note that the time was asked for now; an earlier request is taken to be lost."""
+        """Record a time request; an earlier one counts as lost."""
         self._requested_s = now_s
 
     def answered(self, time: Time, now_s: float) -> float:
-        """Set the clock by the host's stamp; return the round trip, 0 if nothing had been asked."""
+        """Set the clock to the host's stamp; return the round trip, 0 without a request."""
         round_trip_s = 0.0 if self._requested_s is None else max(now_s - self._requested_s, 0.0)
         self._requested_s = None
         self._offset_ns = time.to_ns() + round(round_trip_s / 2 * 1e9) - round(now_s * 1e9)
@@ -59,22 +59,22 @@ class DeviceClock:
 
 
 class AnswerGate:
-    """Closed while the device's own service call is in flight and something has not waited too long."""
+    """Closed during a service call of the device, until a frame has waited too long."""
 
     def __init__(self) -> None:
         self._calls = 0
         self._held_since_s: float | None = None
 
     def call_started(self) -> None:
-        """Note one more call in flight."""
+        """Count a call that has started."""
         self._calls += 1
 
     def call_finished(self) -> None:
-        """Note that a call was answered or given up."""
+        """Count a call that has ended."""
         self._calls = max(self._calls - 1, 0)
 
     def forget_calls(self) -> None:
-        """Note that the device has been reset: it waits for no answer now."""
+        """Forget calls: a device that was reset waits for none."""
         self._calls = 0
 
     def is_closed(self, now_s: float) -> bool:
@@ -84,12 +84,12 @@ class AnswerGate:
         return self._held_since_s is None or now_s < self._held_since_s + HOLD_LIMIT_S
 
     def hold(self, now_s: float) -> None:
-        """Note that something waits from now on; what waits already counts."""
+        """Record that a frame waits; the wait of the first one counts."""
         if self._held_since_s is None:
             self._held_since_s = now_s
 
     def release(self) -> None:
-        """Note that no frame waits."""
+        """Record that no frame waits."""
         self._held_since_s = None
 
     def get_timer(self) -> float | None:

@@ -1,11 +1,11 @@
-"""Which topic requests wait for an answer, and what a time request of the board means.
+"""Tracks the topic requests that wait for an answer, and interprets the board's time requests.
 
     an answer            time request, then the announcements
-    an introduction      known announcements, then a time request: a board of our library has started again
-    neither              a time request alone: it was due, or answers a probe
+    an introduction      known announcements, then a time request: a board with our library has restarted
+    neither              only a time request: it was due, or answers a probe
 
-A sketch that sleeps in its loop() may answer each request one loop after the other, long after the topics are
-known. Such an answer is no sign of a reset, an introduction is one.
+A sketch that sleeps in its loop() may answer one request in each loop, long after the topics are known. Such
+an answer is not a sign of a reset, but an introduction is.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ CLOSING_S = 0.5
 # The first announcement of an answer arrives right after its time request; a board takes longer to start.
 OPENING_S = 0.25
 
-# A request is taken for lost when neither it nor an answer before it is younger than this.
+# A request is lost if this time has passed since it was sent, and since the last answer.
 LATE_ANSWER_S = 5.0
 
 
 class TimeRequestMeaning(Enum):
-    """What a time request of the board may be."""
+    """The possible meanings of a board's time request."""
 
     ANSWER = auto()
     INTRODUCTION = auto()
@@ -40,7 +40,7 @@ class _Burst(Enum):
 
 
 class TopicAnswers:
-    """Counts the requests that are not answered yet, and follows the bursts that come."""
+    """Counts the unanswered requests, and tracks the received bursts."""
 
     def __init__(self) -> None:
         self._waiting = 0
@@ -52,7 +52,7 @@ class TopicAnswers:
         self._damaged_s = float("-inf")
 
     def damaged(self, now_s: float) -> None:
-        """Note that a damaged frame came: it may have been the time request that begins an answer."""
+        """Record a damaged frame: it may have been the time request that begins an answer."""
         self._damaged_s = now_s
 
     def requested(self, now_s: float) -> None:
@@ -61,7 +61,7 @@ class TopicAnswers:
         self._waiting_until_s = now_s + LATE_ANSWER_S
 
     def forget(self) -> None:
-        """Expect no answer to what was sent so far: the board was reset and has lost it."""
+        """Forget all requests: the board was reset and has lost them."""
         self._waiting = 0
         self._burst = _Burst.NONE
 
@@ -70,13 +70,13 @@ class TopicAnswers:
         return self._waiting if now_s < self._waiting_until_s else 0
 
     def announced(self, key: EndpointKey, now_s: float, *, is_known: bool) -> None:
-        """Take the announcement of an endpoint; `is_known`: it is among those last taken for complete."""
+        """Handle the announcement of an endpoint; `is_known`: it belongs to the last complete state."""
         if self._burst is _Burst.OPENED and now_s - self._heard_s <= OPENING_S:
             self._burst = _Burst.ANSWER
             self._first = key
             self._waiting_until_s = now_s + LATE_ANSWER_S
         elif self._burst is not _Burst.ANSWER or self._first == key:
-            # No answer has an announcement twice.
+            # An answer has each announcement once.
             is_whole = now_s - self._damaged_s > CLOSING_S
             is_repeated = self._burst is not _Burst.INTRODUCTION or self._is_repetition
             self._is_repetition = is_known and is_whole and is_repeated
@@ -84,13 +84,14 @@ class TopicAnswers:
         self._heard_s = now_s
 
     def time_requested(self, now_s: float, *, has_topics: bool) -> TimeRequestMeaning:
-        """Handle a time request; `has_topics`: an answer would hold announcements."""
+        """Handle a time request; `has_topics`: an answer would have announcements."""
         before, self._burst = self._burst, _Burst.NONE
         pause_s, self._heard_s = now_s - self._heard_s, now_s
         if before is _Burst.INTRODUCTION and pause_s <= CLOSING_S:
             return TimeRequestMeaning.INTRODUCTION if self._is_repetition else TimeRequestMeaning.ALONE
         if before is _Burst.OPENED and has_topics:
-            # The one before was counted as an answer and was none. This one may be; later ones are not.
+            # The last one was counted as an answer, but was not. This one may be an answer; later ones are
+            # not.
             if pause_s <= OPENING_S:
                 self._burst = _Burst.OPENED
             else:

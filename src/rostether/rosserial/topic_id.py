@@ -1,4 +1,4 @@
-"""The reserved topic ids of the rosserial wire, and where user topics begin.
+"""The reserved topic ids of the rosserial protocol, and the first id of user topics.
 
     id       payload                                               direction
     0        empty: "send me your topics"                          host to device
@@ -9,11 +9,11 @@
     6        RequestParam: request (device), response (host)       both
     7        Log                                                   device to host
     10       Time: request (device), answer (host)                 both
-    11       empty: stop sending, I am going away                  host to device
+    11       empty: stop sending, the host leaves                  host to device
     100 ..   user topics                                           both
 
-Directions are the device's: 2 and 4 announce the half the device publishes on, 3 and 5 the half it listens
-to.
+Directions are the device's: 2 and 4 announce the half that the device publishes, 3 and 5 the half that it
+subscribes.
 """
 
 from __future__ import annotations

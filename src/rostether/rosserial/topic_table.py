@@ -1,4 +1,4 @@
-"""What a device has announced: its endpoints by direction and id, and the services their halves make."""
+"""The endpoints that a device has announced, by direction and id, and the services that their halves form."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _SERVICES = {
 
 
 class EndpointKey(NamedTuple):
-    """Which endpoint: a device may use one id for sending and for listening, they are two endpoints."""
+    """Identifies an endpoint: one id may belong to two endpoints, one in each direction."""
 
     sends: bool
     topic_id: int
@@ -56,7 +56,7 @@ def key_of(kind: int, info: TopicInfo) -> EndpointKey:
 
 
 class TopicTable:
-    """The endpoints of one device; returns the changes of each announcement as events."""
+    """The endpoints of one device; each announcement returns its changes as events."""
 
     def __init__(
         self, max_endpoints: int, fixed_size: Callable[[TopicInfo], int | None] | None = None
@@ -66,9 +66,9 @@ class TopicTable:
         self._endpoints: dict[EndpointKey, _Endpoint] = {}
         self._services: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
 
-        # None after a change, until it is asked for.
+        # None after a change, until the next use.
         self._limits: PayloadLimits | None = None
-        # By id: the largest payload that may be sent to the device now, where one may be.
+        # The largest payload that may be sent to the device now, by id.
         self.send_limits: dict[int, int] = {}
         # Ids that the device sends on.
         self.senders: set[int] = set()
@@ -81,7 +81,7 @@ class TopicTable:
         return frozenset(self._endpoints)
 
     def info(self, key: EndpointKey) -> TopicInfo | None:
-        """Return what was announced, None for an unknown endpoint."""
+        """Return the announcement of an endpoint, None for an unknown one."""
         endpoint = self._endpoints.get(key)
         return endpoint.info if endpoint else None
 
@@ -97,13 +97,13 @@ class TopicTable:
 
     @property
     def limits(self) -> PayloadLimits:
-        """What the device may send; one value until an endpoint changes."""
+        """The limits of the device's payloads; the same object until an endpoint changes."""
         if self._limits is None:
             self._limits = self._make_limits()
         return self._limits
 
     def lone_halves(self) -> list[tuple[int, TopicInfo]]:
-        """Return the halves of services that lack the other half, with the ids they were announced on."""
+        """Return the service halves without the other half, with the ids on which they were announced."""
         paired = {
             key
             for pair in self._services.values()
@@ -120,9 +120,9 @@ class TopicTable:
 
     @property
     def input_buffer_bytes(self) -> int | None:
-        """The device's input buffer as far as it is known: no frame to it may carry more payload.
+        """The known size of the device's input buffer: the payload limit of all frames to it.
 
-        Publishers announce the output buffer instead; every known device without subscribers has both alike.
+        Publishers announce the output buffer instead; without subscribers, both are considered equal.
         """
         by_direction = {
             sends: [entry.info.buffer_size for key, entry in self._endpoints.items() if key.sends is sends]
@@ -132,12 +132,12 @@ class TopicTable:
         return min(sizes) if sizes else None
 
     def is_known(self, kind: int, info: TopicInfo) -> bool:
-        """Whether just this was announced before."""
+        """Return whether exactly this was announced before."""
         known = self._endpoints.get(key_of(kind, info))
         return known is not None and (known.kind, known.info) == (kind, info)
 
     def announce(self, kind: int, info: TopicInfo) -> list[HostEvent] | None:
-        """Take an announcement on reserved id `kind`; None if there are too many endpoints already."""
+        """Add an announcement on reserved id `kind`; None if there are already too many endpoints."""
         key = key_of(kind, info)
         known = self._endpoints.get(key)
         if known is not None and known.is_current and (known.kind, known.info) == (kind, info):
@@ -170,7 +170,7 @@ class TopicTable:
         return events + self._pair_services()
 
     def distrust(self) -> None:
-        """Send nothing to any endpoint until it is announced again: the device has been reset."""
+        """Send nothing to an endpoint until it is announced again: the device has been reset."""
         for endpoint in self._endpoints.values():
             endpoint.is_current = False
         self.send_limits.clear()
@@ -187,16 +187,16 @@ class TopicTable:
         return []
 
     def _largest_payload(self, info: TopicInfo) -> int:
-        """Return what a message of a topic can have at most."""
+        """Return the size of a topic's largest message."""
         if info.buffer_size >= MAX_PAYLOAD_BYTES and self._fixed_size is not None:
-            # A library that streams has no buffer to announce.
+            # A library that streams has no buffer size to announce.
             size = self._fixed_size(info)
             if size is not None:
                 return size
         return info.buffer_size
 
     def _make_limits(self) -> PayloadLimits:
-        """Nothing is refused while nothing is known; a control packet may fill the board's buffer too."""
+        """Without announcements, nothing is refused; control packets may fill the board's buffer."""
         sent = {key.topic_id: each for key, each in self._endpoints.items() if key.sends}
         possible = CONTROL_LIMITS | {topic_id: each.largest_payload for topic_id, each in sent.items()}
         if not sent:
@@ -210,7 +210,7 @@ class TopicTable:
         return PayloadLimits(possible, refused_above)
 
     def _pair_services(self) -> list[HostEvent]:
-        """Pair halves of one role, name and type in the order of their ids; report what changed."""
+        """Pair halves of one role, name and type in the order of their ids; return the changes."""
         pairs: dict[tuple[ServiceRole, int, int], ServiceAnnounced] = {}
         for role, kinds in _SERVICES.items():
             halves: dict[tuple[str, str], tuple[list[TopicInfo], list[TopicInfo]]] = {}
@@ -226,7 +226,8 @@ class TopicTable:
                         )
         gone = [service for key, service in self._services.items() if pairs.get(key) != service]
         names = {(service.role, service.name) for service in gone}
-        # Endpoints of the name with other ids come first: the server of the name then continues with them.
+        # Endpoints of the same name with other ids come first, so that the server of the name continues with
+        # them.
         events: list[HostEvent] = [
             pair
             for key, pair in pairs.items()

@@ -25,7 +25,7 @@ WATCH_S = 8.0
 # How long to watch a board that was reset or whose time request was late: by then a pattern is visible.
 UNREST_S = 20.0
 
-_LOOK_S = 0.1
+_POLL_S = 0.1
 _FIND_PERIOD_S = 1.0
 _NODE = "/board"
 
@@ -63,7 +63,7 @@ async def watch_board(transport: Transport, baud: int | None, store: TypeStore, 
             findings.append(absence(session.watch.noise, baud, watched_s))
         view = view_board(node, session)
         rates_hz = {
-            f"{each.role} {each.name}": each.message_count / max(watched_s, _LOOK_S)
+            f"{each.role} {each.name}": each.message_count / max(watched_s, _POLL_S)
             for each in view.endpoints
         }
         estimate = node.health.clock
@@ -85,7 +85,7 @@ async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -
     began_s = found_s = clock()
     alive_s: float | None = None
     while session.is_connected:
-        await asyncio.sleep(_LOOK_S)
+        await asyncio.sleep(_POLL_S)
         now_s = clock()
         if now_s - found_s >= _FIND_PERIOD_S:
             # Findings compare the counts of two checks.

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 HIDDEN_NAME = "/_rostether"
-LOOK_INTERVAL_S = 0.05
+POLL_INTERVAL_S = 0.05
 # The longest wait for a given name. DDS announces it at once, and again after 3 s if that is lost; zenoh's
 # router has announced it before the command starts.
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
@@ -80,7 +80,7 @@ class ToolNode:
         while loop.time() - begin_s < PATIENCE_S[self.middleware]:
             if _looks_complete(view) and loop.time() - changed_s >= quiet_s:
                 break
-            await asyncio.sleep(LOOK_INTERVAL_S)
+            await asyncio.sleep(POLL_INTERVAL_S)
             latest = await self.snapshot()
             if latest != view:
                 view, changed_s = latest, loop.time()
@@ -91,7 +91,7 @@ class ToolNode:
         deadline_s = asyncio.get_running_loop().time() + PATIENCE_S[self.middleware]
         view = await self.snapshot()
         while not condition(view) and asyncio.get_running_loop().time() < deadline_s:
-            await asyncio.sleep(LOOK_INTERVAL_S)
+            await asyncio.sleep(POLL_INTERVAL_S)
             view = await self.snapshot()
         return view
 

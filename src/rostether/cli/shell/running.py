@@ -115,10 +115,10 @@ class _Ending:
         if self.exit_code is not None:
             os._exit(code)
         self.exit_code = code
-        signal.signal(signal.SIGALRM, self._look)
+        signal.signal(signal.SIGALRM, self._handle_alarm)
         signal.setitimer(signal.ITIMER_REAL, BUSY_S, BUSY_S)
 
-    def _look(self, _number: int, _frame: object) -> None:
+    def _handle_alarm(self, _number: int, _frame: object) -> None:
         loop = self._loop
         if loop is None or loop.is_closed():
             return

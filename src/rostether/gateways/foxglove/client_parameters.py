@@ -7,8 +7,8 @@ from collections.abc import Callable, Coroutine, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import client_messages as asked
-from rostether.gateways.foxglove import server_messages as outgoing
+from rostether.gateways.foxglove import client_messages as requests
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_work import ClientWork
 
 if TYPE_CHECKING:
@@ -16,44 +16,44 @@ if TYPE_CHECKING:
 
 
 class ClientParameters:
-    """Requests of one client; `send` sends the answers, `mistake` reports mistakes."""
+    """Requests of one client; `send` sends the answers, `report_mistake` reports mistakes."""
 
     def __init__(
         self,
         gateway: FoxgloveGateway,
         work: ClientWork,
         send: Callable[[str], None],
-        mistake: Callable[[str], None],
+        report_mistake: Callable[[str], None],
     ) -> None:
         self._gateway = gateway
         self._work = work
         self._send = send
-        self._mistake = mistake
+        self._report_mistake = report_mistake
         self._watched: set[str] = set()
         self._changed: dict[str, dict[str, Any]] = {}
 
-    def get(self, request: asked.GetParameters) -> None:
+    def get(self, request: requests.GetParameters) -> None:
         """Answer with values."""
 
         async def get() -> None:
             values = await self._gateway.parameters.get(request.names)
-            self._send(outgoing.parameter_values(values, request.request_id))
+            self._send(replies.parameter_values(values, request.request_id))
 
         self._ask(get, "parameters cannot be read")
 
-    def set(self, request: asked.SetParameters) -> None:
+    def set(self, request: requests.SetParameters) -> None:
         """Set values, and answer with the new values if requested."""
 
         async def set_them() -> None:
             values, mistakes = await self._gateway.parameters.set(request.parameters)
             for text in mistakes:
-                self._mistake(text)
+                self._report_mistake(text)
             if request.request_id is not None:
-                self._send(outgoing.parameter_values(values, request.request_id))
+                self._send(replies.parameter_values(values, request.request_id))
 
         self._ask(set_them, "parameters cannot be set")
 
-    def watch(self, request: asked.SubscribeParameters) -> None:
+    def watch(self, request: requests.SubscribeParameters) -> None:
         """Report changes from now on; no names means all parameters."""
         if request.names:
             self._watch_each(request.names)
@@ -64,7 +64,7 @@ class ClientParameters:
 
         self._ask(watch_all, "parameters cannot be watched")
 
-    def unwatch(self, request: asked.UnsubscribeParameters) -> None:
+    def unwatch(self, request: requests.UnsubscribeParameters) -> None:
         """Stop reporting changes; no names means all parameters."""
         self._unwatch_each(request.names or tuple(self._watched))
 
@@ -77,14 +77,18 @@ class ClientParameters:
             async with asyncio.timeout(self._gateway.limits.parameters_timeout_s):
                 await work()
 
-        self._work.ask(in_time, lambda text: self._mistake(f"{failed}: {text}"), self._gateway.limits.calls)
+        self._work.ask(
+            in_time, lambda text: self._report_mistake(f"{failed}: {text}"), self._gateway.limits.calls
+        )
 
     def _watch_each(self, names: Sequence[str]) -> None:
         for name in names:
             if name in self._watched:
                 continue
             if len(self._watched) >= self._gateway.limits.watched_parameters:
-                self._mistake(f"a client may watch {self._gateway.limits.watched_parameters} parameters")
+                self._report_mistake(
+                    f"a client may watch {self._gateway.limits.watched_parameters} parameters"
+                )
                 return
             self._watched.add(name)
             self._work.start(self._watch(name))
@@ -94,7 +98,7 @@ class ClientParameters:
             await self._gateway.parameters.watch(name, self._queue_change)
         except RostetherError as error:
             self._watched.discard(name)
-            self._mistake(f"parameter {name[:80]} cannot be watched: {error}")
+            self._report_mistake(f"parameter {name[:80]} cannot be watched: {error}")
 
     def _unwatch_each(self, names: Sequence[str]) -> None:
         for name in names:
@@ -110,4 +114,4 @@ class ClientParameters:
 
     def _send_changed(self) -> None:
         changed, self._changed = list(self._changed.values()), {}
-        self._send(outgoing.parameter_values(changed))
+        self._send(replies.parameter_values(changed))

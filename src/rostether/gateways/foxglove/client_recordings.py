@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import server_messages as outgoing
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_messages import (
     ListRecordings,
     PausePlayback,
@@ -26,19 +26,19 @@ MAX_REQUESTS = 4
 
 
 class ClientRecordings:
-    """The recordings for one client; `send` sends a message, `mistake` reports a line."""
+    """The recordings for one client; `send` sends a message, `report_mistake` reports a line."""
 
     def __init__(
         self,
         gateway: FoxgloveGateway,
         work: ClientWork,
         send: Callable[[str], None],
-        mistake: Callable[[str], None],
+        report_mistake: Callable[[str], None],
     ) -> None:
         self._gateway = gateway
         self._work = work
         self._send = send
-        self._mistake = mistake
+        self._report_mistake = report_mistake
         self._changes = 0
 
     def follow(self, _: ListRecordings) -> None:
@@ -47,7 +47,7 @@ class ClientRecordings:
             self._refuse()
             return
         reports.follow(self._report)
-        self._work.ask(reports.report, self._mistake, MAX_REQUESTS, "requests about recordings")
+        self._work.ask(reports.report, self._report_mistake, MAX_REQUESTS, "requests about recordings")
 
     def start(self, request: StartRecording) -> None:
         """Start a recording."""
@@ -81,7 +81,7 @@ class ClientRecordings:
             self._refuse()
             return
         if self._changes >= MAX_REQUESTS:
-            self._mistake(f"more than {MAX_REQUESTS} changes of the recording at once")
+            self._report_mistake(f"more than {MAX_REQUESTS} changes of the recording at once")
             return
         self._changes += 1
 
@@ -89,7 +89,7 @@ class ClientRecordings:
             try:
                 await change(reports.control)
             except RostetherError as error:
-                self._mistake(str(error))
+                self._report_mistake(str(error))
             finally:
                 self._changes -= 1
             await reports.report()
@@ -98,7 +98,7 @@ class ClientRecordings:
         self._gateway.run(work())
 
     def _refuse(self) -> None:
-        self._mistake("this gateway does not record")
+        self._report_mistake("this gateway does not record")
 
     def _report(self, state: Mapping[str, Any]) -> None:
-        self._send(outgoing.recordings(state))
+        self._send(replies.recordings(state))

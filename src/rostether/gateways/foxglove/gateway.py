@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Any
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import server_messages as outgoing
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
@@ -103,7 +103,7 @@ class FoxgloveGateway:
             self._open_client,
             self._warn,
             viewer_site=FOXGLOVE_SITE,
-            subprotocols=outgoing.SUBPROTOCOLS,
+            subprotocols=replies.SUBPROTOCOLS,
             site=parts.site,
             routes={SERIAL_PATH: parts.boards.open if parts.boards is not None else None},
         )
@@ -197,7 +197,7 @@ class FoxgloveGateway:
             capabilities.append(_TIME_CAPABILITY)
         send = client.line.send
         send(
-            outgoing.server_info(
+            replies.server_info(
                 name=self.settings.name,
                 capabilities=capabilities,
                 # A client that reconnects can reuse its ids: they stay valid during this run.
@@ -211,9 +211,9 @@ class FoxgloveGateway:
             )
         )
         # The protocol requires one in each connection; it may be empty.
-        send(outgoing.advertise(self.channels.by_id.values()))
+        send(replies.advertise(self.channels.by_id.values()))
         if self.services.by_id and "services" in capabilities:
-            send(outgoing.advertise_services(self.services.by_id.values()))
+            send(replies.advertise_services(self.services.by_id.values()))
         for text in self._statuses.values():
             send(text)
         if self._problem:
@@ -249,7 +249,7 @@ class FoxgloveGateway:
                     self.channels.update(snapshot)
                     self.services.update(snapshot)
                     if (changes := self.connections.update(snapshot)) is not None:
-                        message = outgoing.connection_graph_update(changes)
+                        message = replies.connection_graph_update(changes)
                         for client in self._clients:
                             if client.wants_connection_graph:
                                 client.line.send(message)
@@ -262,10 +262,10 @@ class FoxgloveGateway:
         if problem == self._problem:
             return
         self._problem = problem
-        self._broadcast(self._problem_status() if problem else outgoing.remove_status([_GRAPH_STATUS_ID]))
+        self._broadcast(self._problem_status() if problem else replies.remove_status([_GRAPH_STATUS_ID]))
 
     def _problem_status(self) -> str:
-        return outgoing.status(StatusLevel.WARNING, self._problem, _GRAPH_STATUS_ID)
+        return replies.status(StatusLevel.WARNING, self._problem, _GRAPH_STATUS_ID)
 
     async def _end_with_node(self) -> None:
         reason = await self.graph.wait_closed()
@@ -281,33 +281,33 @@ class FoxgloveGateway:
 
     def _offer_channels(self, channels: Sequence[Channel]) -> None:
         if self._clients:
-            self._broadcast(outgoing.advertise(channels))
+            self._broadcast(replies.advertise(channels))
 
     def _end_channels(self, channels: Sequence[Channel]) -> None:
         for client in list(self._clients):
             for channel in channels:
                 client.channel_ended(channel)
-        self._broadcast(outgoing.unadvertise(channel.id for channel in channels))
+        self._broadcast(replies.unadvertise(channel.id for channel in channels))
 
     def _offer_services(self, services: Sequence[OfferedService]) -> None:
         if self._clients and "services" in self.settings.capabilities:
-            self._broadcast(outgoing.advertise_services(services))
+            self._broadcast(replies.advertise_services(services))
 
     def _end_services(self, services: Sequence[OfferedService]) -> None:
         if self._clients and "services" in self.settings.capabilities:
-            self._broadcast(outgoing.unadvertise_services(service.id for service in services))
+            self._broadcast(replies.unadvertise_services(service.id for service in services))
 
     def _warn_clients(self, text: str) -> None:
         if text in self._statuses or len(self._statuses) >= _MAX_SHOWN_STATUSES:
             return
         self._warn(text)
-        message = self._statuses[text] = outgoing.status(
+        message = self._statuses[text] = replies.status(
             StatusLevel.WARNING, text, f"warning-{len(self._statuses)}"
         )
         self._broadcast(message)
 
     def _send_time(self, time_ns: int) -> None:
-        self._broadcast(outgoing.time(time_ns))
+        self._broadcast(replies.time(time_ns))
 
     def _restart_clients(self) -> None:
         # Each connection gets the clock only once.

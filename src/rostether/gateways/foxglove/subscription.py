@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 
 from rostether.errors import RostetherError
-from rostether.gateways.foxglove import server_messages as outgoing
+from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.line import Line
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
@@ -96,9 +96,9 @@ class DroppedReport:
     def _report(self) -> None:
         self._timer = None
         if self.count == self._reported:
-            self._send(outgoing.remove_status([_STATUS_ID]))
+            self._send(replies.remove_status([_STATUS_ID]))
             return
         self._reported = self.count
         text = f"this client reads too slowly: {self.count} messages were left out so far"
-        self._send(outgoing.status(StatusLevel.WARNING, text, _STATUS_ID))
+        self._send(replies.status(StatusLevel.WARNING, text, _STATUS_ID))
         self._timer = asyncio.get_running_loop().call_later(_PERIOD_S, self._report)

@@ -71,7 +71,7 @@ class Session:
         self._token = token
         self._outbox: Outbox[ClientSubscription] = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
         self.topics: ClientTopics = ClientTopics(
-            context, self._outbox, lambda text: self._mistake(text, None)
+            context, self._outbox, lambda text: self._report_mistake(text, None)
         )
         self.services: ClientServices = ClientServices(context, self._send)
         self.actions: ClientActions = ClientActions(context, self._send)
@@ -158,15 +158,15 @@ class Session:
                 async with asyncio.timeout(OPERATION_LIMIT_S):
                     await waiting
         except RostetherError as error:
-            self._mistake(str(error), request_id)
+            self._report_mistake(str(error), request_id)
         except TimeoutError:
-            self._mistake(
+            self._report_mistake(
                 f"{request.op}: the graph did not answer within {OPERATION_LIMIT_S:g} s", request_id
             )
         except Exception as error:  # noqa: BLE001 - a client's message must not end its connection
-            self._mistake(f"{type(error).__name__}: {error}", request_id)
+            self._report_mistake(f"{type(error).__name__}: {error}", request_id)
 
-    def _mistake(self, text: str, request_id: object) -> None:
+    def _report_mistake(self, text: str, request_id: object) -> None:
         text = fold_line(text)
         self.status(StatusLevel.ERROR, text, request_id)
         if len(self._logged) < MAX_LOGGED and text not in self._logged:

@@ -72,7 +72,7 @@ class ParameterWatches:
 
     def _handle_own_changes(self, changes: Changes) -> None:
         for watch in self._watches:
-            watch.look_again()
+            watch.refresh_soon()
 
     def _handle_events(self, payloads: Sequence[bytes]) -> None:
         codec = rcl_interfaces().codec("ParameterEvent")
@@ -85,7 +85,7 @@ class ParameterWatches:
         nodes.discard(self._graph.node_name)
         for watch in self._watches:
             if any(_concerns(node, watch.name) for node in nodes):
-                watch.look_again()
+                watch.refresh_soon()
 
 
 class ParameterWatch:
@@ -105,7 +105,7 @@ class ParameterWatch:
         self._latest: ParamValue = None
         self._is_started = False
         self._is_outdated = False
-        self._looking: asyncio.Task[None] | None = None
+        self._refreshing: asyncio.Task[None] | None = None
         self._is_closed = False
 
     async def start(self) -> None:
@@ -115,23 +115,23 @@ class ParameterWatch:
         self._report_value()
         self._is_started = True
         if self._is_outdated:
-            self.look_again()
+            self.refresh_soon()
 
-    def look_again(self) -> None:
+    def refresh_soon(self) -> None:
         """Fetch the value, and report it if it has changed."""
         self._is_outdated = True
-        if self._is_started and self._looking is None and not self._is_closed:
-            self._looking = asyncio.get_running_loop().create_task(self._look())
+        if self._is_started and self._refreshing is None and not self._is_closed:
+            self._refreshing = asyncio.get_running_loop().create_task(self._refresh())
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""
         if not self._is_closed:
             self._is_closed = True
-            if self._looking is not None:
-                self._looking.cancel()
+            if self._refreshing is not None:
+                self._refreshing.cancel()
             await self._watches.remove(self)
 
-    async def _look(self) -> None:
+    async def _refresh(self) -> None:
         try:
             while self._is_outdated:
                 self._is_outdated = False
@@ -143,7 +143,7 @@ class ParameterWatch:
                     self._latest = value
                     self._report_value()
         finally:
-            self._looking = None
+            self._refreshing = None
 
     def _report_value(self) -> None:
         if not self._is_closed:

@@ -13,13 +13,13 @@ from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import Publication
-from rostether.ros2.rclpy.service_client import DISCOVERY_S, LOOK_INTERVAL_S, RclpyServiceClient
+from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.types.type_support import ServiceSupport
 
 # How often a subscriber looks for publishers, as rclpy does not report them; users do not notice 0.2 s.
-LOOK_AT_PUBLISHERS_INTERVAL_S = 0.2
+PUBLISHER_POLL_INTERVAL_S = 0.2
 
 
 class Endpoints:
@@ -35,7 +35,7 @@ class Endpoints:
         self._listed: Counter[tuple[str, str]] = Counter()
         # Endpoints with the same name are created and ended one at a time.
         self._lock = asyncio.Lock()
-        self._looking: asyncio.Task[None] | None = None
+        self._polling: asyncio.Task[None] | None = None
         self._is_closing = False
 
     async def advertise(
@@ -71,8 +71,8 @@ class Endpoints:
         )
         await self._own.thread.run(subscriber.open)
         self._subscribers.add(subscriber)
-        if subscriber.needs_looks and self._looking is None:
-            self._looking = asyncio.ensure_future(self._look())
+        if subscriber.needs_polling and self._polling is None:
+            self._polling = asyncio.ensure_future(self._poll_publishers())
         return subscriber
 
     async def advertise_service(
@@ -112,10 +112,10 @@ class Endpoints:
     async def close(self) -> None:
         """End everything."""
         self._is_closing = True
-        if self._looking is not None:
-            self._looking.cancel()
+        if self._polling is not None:
+            self._polling.cancel()
             with contextlib.suppress(asyncio.CancelledError):
-                await self._looking
+                await self._polling
         await asyncio.gather(
             *(each.close() for each in list(self._servers.values())),
             *(each.close() for each in list(self._subscribers)),
@@ -152,15 +152,15 @@ class Endpoints:
         while not (types := await self._own.thread.run(lambda: self._own.service_types(service))):
             if loop.time() >= deadline_s:
                 raise ServiceUnavailableError(f"no node offers the service {service}; start its node")
-            await asyncio.sleep(LOOK_INTERVAL_S)
+            await asyncio.sleep(SERVICE_POLL_INTERVAL_S)
         return self._own.types.service_by_name(types[0])
 
-    async def _look(self) -> None:
+    async def _poll_publishers(self) -> None:
         while True:
-            await asyncio.sleep(LOOK_AT_PUBLISHERS_INTERVAL_S)
+            await asyncio.sleep(PUBLISHER_POLL_INTERVAL_S)
             for subscriber in list(self._subscribers):
-                if subscriber.needs_looks:
-                    await self._own.thread.run(subscriber.look)
+                if subscriber.needs_polling:
+                    await self._own.thread.run(subscriber.adapt)
 
     async def _end_publication(self, publication: Publication) -> None:
         async with self._lock:

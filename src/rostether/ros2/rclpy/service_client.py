@@ -21,7 +21,7 @@ from rostether.ros2.types.type_support import ServiceSupport
 DISCOVERY_S = 3.5
 
 # The polling interval for a server that is being discovered.
-LOOK_INTERVAL_S = 0.01
+SERVICE_POLL_INTERVAL_S = 0.01
 
 # The interval between checks that the server of a pending call is alive; middlewares do not report it.
 SERVER_CHECK_INTERVAL_S = 0.25
@@ -81,7 +81,7 @@ class RclpyServiceClient:
             # A different type is known at once.
             if isinstance(absence, TypeMismatchError) or loop.time() >= deadline_s:
                 raise absence
-            await asyncio.sleep(LOOK_INTERVAL_S)
+            await asyncio.sleep(SERVICE_POLL_INTERVAL_S)
 
     def _is_ready(self) -> bool:
         if self._client is None:

@@ -1,4 +1,4 @@
-"""A subscription to one topic: the rclpy subscription adapts to the publishers it finds.
+"""A subscription to one topic: its quality of service adapts to the publishers.
 
     known publishers                 requested QoS
     none                             reliable; for any type: nothing yet, because the type is unknown
@@ -17,11 +17,12 @@ from typing import Any
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError
 from rostether.graph.callbacks import call_contained
+from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
+from rostether.ros2.handover import Handover
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
-from rostether.ros2.rclpy.mailbox import Mailbox
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import (
     Wish,
@@ -33,7 +34,7 @@ from rostether.ros2.rclpy.quality import (
 from rostether.ros2.rclpy.view import node_name_of
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 
-# Messages taken in one go before the executor looks at the other subscriptions again: a few milliseconds.
+# Messages received before the executor serves the other subscriptions again: a few milliseconds.
 MAX_BATCH = 1000
 
 # The number of different reports of one subscription, so that invalid messages cannot fill the log.
@@ -43,7 +44,7 @@ _GID_BYTES = 16
 
 
 class RclpySubscriber:
-    """A `graph.ports.Subscriber`. Methods that start with `look` or `open` run in the executor's thread."""
+    """A `graph.ports.Subscriber`. `open`, `adapt` and `end` run in the executor's thread."""
 
     def __init__(
         self,
@@ -68,7 +69,7 @@ class RclpySubscriber:
             self._support = own.types.message(message_type)
         self._wish: Wish | None = None
         self._subscription: Any = None
-        self._mailbox = Mailbox(lambda: own.thread.call_in_loop(self._deliver))
+        self._queue: Handover[bytes] = Handover(self._deliver, limit=DEFAULT_QUEUE_BYTES)
         # Publishers that were reported as connected, with the names of their nodes.
         self._known: dict[bytes, str] = {}
         self._unnamed: set[bytes] = set()  # Those whose node has no name yet.
@@ -77,7 +78,7 @@ class RclpySubscriber:
         self._latest: dict[bytes, int] = {}
         self._seen: dict[bytes, int] = {}
         self._complaints: set[str] = set()
-        self._tells_matches = True
+        self._reports_matches = True
         self._is_closed = False
 
     @property
@@ -90,9 +91,9 @@ class RclpySubscriber:
         return int(self._own.node.count_publishers(self.topic) if count is None else count())
 
     @property
-    def needs_looks(self) -> bool:
-        """Whether it learns of publishers only by polling."""
-        return self._subscription is None or not self._tells_matches
+    def needs_polling(self) -> bool:
+        """Whether only polling finds new publishers."""
+        return self._subscription is None or not self._reports_matches
 
     def open(self) -> None:
         """Subscribe. Raises GraphError, InvalidNameError, TypeMismatchError, UnknownTypeError."""
@@ -100,7 +101,7 @@ class RclpySubscriber:
             message_class(self._support.name)
         self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
 
-    def look(self) -> None:
+    def adapt(self) -> None:
         """Adapt to the current publishers."""
         if self._is_closed:
             return
@@ -111,17 +112,17 @@ class RclpySubscriber:
 
     def pause(self) -> None:
         """Keep messages; rclpy cannot make publishers wait, so a full queue drops the oldest."""
-        self._mailbox.pause()
+        self._queue.pause()
 
     def resume(self) -> None:
         """Pass messages on again."""
-        self._mailbox.resume()
-        self._own.thread.call_in_loop(self._deliver)
+        self._queue.resume()
 
     async def close(self) -> None:
         """Unsubscribe. Idempotent; no callback runs after it returns."""
         if not self._is_closed:
             self._is_closed = True
+            self._queue.close()
             await self._on_close(self)
 
     def end(self) -> None:
@@ -141,7 +142,7 @@ class RclpySubscriber:
         wish = subscriber_wish(of_type)
         if self._subscription is None or (of_type and wish != self._wish):
             self._subscribe(wish)
-        self._meet(of_type)
+        self._report_publishers(of_type)
 
     def _learn_type(self, name: str) -> None:
         # Runs in the event loop, like all compilation of types.
@@ -159,7 +160,7 @@ class RclpySubscriber:
         # In the executor's thread: no message of an older type comes after this.
         self.end()
         self._support = support
-        self.look()
+        self.adapt()
 
     def _subscribe(self, wish: Wish) -> None:
         support = self._support
@@ -198,19 +199,19 @@ class RclpySubscriber:
         make = load_rclpy().events.SubscriptionEventCallbacks
         try:
             return make(
-                matched=lambda _: self.look(),
+                matched=lambda _: self.adapt(),
                 incompatible_qos=self._handle_mismatch,
                 use_default_callbacks=False,
             )
         except TypeError:
             # Humble does not report matched publishers.
-            self._tells_matches = False
+            self._reports_matches = False
             return make(incompatible_qos=self._handle_mismatch, use_default_callbacks=False)
 
     def _handle_mismatch(self, event: Any) -> None:
-        self.look()
+        self.adapt()
         policy = name_policy(event)
-        # `look` adapts to these two policies.
+        # `adapt` adapts to these two policies.
         if policy not in ("reliability", "durability"):
             self._complain(
                 f"a publisher of {self.topic} offers another {policy} than a subscriber of this node "
@@ -227,10 +228,10 @@ class RclpySubscriber:
                     break
                 received.append(message)
         messages = [message for message, info in received if self._is_wanted(info)]
-        if messages:
-            if not self._known and self._on_connection is not None:
-                self.look()
-            self._mailbox.put(messages)
+        if messages and not self._known and self._on_connection is not None:
+            self.adapt()
+        for message in messages:
+            self._queue.put(message, len(message))
 
     def _is_wanted(self, info: Mapping[str, Any]) -> bool:
         gid = (info.get("publisher_gid") or {}).get("data")
@@ -243,11 +244,11 @@ class RclpySubscriber:
         if not self._skip_own and self._skip_nodes == ():
             return True
         if gid not in self._known or gid in self._unnamed:
-            self.look()
+            self.adapt()
         node_name = self._known.get(gid, "")
         return node_name not in self._skip_nodes and not (self._skip_own and node_name == self._own.name)
 
-    def _meet(self, publishers: Sequence[Any]) -> None:
+    def _report_publishers(self, publishers: Sequence[Any]) -> None:
         assert self._support is not None
         gids = {bytes(each.endpoint_gid[:_GID_BYTES]): each for each in publishers}
         for table in (self._known, self._latest, self._seen):
@@ -271,9 +272,8 @@ class RclpySubscriber:
         if not self._is_closed and self._on_connection is not None:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
-    def _deliver(self) -> None:
-        messages = self._mailbox.pop_all()
-        if not messages or self._is_closed or self._support is None:
+    def _deliver(self, messages: Sequence[bytes]) -> None:
+        if self._is_closed or self._support is None:
             return
         from_cdr = self._support.converter.from_cdr
         try:

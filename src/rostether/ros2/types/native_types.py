@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
@@ -12,6 +13,8 @@ from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types, ServiceSupport
 from rostether.serde.type_tree import Array, Node, Struct
 from rostether.serde.values import Message, MessageClasses
+
+SupportT = TypeVar("SupportT", MessageSupport, ServiceSupport)
 
 
 class NativeTypes(Ros2Types):
@@ -25,29 +28,31 @@ class NativeTypes(Ros2Types):
 
     def message(self, message_type: MessageType) -> MessageSupport:
         """Return a message type's support in ROS 2. Raises the same errors as `Ros2Types.message`."""
-        name = message_type.name
-        support = self._native_supports.get(name)
-        try:
-            if support is None and self._native.message_type(name).md5sum == message_type.md5sum:
-                support = self._native_supports[name] = self._describe(name)
-        except UnknownTypeError:
-            pass  # A peer's own definition.
-        if support is not None and support.ros1_type.md5sum == message_type.md5sum:
-            return support
-        return super().message(message_type)
+        support = self._find(message_type, self._native_supports, self._native.message_type, self._describe)
+        return super().message(message_type) if support is None else support
 
     def service(self, service_type: ServiceType) -> ServiceSupport:
         """Return a service type's support in ROS 2. Raises the same errors as `Ros2Types.service`."""
-        name = service_type.name
-        support = self._native_service_supports.get(name)
+        support = self._find(
+            service_type, self._native_service_supports, self._native.service_type, self._describe_service
+        )
+        return super().service(service_type) if support is None else support
+
+    def _find(
+        self,
+        wanted: MessageType | ServiceType,
+        supports: dict[str, SupportT],
+        native_type: Callable[[str], MessageType | ServiceType],
+        describe: Callable[[str], SupportT],
+    ) -> SupportT | None:
+        """Return the support of a native type; None for a peer's own definition."""
+        support = supports.get(wanted.name)
         try:
-            if support is None and self._native.service_type(name).md5sum == service_type.md5sum:
-                support = self._native_service_supports[name] = self._describe_service(name)
+            if support is None and native_type(wanted.name).md5sum == wanted.md5sum:
+                support = supports[wanted.name] = describe(wanted.name)
         except UnknownTypeError:
-            pass  # A peer's own definition.
-        if support is not None and support.ros1_type.md5sum == service_type.md5sum:
-            return support
-        return super().service(service_type)
+            return None
+        return support if support is not None and support.ros1_type.md5sum == wanted.md5sum else None
 
     def _texts(self, message_type: MessageType) -> PairedDefinitions:
         self.message(message_type)

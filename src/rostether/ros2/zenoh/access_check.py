@@ -15,7 +15,7 @@ from contextlib import ExitStack
 
 import zenoh
 
-from rostether.ros2.zenoh.handover import stay_known
+from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Kind, Token, all_tokens, data_key, parse_token
 
 # The number of topics to probe; rules usually cover groups of topics.

@@ -85,8 +85,8 @@ class Publication:
         self._is_matched = False
         self._subscribers: list[Token] = []
         self._declare()
-        node.session.graph.listen(Kind.SUBSCRIBER, topic, self._look)
-        self._look()
+        node.session.graph.listen(Kind.SUBSCRIBER, topic, self._update_subscribers)
+        self._update_subscribers()
 
     @property
     def dropped_count(self) -> int:
@@ -129,7 +129,7 @@ class Publication:
         try:
             await self._queue.finish()
         finally:
-            self._node.session.graph.unlisten(Kind.SUBSCRIBER, self.topic, self._look)
+            self._node.session.graph.unlisten(Kind.SUBSCRIBER, self.topic, self._update_subscribers)
             self._subscribers = []
             self._undeclare()
 
@@ -214,7 +214,7 @@ class Publication:
         # In one of zenoh's threads: a single assignment needs no lock.
         self._is_matched = status.matching
 
-    def _look(self) -> None:
+    def _update_subscribers(self) -> None:
         ends = self._node.session.graph.endpoints(Kind.SUBSCRIBER, self.topic)
         self._subscribers = [
             end for end in ends if end.type == self._type_name and end.type_hash == self._support.type_hash

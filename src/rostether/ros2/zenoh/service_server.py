@@ -14,12 +14,13 @@ import zenoh
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
+from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.handover import Handover, stay_known
+from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Kind, data_key
 
 # The limit of pending calls; a board answers one after the other, so more calls would wait too long.

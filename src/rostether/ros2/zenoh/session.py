@@ -16,6 +16,7 @@ from rostether.errors import ConfigError, MasterUnreachableError
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import join
 from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.handover import Handover
 from rostether.ros2.naming import validate_node_name
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.access_check import find_denied_topics
@@ -30,10 +31,10 @@ from rostether.ros2.zenoh.configuration import (
     router_configuration,
 )
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.handover import Handover, stay_known
 from rostether.ros2.zenoh.reachability import endpoints_of, find_faults, tls_of
 from rostether.ros2.zenoh.refusals import report_refusals
 from rostether.ros2.zenoh.router_watch import watch_router
+from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Token, all_tokens
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 MAX_WAITING_NEWS = 200_000
 
 # How long a new session waits for the state of the graph; a running router answers at once.
-FIRST_LOOK_TIMEOUT_S = 2.0
+FIRST_QUERY_TIMEOUT_S = 2.0
 
 # How long a session waits for its first connection (zenoh does not wait); a local router needs 10 ms.
 FIRST_LINK_TIMEOUT_S = 0.5
@@ -150,7 +151,7 @@ class ZenohSession:
         """Add one of this session's tokens to its own view directly, not through zenoh."""
         self.graph.apply_tokens([(text, is_there)])
 
-    async def look(self, key: str, timeout_s: float) -> list[str]:
+    async def query_tokens(self, key: str, timeout_s: float) -> list[str]:
         """Query the network for the current tokens that match a key expression."""
         loop = asyncio.get_running_loop()
         found: list[str] = []
@@ -207,7 +208,7 @@ class ZenohSession:
         )
         # A snapshot or service call right after the start must see the existing endpoints.
         started_s = time.monotonic()
-        tokens = await self.look(key, FIRST_LOOK_TIMEOUT_S)
+        tokens = await self.query_tokens(key, FIRST_QUERY_TIMEOUT_S)
         await asyncio.sleep(0)
         _log.debug("%d tokens after %.3f s", len(tokens), time.monotonic() - started_s)
         return self

@@ -13,15 +13,16 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnConnection, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.handover import Handover, stay_known
 from rostether.ros2.zenoh.learnt_types import Describe, LearntTypes
 from rostether.ros2.zenoh.mismatches import Mismatches
 from rostether.ros2.zenoh.session import LiveToken
+from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Kind, Token, data_key
 
 # The number of past messages requested from a latched publisher: one, like in ROS 1.
@@ -104,8 +105,8 @@ class Subscription:
         )
         if support is not None:
             self._declare_token(support)
-        node.session.graph.listen(Kind.PUBLISHER, topic, self._look)
-        self._look()
+        node.session.graph.listen(Kind.PUBLISHER, topic, self._update_publishers)
+        self._update_publishers()
 
     @property
     def publisher_count(self) -> int:
@@ -135,7 +136,7 @@ class Subscription:
         self._is_closed = True
         self._learnt.close()
         self._queue.close()
-        self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._look)
+        self._node.session.graph.unlisten(Kind.PUBLISHER, self.topic, self._update_publishers)
         self._publishers = set()
         for token in self._tokens.values():
             token.withdraw()
@@ -182,7 +183,7 @@ class Subscription:
     def _accepts_all(self) -> bool:
         return self._own_gids is None and self._skip_nodes == ()
 
-    def _look(self) -> None:
+    def _update_publishers(self) -> None:
         ends = self._node.session.graph.endpoints(Kind.PUBLISHER, self.topic)
         if self._skip_nodes != ():
             self._node_names = {gid_of(end.format()): end.node_name for end in ends}
@@ -244,7 +245,7 @@ class Subscription:
 
     def _learn(self) -> None:
         """Continue with the types that a node has described."""
-        self._look()
+        self._update_publishers()
         if not self._is_paused and not self._learnt.is_waiting:
             self._queue.resume()
 

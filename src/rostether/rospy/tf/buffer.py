@@ -5,8 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from copy import deepcopy
-from typing import Any, ClassVar
+from typing import Any
 
 from rostether.errors import (
     ExtrapolationError,
@@ -19,112 +18,17 @@ from rostether.robot.tf_cache import DEFAULT_CACHE_NS
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.ros_time import Duration, Time, get_rostime, sleep
+from rostether.rospy.tf.buffer_interface import NO_TIME, BufferInterface
+from rostether.rospy.tf.exceptions import (
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+    TransformException,
+)
 
 # The part of a timeout that passes between two checks, as in tf2_ros.
 POLLING_SCALE = 0.01
-
-_NO_TIME = Duration(0)
-
-
-class TransformException(Exception):  # noqa: N818 - the names are tf2's
-    """The base of the errors of a lookup."""
-
-
-class ConnectivityException(TransformException):
-    """The two frames are in different trees."""
-
-
-class LookupException(TransformException):
-    """A frame that was never published, or a loop of frames."""
-
-
-class ExtrapolationException(TransformException):
-    """The time is before or after the known transforms."""
-
-
-class InvalidArgumentException(TransformException):
-    """A frame's name or a quaternion is invalid."""
-
-
-class TimeoutException(TransformException):
-    """The answer came too late."""
-
-
-class TypeException(Exception):  # noqa: N818
-    """No transformation is registered for the type."""
-
-    def __init__(self, errstr: str) -> None:
-        super().__init__(errstr)
-        self.errstr = errstr
-
-
-class NotImplementedException(Exception):  # noqa: N818
-    """The buffer cannot look up transforms."""
-
-
-class TransformRegistration:
-    """How to transform stamped messages, by their class; shared by all buffers."""
-
-    _by_class: ClassVar[dict[Any, Callable[[Any, Any], Any]]] = {}
-
-    def add(self, key: Any, callback: Callable[[Any, Any], Any]) -> None:
-        """Register a function that transforms messages of a class."""
-        self._by_class[key] = callback
-
-    def get(self, key: Any) -> Callable[[Any, Any], Any]:
-        """Return the function for a class. Raises TypeException."""
-        if key not in self._by_class:
-            raise TypeException(f"Type {key} if not loaded or supported")
-        return self._by_class[key]
-
-
-class BufferInterface:
-    """Transforms messages by looking up transforms."""
-
-    def __init__(self) -> None:
-        self.registration = TransformRegistration()
-
-    def transform(
-        self, object_stamped: Any, target_frame: str, timeout: Any = _NO_TIME, new_type: Any = None
-    ) -> Any:
-        """Return a stamped message in another frame. Import tf2_geometry_msgs for its types."""
-        header = object_stamped.header
-        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        return _as_type(self.registration.get(type(object_stamped))(object_stamped, found), new_type)
-
-    def transform_full(
-        self,
-        object_stamped: Any,
-        target_frame: str,
-        target_time: Any,
-        fixed_frame: str,
-        timeout: Any = _NO_TIME,
-        new_type: Any = None,
-    ) -> Any:
-        """Return a stamped message in another frame at another time."""
-        header = object_stamped.header
-        found = self.lookup_transform_full(
-            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
-        )
-        return _as_type(self.registration.get(type(object_stamped))(object_stamped, found), new_type)
-
-    def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Any, timeout: Any = _NO_TIME
-    ) -> Any:
-        """Return the pose of the source in the target."""
-        raise NotImplementedException
-
-    def lookup_transform_full(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-        timeout: Any = _NO_TIME,
-    ) -> Any:
-        """Return the pose of the source at one time in the target at another."""
-        raise NotImplementedException
 
 
 class Buffer(BufferInterface):
@@ -145,7 +49,7 @@ class Buffer(BufferInterface):
         self._set(transform, authority, is_static=True)
 
     def lookup_transform(
-        self, target_frame: str, source_frame: str, time: Any, timeout: Any = _NO_TIME
+        self, target_frame: str, source_frame: str, time: Any, timeout: Any = NO_TIME
     ) -> Any:
         """Return a TransformStamped, waiting for it at most `timeout`.
 
@@ -166,9 +70,9 @@ class Buffer(BufferInterface):
         source_frame: str,
         source_time: Any,
         fixed_frame: str,
-        timeout: Any = _NO_TIME,
+        timeout: Any = NO_TIME,
     ) -> Any:
-        """Return where the source stood at one time in the target at another."""
+        """Return the pose of the source at one time in the target at another."""
         route = (target_frame, target_time, source_frame, source_time, fixed_frame)
         self.can_transform_full(*route, timeout)
         return self.lookup_transform_full_core(*route)
@@ -189,7 +93,7 @@ class Buffer(BufferInterface):
         target_frame: str,
         source_frame: str,
         time: Any,
-        timeout: Any = _NO_TIME,
+        timeout: Any = NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether a lookup would succeed within `timeout`, or a pair with the reason why not."""
@@ -209,7 +113,7 @@ class Buffer(BufferInterface):
         source_frame: str,
         source_time: Any,
         fixed_frame: str,
-        timeout: Any = _NO_TIME,
+        timeout: Any = NO_TIME,
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether a lookup over time would succeed within `timeout`."""
@@ -307,9 +211,3 @@ def _to_message(stamped: StampedTransform) -> Any:
     place.x, place.y, place.z = stamped.transform.translation
     turn.x, turn.y, turn.z, turn.w = stamped.transform.rotation
     return message
-
-
-def _as_type(message: Any, new_type: Any) -> Any:
-    if new_type is None or isinstance(message, new_type):
-        return message if new_type is None else deepcopy(message)
-    raise TypeException(f"Type {new_type} if not loaded or supported")

@@ -6,7 +6,7 @@ from typing import Any
 
 from rostether.robot.transform import Transform, multiply, rotate
 from rostether.rospy.client.message_types import all_types
-from rostether.rospy.tf.buffer import TransformRegistration
+from rostether.rospy.tf.buffer_interface import TransformRegistration
 
 
 def transform_of(message: Any) -> Transform:

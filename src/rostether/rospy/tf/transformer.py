@@ -10,7 +10,8 @@ from rostether.rospy.client.message_types import all_types
 from rostether.rospy.tf import endpoints as tf2_ros
 from rostether.rospy.tf import geometry as tf_geometry
 from rostether.rospy.tf import rotations as tf_rotations
-from rostether.rospy.tf.buffer import Buffer, TransformException
+from rostether.rospy.tf.buffer import Buffer
+from rostether.rospy.tf.exceptions import TransformException
 
 
 class Transformer:

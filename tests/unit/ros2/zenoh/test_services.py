@@ -168,7 +168,7 @@ async def test_clients_are_listed_and_forgotten(
         if name not in session.graph.snapshot().services:
             await node.advertise_service(name, SET_BOOL, agree)
         assert await node.call_service(name, SET_BOOL, b"\x01", timeout_s=60)
-    found = await session.look("@ros2_lv/0/*/*/*/SC/**", 1.0)
+    found = await session.query_tokens("@ros2_lv/0/*/*/*/SC/**", 1.0)
     assert sorted(text.split("/")[9] for text in found) == ["%a", "%c"]
 
 

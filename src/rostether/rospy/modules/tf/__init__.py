@@ -1,12 +1,12 @@
 """The first tf, on rostether's tf buffer."""
 
 # ruff: noqa: F401, A004
-from rostether.rospy.tf.buffer import (
+from rostether.rospy.tf.exceptions import (
     ConnectivityException,
     ExtrapolationException,
     LookupException,
 )
-from rostether.rospy.tf.buffer import TransformException as Exception
+from rostether.rospy.tf.exceptions import TransformException as Exception
 from rostether.rospy.tf.transformer import (
     TransformBroadcaster,
     Transformer,

@@ -1,9 +1,14 @@
 """tf2_ros on rostether's tf buffer."""
 
 # ruff: noqa: F401
-from rostether.rospy.tf.buffer import (
-    Buffer,
-    BufferInterface,
+from rostether.rospy.tf.buffer import Buffer
+from rostether.rospy.tf.buffer_interface import BufferInterface, TransformRegistration
+from rostether.rospy.tf.endpoints import (
+    StaticTransformBroadcaster,
+    TransformBroadcaster,
+    TransformListener,
+)
+from rostether.rospy.tf.exceptions import (
     ConnectivityException,
     ExtrapolationException,
     InvalidArgumentException,
@@ -11,11 +16,5 @@ from rostether.rospy.tf.buffer import (
     NotImplementedException,
     TimeoutException,
     TransformException,
-    TransformRegistration,
     TypeException,
-)
-from rostether.rospy.tf.endpoints import (
-    StaticTransformBroadcaster,
-    TransformBroadcaster,
-    TransformListener,
 )

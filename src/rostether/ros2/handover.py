@@ -1,18 +1,14 @@
-"""From zenoh's threads to the event loop: a bounded queue that wakes the loop once for each batch."""
+"""Passes items from threads of a ROS 2 middleware to the event loop, in batches, through a bounded queue."""
 
 from __future__ import annotations
 
 import asyncio
-import ctypes
 import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
 _Item = TypeVar("_Item")
-
-
-_kept = threading.local()
 
 
 class Handover(Generic[_Item]):
@@ -50,7 +46,7 @@ class Handover(Generic[_Item]):
             try:
                 self._loop.call_soon_threadsafe(self._run)
             except RuntimeError:
-                self._is_closed = True  # The loop has ended before zenoh did.
+                self._is_closed = True  # The loop has ended before the middleware.
 
     def pause(self) -> None:
         """Keep new items."""
@@ -80,11 +76,3 @@ class Handover(Generic[_Item]):
             self._queue.clear()
             self._size = 0
         self._deliver(items)
-
-
-def stay_known() -> None:
-    """Keep the calling thread's state; call it at the start of a callback that zenoh calls often."""
-    # Thread-local data ends with the state, so a new state has none.
-    if not hasattr(_kept, "is_kept"):
-        _kept.is_kept = True
-        ctypes.pythonapi.PyGILState_Ensure()

@@ -1,0 +1,39 @@
+"""The exceptions of tf and tf2."""
+
+from __future__ import annotations
+
+
+class TransformException(Exception):  # noqa: N818 - the names are tf2's
+    """The base of the errors of a lookup."""
+
+
+class ConnectivityException(TransformException):
+    """The two frames are in different trees."""
+
+
+class LookupException(TransformException):
+    """A frame that was never published, or a loop of frames."""
+
+
+class ExtrapolationException(TransformException):
+    """The time is before or after the known transforms."""
+
+
+class InvalidArgumentException(TransformException):
+    """A frame's name or a quaternion is invalid."""
+
+
+class TimeoutException(TransformException):
+    """The answer came too late."""
+
+
+class TypeException(Exception):  # noqa: N818
+    """No transformation is registered for the type."""
+
+    def __init__(self, errstr: str) -> None:
+        super().__init__(errstr)
+        self.errstr = errstr
+
+
+class NotImplementedException(Exception):  # noqa: N818
+    """The buffer cannot look up transforms."""
