@@ -1,28 +1,38 @@
 """All errors of rostether. Each text is one sentence: what was wrong, and what to do.
 
-RostetherError ├── InvalidNameError            a graph name, package name or type name that breaks the naming
-rules ├── ConfigError                 an option, link address, environment variable or file that makes no
-sense ├── LaunchError                 a launch file that cannot be understood or started (file, line) ├──
-CodegenError                a client library that cannot be generated ├── FirmwareError               a sketch
-that cannot be built, measured or uploaded │   └── SketchError             the compiler or the linker refuses
-it; holds what they printed ├── RobotModelError             a robot description (URDF, xacro) that makes no
-sense ├── BoardError                  a simulated board that cannot start, does not understand, or has ended
-├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column) │   └──
-UnknownTypeError        no known package has the message or service; says how to give it ├──
-SerializationError          a value or bytes that do not fit a type ├── ProtocolError │   ├──
-LocalProtocolError      we were asked to send what the protocol does not allow │   └── RemoteProtocolError
-the peer sent what the protocol does not allow ├── TransportError │   ├── TransportOpenError      a port,
-address or pseudo-terminal that cannot be opened │   ├── TransportClosedError    the pipe ended: unplugged, or
-closed by either side │   └── TransportTimeoutError   the peer did not answer in time ├── GraphError │   ├──
-MasterUnreachableError  no ROS master answers │   ├── UnknownNameError        the graph knows no such topic,
-node, service or parameter │   ├── TypeMismatchError       both ends disagree on a type or its md5sum │   ├──
-AccessDeniedError       the user's lists do not let a board use a name │   └── ServiceCallError │       ├──
-ServiceUnavailableError │       └── ServiceTimeoutError ├── RecordingError              a recording that
-cannot be read or written ├── TransformError              tf cannot compute the transform between two frames │
-├── UnknownFrameError       no node has published the frame, or the frames form a loop │   ├──
-UnconnectedFramesError  no path of transforms leads from one frame to the other │   └── ExtrapolationError
-the requested time is outside the received transforms └── SessionError                the session of one board
-cannot continue
+RostetherError
+├── InvalidNameError            a graph name, package name or type name that breaks the naming rules
+├── ConfigError                 an option, link address, environment variable or file that makes no sense
+├── LaunchError                 a launch file that cannot be understood or started (file, line)
+├── CodegenError                a client library that cannot be generated
+├── FirmwareError               a sketch that cannot be built, measured or uploaded
+│   └── SketchError             the compiler or the linker refuses it; holds what they printed
+├── RobotModelError             a robot description (URDF, xacro) that makes no sense
+├── BoardError                  a simulated board that cannot start, does not understand, or has ended
+├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
+│   └── UnknownTypeError        no known package has the message or service; says how to give it
+├── SerializationError          a value or bytes that do not fit a type
+├── ProtocolError
+│   ├── LocalProtocolError      we were asked to send what the protocol does not allow
+│   └── RemoteProtocolError     the peer sent what the protocol does not allow
+├── TransportError
+│   ├── TransportOpenError      a port, address or pseudo-terminal that cannot be opened
+│   ├── TransportClosedError    the pipe ended: unplugged, or closed by either side
+│   └── TransportTimeoutError   the peer did not answer in time
+├── GraphError
+│   ├── MasterUnreachableError  no ROS master answers
+│   ├── UnknownNameError        the graph knows no such topic, node, service or parameter
+│   ├── TypeMismatchError       both ends disagree on a type or its md5sum
+│   ├── AccessDeniedError       the user's lists do not let a board use a name
+│   └── ServiceCallError
+│       ├── ServiceUnavailableError
+│       └── ServiceTimeoutError
+├── RecordingError              a recording that cannot be read or written
+├── TransformError              tf cannot compute the transform between two frames
+│   ├── UnknownFrameError       no node has published the frame, or the frames form a loop
+│   ├── UnconnectedFramesError  no path of transforms leads from one frame to the other
+│   └── ExtrapolationError      the requested time is outside the received transforms
+└── SessionError                the session of one board cannot continue
 """
 
 from __future__ import annotations

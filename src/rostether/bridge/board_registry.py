@@ -24,10 +24,11 @@ RECONNECT_S = 0.02
 
 @dataclass(slots=True, eq=False)
 class Board:
-    """One node name that is taken: no node while it still joins, no session while the board is lost.
+    """One node name in use. It has no node while it joins, and no session while the board is lost.
 
-    A node that `is_kept` stays in the graph without its board: before that has come, and after it is lost.
-    `grace_s` is the board's own, instead of the registry's. `is_dismissed`: boards of this name are refused.
+    A node that `is_kept` stays in the graph without its board, before the board connects and after it is
+    lost. `grace_s` is the board's own, instead of the registry's. `is_dismissed`: boards of this name are
+    refused.
     """
 
     name: str
@@ -94,9 +95,9 @@ class BoardRegistry:
             number += 1
 
     def handle_disconnect(self, board: Board, session: Session | None, *, is_stranger: bool = False) -> None:
-        """The board's connection ended: keep its node for the grace period, or permanently if it is kept.
+        """Keep the node of a disconnected board for the grace period, or permanently if it `is_kept`.
 
-        The node of a peer that turned out to be no board leaves at once.
+        The node of a peer that is not a board (`is_stranger`) leaves at once.
         """
         if board.session is not session or board.leaving is not None:
             return

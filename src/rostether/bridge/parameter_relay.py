@@ -1,4 +1,4 @@
-"""Answers a board's parameter requests, all of them and in order: the sketch waits for each answer."""
+"""Answers all parameter requests of a board in order: the sketch waits for each answer."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def to_answer(value: ParamValue) -> Answer | None:
 
 
 class ParameterRelay:
-    """Answers the parameter requests of one session; `on_answered` sends what the link has ready."""
+    """Answers the parameter requests of one session; `on_answered` sends the link's waiting frames."""
 
     def __init__(
         self,

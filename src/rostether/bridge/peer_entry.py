@@ -1,4 +1,4 @@
-"""What makes the sender of a datagram a board: a frame. Its address is proven by an answer to our question.
+"""Recognises the sender of a datagram as a board by a frame, and proves its address by an answer.
 
 A sender with a forged address receives nothing from us, so it does not know when to answer.
 """
@@ -20,9 +20,9 @@ def holds_frame(data: bytes) -> bool:
 
 
 def holds_answer(data: bytes) -> bool:
-    """Return whether `data` has what boards send only after the host was heard.
+    """Return whether `data` has a frame that boards send only after they received data from the host.
 
-    That is an announcement, or the request for a parameter of a board without topics.
+    That is an announcement, or a parameter request of a board without topics.
     """
     return any(frames.topic_id in _ANSWERS for frames in _frames_in(data))
 

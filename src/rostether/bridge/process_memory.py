@@ -1,6 +1,6 @@
-"""The process's memory: which objects the garbage collector inspects, and giving free pages back.
+"""The process's memory: limits the objects that the garbage collector inspects, and releases free pages.
 
-A full garbage collection inspects every object. Those of 1,000 boards take 0.3 s, in which no message moves.
+A full garbage collection inspects every object. With 1,000 boards it takes 0.3 s, and stops all messages.
 """
 
 from __future__ import annotations

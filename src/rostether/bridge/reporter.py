@@ -10,7 +10,7 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import escape_line
 
-# A line on a terminal; a board's own log text may be longer and goes whole to the graph.
+# The length of a line on a terminal; longer log text of a board is only complete in the graph.
 MAX_LINE_CHARS = 500
 
 LineText: TypeAlias = str | Callable[[], str]
@@ -94,7 +94,7 @@ class Notices:
             self.to_graph(level, text)
 
     def show(self, level: Level, text: str) -> None:
-        """Report a line to people only."""
+        """Report a line to users only, not to the graph."""
         self._reporter.line(level, shown_line(text), node=self.node)
 
     def episode(self, kind: str, level: Level, text: LineText, *, count: int = 1) -> None:
@@ -110,5 +110,5 @@ class Notices:
         self.episode("defect", Level.ERROR, f"part of the session failed: {reason_of(error)}")
 
     def end_episode(self, kind: str) -> None:
-        """Let the next appearance of `kind` be news."""
+        """Report the next line of `kind` again."""
         self._episodes.forget(kind)

@@ -1,4 +1,4 @@
-"""One connection to a board: bytes to events, events to endpoints and graph, and everything back.
+"""One connection to a board: converts bytes to events for endpoints and graph, and messages to bytes.
 
     transport ── data_received ──> HostLink ── events ──> endpoints ──> graph
     transport <── Outbox.flush <── HostLink, endpoints <── graph
@@ -70,7 +70,7 @@ class Session:
         self.node = node
         self.transport = transport
 
-        # The speed of its line; None for a network or a pseudo-terminal, which can pause us.
+        # The speed of its line; None for a network or a pseudo-terminal, which have flow control.
         self.baud = None if transport.can_pause else baud
         self.link = HostLink(link_config or node.link_config())
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
@@ -133,7 +133,7 @@ class Session:
         return self._held.is_waiting
 
     def start(self) -> None:
-        """Ask the board for its topics and begin to carry messages."""
+        """Request the board's topics, and start to relay messages."""
         _LOG.debug("%r: started", self)
         self.link.start(self._loop.time())
         self.transport.start(self)
@@ -210,7 +210,7 @@ class Session:
         due_s = self.link.get_timer()
         if due_s is None:
             return
-        # A timer that fires too early costs one check; resetting it for each chunk would cost more.
+        # A timer that fires too early costs one check; a reset for each chunk would cost more.
         if self._timer is None or due_s < self._timer_due_s:
             if self._timer is not None:
                 self._timer.cancel()

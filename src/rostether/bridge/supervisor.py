@@ -1,4 +1,4 @@
-"""Keeps every link address served: opens, listens, opens again, and ends it all in order.
+"""Serves every link address: opens or listens, opens again after a loss, and closes everything in order.
 
 address ── open, or listen ──> transport ── identity ──> board (joins the graph) ──> session ──┐
    ^                                                                                          │
@@ -47,7 +47,7 @@ from rostether.transports.web import WebTransport
 
 # The longest pause between attempts to reach a master: after its start, boards are expected in seconds.
 MAX_JOIN_WAIT_S = 2.0
-# A board sends data within 2 s after it connects; a silent connection takes a place that another board may
+# A board sends data within 2 s after it connects; a silent connection uses a place that another board may
 # need.
 SPEECHLESS_S = 60.0
 # The time to ask the boards to stop; a hung board does not read it.
@@ -71,12 +71,13 @@ class Listen(Protocol):
 
 
 class Supervisor:
-    """Serves boards at many addresses at once; each board is a separate node, made by `join`.
+    """Serves boards at many addresses at once; each board is a separate node, created by `join`.
 
-    With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`.
-    With `keeps_node` the one address's node, which has a `name=`, is there from the start and stays while no
-    board is; when it is shut down from outside, all is done. With `diagnostics` each board's node publishes
-    /diagnostics. `devices` has what is set for single boards. `tap` may put a recorder around each link.
+    With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`. With
+    `keeps_node` there is one address, which has a `name=`: its node exists from the start, also without a
+    board; when it is shut down from outside, the supervisor ends. With `diagnostics` each board's node
+    publishes /diagnostics. `devices` has the settings of single boards. `tap` may wrap each link to record
+    it.
     """
 
     def __init__(  # noqa: PLR0913 - each is an independent setting
@@ -122,7 +123,7 @@ class Supervisor:
 
     @property
     def listening_on(self) -> list[str]:
-        """Where boards can connect, with the ports that were really bound."""
+        """Where boards can connect, with the ports that were bound."""
         return [listener.address for listener in self._listeners]
 
     @property
@@ -131,12 +132,12 @@ class Supervisor:
         return self._has_failed
 
     def boards(self) -> list[BoardView]:
-        """Return how each board is doing, sorted by name."""
+        """Return the state of each board, sorted by name."""
         views = [view_board(board.node, board.session) for board in self._boards if board.node is not None]
         return sorted(views, key=lambda view: view.node)
 
     async def start(self, addresses: Sequence[Address]) -> None:
-        """Begin to serve; links that are not there yet are waited for, a node to keep before all else.
+        """Start to serve; a node to keep joins first. Missing links are opened when they appear.
 
         Raises TransportOpenError for an address that cannot be listened on, InvalidNameError for a name= or
         ns= that is not a ROS name.
@@ -173,7 +174,7 @@ class Supervisor:
     async def wait_done(self) -> None:
         """Wait until no board is served: closed, or every board's node was shut down from outside.
 
-        An address that is listened on always serves, but for the node to keep.
+        A listening address serves always, unless the node to keep was shut down.
         """
         await self._done.wait()
 
@@ -339,7 +340,7 @@ def _end_if_speechless(session: Session) -> None:
 
 
 def _is_stranger(session: Session | None) -> bool:
-    """Return whether no frame has ever come: a port scanner must not leave nodes behind."""
+    """Return whether the peer never sent a frame: a port scanner must not leave nodes behind."""
     return session is not None and session.link.version is None and not any(session.node.endpoints)
 
 

@@ -154,7 +154,7 @@ class Negotiation:
             self._send(Input.ASK, now_s)
 
     def set_version(self, version: int | None, now_s: float) -> None:
-        """Set the device's version (ask at once if the last request had the other one), or None to forget it."""
+        """Set the device's version, or None to forget it; ask at once if the last request had another one."""
         self.version = version
         self._search_step = 0
         if version is None:

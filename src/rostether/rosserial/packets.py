@@ -146,7 +146,7 @@ class ParameterRequest(NamedTuple):
 
     @classmethod
     def decode(cls, payload: bytes) -> ParameterRequest | None:
-        """Decode a request; the name must be printable, but may be illegal: the device waits for an answer."""
+        """Decode a request; a printable name is enough, because the device waits for an answer."""
         reader = _Reader(payload)
         name = reader.text(MAX_NAME_BYTES)
         return cls(name) if reader.is_spent and name and name.isprintable() else None

@@ -7,10 +7,10 @@ from typing import TypeAlias
 
 from rostether.transports.tls import TlsFiles
 
-# What the established device library opens its port with.
+# The baud rate of the established device library.
 DEFAULT_BAUD = 57600
 
-# Where established boards connect to.
+# The port to which established boards connect.
 DEFAULT_PORT = 11411
 LOOPBACK = "127.0.0.1"
 
@@ -22,13 +22,13 @@ class _Named:
 
     @property
     def listens(self) -> bool:
-        """Whether one address brings many devices (see `opening.listen`)."""
+        """Whether one address accepts many devices (see `opening.listen`)."""
         return False
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramSize:
-    """What the program of a board takes of its memory; a limit is 0 if it is not known."""
+    """The memory use of a board's program; a limit is 0 if it is unknown."""
 
     flash_bytes: int
     flash_limit_bytes: int
@@ -58,7 +58,7 @@ class SerialAddress(_Named):
 class TcpAddress(_Named):
     """A TCP port to listen on, or with `connect` one to connect to; `allow` are networks, empty is all.
 
-    `psk` is the file of a key that the peer must have; `tls` says to encrypt, and with what.
+    `psk` is the file of a key that the peer must have; with `tls`, the link is encrypted.
     """
 
     host: str
@@ -70,7 +70,7 @@ class TcpAddress(_Named):
 
     @property
     def listens(self) -> bool:
-        """Whether one address brings many devices (see `opening.listen`)."""
+        """Whether one address accepts many devices (see `opening.listen`)."""
         return not self.connect
 
     def __str__(self) -> str:
@@ -79,7 +79,7 @@ class TcpAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class UdpAddress(_Named):
-    """A UDP port to listen on, or with `connect` one peer; `bind` is then our own port, 0 is any."""
+    """A UDP port to listen on, or with `connect` one peer; `bind` is then the local port, 0 means any."""
 
     host: str
     port: int
@@ -89,7 +89,7 @@ class UdpAddress(_Named):
 
     @property
     def listens(self) -> bool:
-        """Whether one address brings many devices (see `opening.listen`)."""
+        """Whether one address accepts many devices (see `opening.listen`)."""
         return not self.connect
 
     def __str__(self) -> str:
@@ -98,7 +98,7 @@ class UdpAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class PtyAddress(_Named):
-    """A pseudo-terminal to make, linked at `link`."""
+    """A pseudo-terminal to create, with a symbolic link at `link`."""
 
     link: str
 
@@ -116,7 +116,7 @@ class XbeeAddress(_Named):
 
     @property
     def listens(self) -> bool:
-        """Whether one address brings many devices (see `opening.listen`)."""
+        """Whether one address accepts many devices (see `opening.listen`)."""
         return True
 
     def __str__(self) -> str:
@@ -125,7 +125,7 @@ class XbeeAddress(_Named):
 
 @dataclass(frozen=True, slots=True)
 class SimAddress(_Named):
-    """A sketch or ELF file to run on a simulated board; `words` are commands given to it before it starts."""
+    """A sketch or ELF file to run on a simulated board; `words` are the board's first commands."""
 
     program: str
     board: str = "uno"
@@ -145,7 +145,7 @@ class WebAddress(_Named):
 
     @property
     def listens(self) -> bool:
-        """Whether one address brings many devices (see `opening.listen`)."""
+        """Whether one address accepts many devices (see `opening.listen`)."""
         return True
 
     def __str__(self) -> str:

@@ -8,7 +8,7 @@
     sim:blink.ino?board=uno&adc=A0:2.5&range=0.5
     web:    web:?ns=lab
 
-An empty host is loopback. Every address takes `name=` and `ns=`, the board's node name and namespace.
+An empty host is loopback. Every address accepts `name=` and `ns=`, the board's node name and namespace.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from rostether.transports.sim_words import SIM_WORDS, sim_words
 from rostether.transports.tls import TlsFiles
 from rostether.transports.xbee.radio_address import parse_radio_address
 
-# Faster UARTs do not exist on USB bridges; the bound catches a slipped digit.
+# No USB bridge has a faster UART; the limit detects a typing error.
 MAX_BAUD = 20_000_000
-# A mega has four.
+# A Mega has four.
 MAX_UART = 3
 MAX_SEED = 2**32 - 1
 

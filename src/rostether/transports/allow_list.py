@@ -15,8 +15,8 @@ ALWAYS_ALLOWED = ("127.0.0.0/8", "::1/128")
 
 
 def check_networks(networks: Iterable[str], source: str) -> tuple[str, ...]:
-    """Return networks that can be read; `source` is who gave them. Raises ConfigError."""
-    from ipaddress import ip_network  # only who limits a listener pays for the import
+    """Check that networks are valid, and return them; `source` is named in errors. Raises ConfigError."""
+    from ipaddress import ip_network  # only needed by listeners with a limit
 
     checked = tuple(networks)
     for network in checked:

@@ -1,4 +1,4 @@
-"""Keys and certificates that single boards have, and what a board has proven to have."""
+"""The keys and certificates of single boards, and those that a board has proven to have."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from rostether.errors import ConfigError
 
-# A certificate has about 2 KB; more is another file, given by mistake.
+# A certificate has about 2 KB; a longer file is another file, given by mistake.
 MAX_CERTIFICATE_BYTES = 64 * 1024
 
 _NONE: Mapping[str, bytes] = MappingProxyType({})
@@ -24,7 +24,7 @@ class BoardKeys:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """The files of the key and the certificate that a peer has proven to have, of those of single boards."""
+    """The files of the single board's key and certificate that a peer has proven to have."""
 
     psk: str | None = None
     certificate: str | None = None
@@ -36,7 +36,7 @@ NO_PROOF = Proof()
 
 def read_board_keys(keys: Iterable[str], certificates: Iterable[str]) -> BoardKeys:
     """Read the files. Raises ConfigError."""
-    from rostether.transports.psk_hello import read_key  # only who has keys pays for the import
+    from rostether.transports.psk_hello import read_key  # only needed with keys
 
     return BoardKeys(
         {path: read_key(path) for path in keys}, {path: _read_certificate(path) for path in certificates}
@@ -44,7 +44,7 @@ def read_board_keys(keys: Iterable[str], certificates: Iterable[str]) -> BoardKe
 
 
 def _read_certificate(path: str) -> bytes:
-    import ssl  # only who uses certificates pays for these imports
+    import ssl  # only needed with certificates
     from pathlib import Path
 
     try:

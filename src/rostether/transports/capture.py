@@ -1,4 +1,4 @@
-"""Captures of what went over links, byte for byte: JSON Lines that people can send us.
+"""Captures of all bytes of links, as JSON Lines that users can attach to a report.
 
     {"capture": "arm", "started": "2026-01-31T12:00:00Z", ...}          what it is; all keys are free
     {"t": 0.0, "event": "opened", "peer": "/dev/ttyACM0"}                a link begins
@@ -6,8 +6,8 @@
     {"t": 0.021, "from": "device", "hex": "fffe0800f70a00..."}
     {"t": 9.5, "event": "closed"}                                        a link ends
 
-`t` is in seconds since the start. Links beyond the first carry their number as `link`. Events may be missing:
-bytes alone are a link that was there all the time. Unknown keys are allowed, unknown events are skipped.
+`t` is in seconds since the start. Links after the first have their number as `link`. Events may be missing:
+only bytes mean a link that was open all the time. Unknown keys are allowed, unknown events are skipped.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from typing import Any, TypeAlias
 
 from rostether.errors import ConfigError
 
-# A chunk that was read at once has 64 KiB, thus 128 KiB of hex; a longer line is not from a capture.
+# A chunk has at most 64 KiB, thus 128 KiB of hex; a much longer line is not from a capture.
 MAX_LINE_BYTES = 4 << 20
 
-# Three years: a larger time is a mistake, and would be waited for.
+# Three years: a larger time is a mistake, and a replay would wait for it.
 MAX_TIME_S = 1e8
 
 FIRST_LINK = 1
@@ -43,7 +43,7 @@ class Chunk:
 
 @dataclass(frozen=True, slots=True)
 class LinkOpened:
-    """A link begins; `peer` is who was on the other side."""
+    """A link begins; `peer` is the other side."""
 
     time_s: float
     link: int
@@ -62,9 +62,9 @@ Entry: TypeAlias = Chunk | LinkOpened | LinkClosed
 
 
 class Capture:
-    """A capture's first line, and its entries one by one: a file of any size takes little memory.
+    """A capture's first line, and its entries one by one, so that a file of any size needs little memory.
 
-    Raises ConfigError for what is no capture, naming the line, when that is reached.
+    Raises ConfigError with the number of the first line that is not of a capture.
     """
 
     def __init__(self, path: Path) -> None:
@@ -78,7 +78,7 @@ class Capture:
         return given if given in (1, 2) else None
 
     def entries(self) -> Iterator[Entry]:
-        """Yield the entries in the order of the file, times never going back."""
+        """Yield the entries in the order of the file; their times never decrease."""
         last_s = 0.0
         for number, line, is_whole in self._lines():
             if number == 1 or not line.strip():

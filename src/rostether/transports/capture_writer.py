@@ -1,4 +1,4 @@
-"""Writes captures beside the data path: what went over a link is noted, and written a few times a second."""
+"""Writes captures outside the data path: collects the bytes of links, and writes them periodically."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from rostether.transports.transport import Receiver, Transport
 # An hour of a full line at 115200 baud: small enough to send when compressed, and to fit on any disk.
 DEFAULT_LIMIT_BYTES = 100 << 20
 
-# A kill loses no more than this; more often would cost a system call for each chunk.
+# The loss when the process is killed; a shorter period would cost a system call for each chunk.
 FLUSH_PERIOD_S = 0.2
 
-# What a flood may pile up before the period is over.
+# In a flood, this size is written before the period ends.
 FLUSH_BYTES = 256 * 1024
 
 # The braces and keys around a chunk's bytes.
@@ -48,7 +48,7 @@ class CaptureWriter:
         self._noted_bytes = 0
         self._timer: asyncio.TimerHandle | None = None
         try:
-            # Never over another capture, and never half of a line in the buffer of a killed process.
+            # It never replaces another capture, and a killed process leaves no half line in a buffer.
             self._file: int | None = os.open(
                 path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o644
             )
@@ -69,7 +69,7 @@ class CaptureWriter:
         return recorded
 
     def note(self, link: int, side: str, data: bytes) -> None:
-        """Write data that has just gone over a link."""
+        """Record data of a link."""
         if self._file is None:
             return
         self._noted.append((self._clock(), link, side, data))
@@ -80,11 +80,11 @@ class CaptureWriter:
             self._timer = asyncio.get_running_loop().call_later(FLUSH_PERIOD_S, self.flush)
 
     def note_closed(self, link: int, error: TransportError | None) -> None:
-        """Take that a link ended."""
+        """Record the end of a link."""
         self._note_event(link, {"event": "closed"} | ({"why": str(error)} if error is not None else {}))
 
     def flush(self) -> None:
-        """Write what was noted."""
+        """Write the collected lines."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -144,7 +144,7 @@ class CaptureWriter:
 
 
 class RecordedTransport:
-    """A transport whose bytes are noted; made by `CaptureWriter.tap`. It is the inner one's receiver."""
+    """A transport whose bytes are recorded; created by `CaptureWriter.tap`."""
 
     def __init__(self, inner: Transport, writer: CaptureWriter, link: int) -> None:
         self._inner = inner
@@ -175,16 +175,16 @@ class RecordedTransport:
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet."""
+        """The number of written bytes that are still waiting."""
         return self._inner.write_buffer_bytes
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
         self._inner.start(self)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
         if not self._is_ended:
             self._writer.note(self._link, "host", bytes(data))
         self._inner.write(data)
@@ -214,18 +214,18 @@ class RecordedTransport:
             self._receiver.data_received(data)
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Learn that the inner transport ended."""
+        """Handle the end of the inner transport."""
         self._end(error)
         if self._receiver is not None:
             self._receiver.connection_lost(error)
 
     def pause_writing(self) -> None:
-        """Pass on that the inner transport has enough."""
+        """Pass on that the inner transport's buffer is full."""
         if self._receiver is not None:
             self._receiver.pause_writing()
 
     def resume_writing(self) -> None:
-        """Pass on that the inner transport takes more."""
+        """Pass on that the inner transport's buffer has room."""
         if self._receiver is not None:
             self._receiver.resume_writing()
 

@@ -1,15 +1,15 @@
-"""How many files and sockets this process may have open: a board takes several, and so does a ROS node."""
+"""The limit of open files and sockets of this process: a board needs several, and so does a ROS node."""
 
 from __future__ import annotations
 
 # Some systems permit a billion, and subprocesses then take long to close them.
 MOST_WANTED = 65_536
 
-# A board's connection, its node's two servers, the connections with the master and of its topics; where we
-# are the master, both their ends.
+# A board's connection, its node's two servers, and the connections to the master and of its topics; both ends
+# if the master runs in this process.
 BOARD_DESCRIPTORS = 10
 
-# The master's connections, listeners, files: what must be left when all boards are there.
+# The master's connections, listeners and files, besides those of all boards.
 _OTHER_DESCRIPTORS = 128
 
 

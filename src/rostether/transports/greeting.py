@@ -1,4 +1,4 @@
-"""What comes before a board's first byte on a TCP link: TLS, and the hello with a pre-shared key."""
+"""The start of a TCP link before a board's first byte: TLS, and the hello with a pre-shared key."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ DEVICES_PSK = "devices"
 
 
 class Greeting:
-    """One side's part, for many connections; made from files that are read at once. Raises ConfigError.
+    """One side's part, for many connections; reads its files at once. Raises ConfigError.
 
-    A listener takes the keys and certificates of `boards` too, and with `psk=devices` no other key.
+    A listener also accepts the keys and certificates of `boards`, and with `psk=devices` no other key.
     """
 
     def __init__(
@@ -59,9 +59,9 @@ class Greeting:
             self._context = listener_context(tls, self._certificates) if listens else connector_context(tls)
 
     async def exchange(self, transport: StreamTransport) -> Proof:
-        """Greet over a fresh transport, which stays fresh; return the peer's proof.
+        """Greet over a transport that was not started, and leave it so; return the peer's proof.
 
-        Raises TransportError or RemoteProtocolError, whose text names what the peer did.
+        Raises TransportError or RemoteProtocolError with the peer's mistake.
         """
         if self._context is not None:
             try:

@@ -46,9 +46,9 @@ class Announcement:
         interfaces: Sequence[str] | None = None,
         machine: str | None = None,
     ) -> Announcement:
-        """Announce a listener. `interfaces` are our addresses to speak at, those of `host` unless given.
+        """Announce a listener on `interfaces`, local addresses; without them, on those of `host`.
 
-        Raises TransportOpenError when the network does not let us.
+        Raises TransportOpenError if the network does not permit it.
         """
         machine = (machine or socket.gethostname()).partition(".")[0] or "rostether"
         addresses = list(interfaces) if interfaces is not None else [*_addresses_of(host)]
@@ -61,7 +61,8 @@ class Announcement:
             port=port,
             parsed_addresses=addresses,
             properties={"txtvers": "1"},
-            # The machine's own name is its responder's (Avahi, Bonjour), which would take us for a rival.
+            # The machine's responder (Avahi, Bonjour) already uses the machine's name, and would report a
+            # conflict.
             server=f"rostether-{machine}.local.",
         )
         version = IPVersion.V4Only if all(":" not in address for address in addresses) else IPVersion.All
@@ -79,11 +80,11 @@ class Announcement:
 
     @property
     def name(self) -> str:
-        """How other machines see it: `rostether on lab-pc`."""
+        """The name that other machines see: `rostether on lab-pc`."""
         return self._info.name.removesuffix(f".{SERVICE_TYPE}")
 
     async def close(self) -> None:
-        """Take the announcement back."""
+        """Withdraw the announcement."""
         await self._zeroconf.async_unregister_all_services()
         await self._zeroconf.async_close()
 

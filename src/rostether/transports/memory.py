@@ -1,7 +1,7 @@
-"""Two transports joined in memory, for tests and for boards that live in this process.
+"""Two transports connected in memory, for tests and for boards in this process.
 
-What one side writes the other receives at the event loop's next turn. A manipulator sees every chunk on
-its way and returns what arrives: the same, less, other bytes, or nothing; so wires become lossy.
+Bytes that one side writes arrive at the other in the event loop's next turn. A manipulator gets every chunk
+and returns the bytes that arrive, such as fewer or other bytes, to simulate a lossy line.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.transport import Receiver
 
-# The same marks as asyncio's sockets have, so that what works here works there.
+# The same limits as asyncio's sockets, so that tests show the behaviour of sockets.
 HIGH_WATER_BYTES = 64 * 1024
 LOW_WATER_BYTES = 16 * 1024
 
 
 class Direction(Enum):
-    """Which way a chunk travels between the two transports of a pair."""
+    """The direction of a chunk between the two transports of a pair."""
 
     FIRST_TO_SECOND = 1
     SECOND_TO_FIRST = 2
@@ -37,7 +37,7 @@ def memory_pair(
     can_pause: bool = True,
     names: tuple[str, str] = ("first", "second"),
 ) -> tuple[MemoryTransport, MemoryTransport]:
-    """Make two joined transports; with `can_pause=False` a paused reader loses what exceeds 64 KiB."""
+    """Create two connected transports; with `can_pause=False`, a paused reader loses data beyond 64 KiB."""
     first = MemoryTransport(f"memory {names[1]}", Direction.FIRST_TO_SECOND, manipulator, can_pause=can_pause)
     second = MemoryTransport(
         f"memory {names[0]}", Direction.SECOND_TO_FIRST, manipulator, can_pause=can_pause
@@ -73,7 +73,7 @@ class MemoryTransport:
         self._end_event = asyncio.Event()
 
     def join(self, other: MemoryTransport) -> None:
-        """Name the other end."""
+        """Set the other end."""
         self._other = other
 
     @property
@@ -88,18 +88,18 @@ class MemoryTransport:
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes the other end has not taken yet."""
+        """The number of written bytes that the other end has not received yet."""
         return 0 if self._ended else self._other._arrived_bytes
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
         if self._writing_paused:
             receiver.pause_writing()
         self._schedule()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
         if self._ended or not data:
             return
         chunk = bytes(data)

@@ -1,4 +1,4 @@
-"""From a link address to open transports; each kind of wire is imported when it is first needed."""
+"""Opens the transports of link addresses; each kind is imported when it is first needed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def list_serial_ports() -> list[SerialPort]:
-    """Return the serial ports that are there now, sorted by path."""
+    """Return the current serial ports, sorted by path."""
     from rostether.transports import serial  # imports serialx
 
     return serial.list_ports()
@@ -76,9 +76,9 @@ async def listen(
 
     Raises the same errors as `open_transport`.
 
-    At most `connections` at a time, and of one address at most `connections_per_host` (None: the default of
-    the kind of link; what needs no connection counts all alike). `board_keys` are those of single boards.
-    `entry` says which senders of datagrams become links. `web_boards` are those that the dashboard's pages
+    `connections` is the limit at a time, `connections_per_host` that of one address (None: the default of
+    the kind of link; only links with connections have one). `board_keys` are those of single boards.
+    `entry` decides which senders of datagrams become links. `web_boards` are those that the dashboard's pages
     connect.
     """
     if isinstance(address, str):

@@ -1,7 +1,7 @@
-"""The names of this machine, by which the `Host` of an HTTP request is judged.
+"""The names of this machine, to check the `Host` of HTTP requests.
 
-A web page may have its own name resolve to our address (DNS rebinding). For the browser its requests then go
-to the page's own server, but their `Host` is still the page's name. A request to an address cannot be one.
+A web page may let its own name resolve to our address (DNS rebinding). The browser then treats our server as
+the page's own, but the `Host` of its requests is still the page's name. An address as `Host` is always safe.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ def is_address(host: str) -> bool:
 
 
 def outward_address(family: socket.AddressFamily = socket.AF_INET) -> str | None:
-    """Return the address by which other machines reach this one, None where it has no network."""
+    """Return the address at which other machines reach this one, None without a network."""
     target = "2001:db8::1" if family == socket.AF_INET6 else "192.0.2.1"
     try:
         with socket.socket(family, socket.SOCK_DGRAM) as probe:
-            # Sends nothing: it only asks the system which way it would go.
+            # It sends nothing: it only asks the system for the route.
             probe.connect((target, 9))
             return str(probe.getsockname()[0])
     except OSError:
@@ -60,7 +60,7 @@ def outward_address(family: socket.AddressFamily = socket.AF_INET) -> str | None
 
 
 def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
-    """Return the addresses of this machine that its routes and its name give; may ask a resolver."""
+    """Return the addresses of this machine, from its routes and its name; may ask a resolver."""
     found = ["127.0.0.1", "::1"]
     found += [each for each in (outward_address(), outward_address(socket.AF_INET6)) if each]
     # The name of this machine may have no address.

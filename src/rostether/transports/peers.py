@@ -15,13 +15,13 @@ from rostether.transports.xbee.link_quality import LinkQuality
 
 PeerKey = TypeVar("PeerKey", bound=Hashable)
 
-# A sender's address is easily forged, and each new one becomes a session: this bounds what that costs.
+# Addresses of senders are easily forged, and each new one becomes a session: this limits the cost.
 MAX_PEERS = 64
 # A healthy board sends every 2.5 s; one that was silent for this long loses its place.
 IDLE_LIMIT_S = 30.0
-# What a paused or not yet started receiver may miss before bytes are lost: this medium cannot be slowed down.
+# The bytes kept for a paused receiver, or before its start; this medium has no flow control.
 _HELD_LIMIT_BYTES = 64 * 1024
-# Senders that have shown no frame yet; each may hold as much as one datagram and a piece of the next.
+# Senders without a frame yet; each keeps at most one datagram and a piece of the next.
 _MAX_CANDIDATES = 256
 _CANDIDATE_BYTES = 2048
 # A board on Wi-Fi answers a request within this time.
@@ -32,7 +32,7 @@ SILENT_LIMIT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class PeerEntry:
-    """How a sender becomes a peer: by a frame; `question` asks for one. An answer proves its address.
+    """How a sender becomes a peer: by a frame, which `question` requests. An answer proves its address.
 
     Only a board without a host answers `call`, so it can be broadcast.
     """
@@ -63,7 +63,8 @@ class PeerTransport(Generic[PeerKey]):
         self.quality = table.quality_of(key)
         self.expires = expires
         self.heard_at_s = table.now_s()
-        # Whether it has answered us. Until then its address may be forged, and we send no more than came.
+        # Whether it has answered. Until then, its address may be forged, and it gets no more bytes than it
+        # sent.
         self.has_answered = not expires or table.entry is None
         self.allowance_bytes = 0
         self._was_written_to = False
@@ -89,16 +90,16 @@ class PeerTransport(Generic[PeerKey]):
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet."""
+        """The number of written bytes that are still waiting."""
         return 0 if self._lost else self._table.write_buffer_bytes(self.key)
 
     def is_replaceable(self, now_s: float) -> bool:
-        """Return whether it has been silent for this time that a new peer may take its place."""
+        """Return whether it was silent for so long that a new peer may replace it."""
         limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
         return self.expires and now_s - self.heard_at_s >= limit_s
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
         if self._held or self._lost:
             asyncio.get_running_loop().call_soon(self._catch_up)
@@ -106,7 +107,7 @@ class PeerTransport(Generic[PeerKey]):
     def write(self, data: bytes | bytearray | memoryview) -> None:
         """Send bytes. Never blocks; after the pipe ended it does nothing.
 
-        A peer that has not answered yet is sent no more bytes than it sent; the rest is lost.
+        A peer that has not answered yet gets no more bytes than it sent; the rest is dropped.
         """
         if self._lost:
             return
@@ -118,7 +119,7 @@ class PeerTransport(Generic[PeerKey]):
         self._table.send(self.key, data)
 
     def pause_reading(self) -> None:
-        """Deliver nothing until resume_reading; what exceeds 64 KiB meanwhile is lost. Idempotent."""
+        """Deliver nothing until resume_reading; data beyond 64 KiB is lost. Idempotent."""
         self._paused = True
 
     def resume_reading(self) -> None:
@@ -136,7 +137,7 @@ class PeerTransport(Generic[PeerKey]):
         await asyncio.shield(self._ended)
 
     def deliver(self, data: bytes) -> None:
-        """Take what the medium received from this peer."""
+        """Handle data from this peer."""
         self.heard_at_s = self._table.now_s()
         if not self.has_answered:
             self._seek_answer(data)
@@ -164,7 +165,7 @@ class PeerTransport(Generic[PeerKey]):
             self._receiver.resume_writing()
 
     def end(self, error: TransportError | None) -> None:
-        """End the pipe for a reason; None is our own wish. Idempotent."""
+        """End the pipe for a reason; None if this side ends it. Idempotent."""
         if self._lost:
             return
         self._lost = True
@@ -191,7 +192,7 @@ class PeerTransport(Generic[PeerKey]):
 
 
 class PeerTable(Generic[PeerKey]):
-    """The peers of one medium: bounded in number, and those that fell silent expire."""
+    """The peers of one medium, limited in number; silent peers expire."""
 
     def __init__(  # noqa: PLR0913 - each is an independent setting
         self,
@@ -230,10 +231,10 @@ class PeerTable(Generic[PeerKey]):
         return len(self._peers)
 
     def receive(self, key: PeerKey, data: bytes) -> None:
-        """Deliver to the peer's transport, made when it is new and may enter; see `PeerEntry`.
+        """Deliver to the peer's transport, which is created for a new peer; see `PeerEntry`.
 
-        When all places are taken, the new peer replaces the one that is silent for longest: first one that
-        has never answered, then one that has stopped sending. A peer that sends keeps its place.
+        At the limit, a new peer replaces the one that was silent for the longest time: first one that has
+        never answered, then one that has stopped sending. A peer that sends keeps its place.
         """
         peer = self._peers.get(key)
         if peer is None:
@@ -256,7 +257,7 @@ class PeerTable(Generic[PeerKey]):
         """Return whether a sender has sent a frame; ask it for one until then."""
         candidate.data += data
         del candidate.data[:-_CANDIDATE_BYTES]
-        # A datagram mostly begins with a frame, whatever came before it.
+        # Most datagrams begin with a frame.
         if entry.is_frame(data) or (
             len(candidate.data) > len(data) and entry.is_frame(bytes(candidate.data))
         ):
@@ -285,7 +286,7 @@ class PeerTable(Generic[PeerKey]):
             )
 
     def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
-        """Create a peer's transport and announce it; a peer from the address need not expire."""
+        """Create a peer's transport and announce it; a peer of the link address does not expire."""
         peer = PeerTransport(self, key, self._show(key), self._host_of(key), expires=expires)
         self._peers[key] = peer
         if expires and self._sweep_timer is None:

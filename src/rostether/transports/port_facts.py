@@ -1,4 +1,4 @@
-"""What can be known of a serial port without opening it."""
+"""The facts about a serial port without opening it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Protocol
 
 from rostether.transports.port_holders import Holder, find_holders, is_character_device
 
-# More do not fit a line.
+# The number that fits on a line.
 LISTED_PORTS = 6
 
 # Debian's, Ubuntu's and Fedora's; Arch has uucp.
@@ -26,7 +26,7 @@ class NamedPort(Protocol):
 
     @property
     def path(self) -> str:
-        """Where it is."""
+        """The path of the port."""
 
     @property
     def description(self) -> str:
@@ -35,9 +35,9 @@ class NamedPort(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PortFacts:
-    """One port as it stands; `group` may use it, None where that would not help.
+    """The state of one port; `group` may use it, None if membership would not help.
 
-    `near` and `others` are ports of this machine as people are shown them: alike in name, and all.
+    `near` are ports of this machine with a similar name, `others` are all, both as text for users.
     """
 
     path: str
@@ -51,7 +51,7 @@ class PortFacts:
 
 
 def read_port_facts(path: str, list_ports: Callable[[], Sequence[NamedPort]]) -> PortFacts:
-    """Look at a port. Takes some ms: it walks through /proc."""
+    """Return the facts about a port. Takes some ms, because it reads /proc."""
     if os.name == "nt":
         return _windows_facts(path, list_ports())
     exists = os.path.exists(path)  # noqa: PTH110 - follows links as opening does
@@ -73,7 +73,7 @@ def read_port_facts(path: str, list_ports: Callable[[], Sequence[NamedPort]]) ->
 
 
 def near_names(path: str, ports: Sequence[str]) -> list[str]:
-    """Return the ports, and links in the same folder, whose names are nearly this one's."""
+    """Return the ports, and links in the same folder, with a similar name."""
     folder, name = Path(path).parent, Path(path).name
     try:
         beside = [str(folder / each) for each in sorted(os.listdir(folder))]  # noqa: PTH208 - only names

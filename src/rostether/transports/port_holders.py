@@ -1,4 +1,4 @@
-"""Which other processes have a serial port or a listening port open, as far as Linux lets us see."""
+"""Finds other processes that have a serial port or a listening port open, as far as Linux shows them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Holder:
 
 
 def find_holders(path: str) -> list[Holder]:
-    """Return who has a port open, without ourselves and without the program that made a pseudo-terminal."""
+    """Return the other processes that have a port open, except the creator of a pseudo-terminal."""
     target = os.path.realpath(path)
     holders = []
     for pid in _pids():
@@ -35,12 +35,12 @@ def find_holders(path: str) -> list[Holder]:
 
 
 def is_open_here(path: str) -> bool:
-    """Return whether this very process has a port open."""
+    """Return whether this process has a port open."""
     return os.path.realpath(path) in _open_files(os.getpid()).values()
 
 
 def find_listener(port: int, *, kind: str = "tcp") -> Holder | None:
-    """Return who listens on a TCP (or has bound a UDP) port of this machine."""
+    """Return the process that listens on a TCP port, or has bound a UDP port, of this machine."""
     inodes = _socket_inodes(port, kind)
     if not inodes:
         return None
@@ -60,7 +60,7 @@ def _pids() -> list[int]:
 
 
 def _open_files(pid: int) -> dict[str, str]:
-    """Return by descriptor what a process has open; nothing where it has ended or is another user's."""
+    """Return the open files of a process by descriptor; empty if it has ended or belongs to another user."""
     links: dict[str, str] = {}
     try:
         with os.scandir(f"/proc/{pid}/fd") as entries:
@@ -75,7 +75,7 @@ def _open_files(pid: int) -> dict[str, str]:
 
 
 def _made_terminal(pid: int, links: dict[str, str], target: str) -> bool:
-    """Whether a process has the other end of a pseudo-terminal: a simulator, whose terminal it is."""
+    """Return whether a process has the other end of a pseudo-terminal: a simulator that created it."""
     if not target.startswith(_PTS):
         return False
     index = target.removeprefix(_PTS)
@@ -91,7 +91,7 @@ def _made_terminal(pid: int, links: dict[str, str], target: str) -> bool:
 
 
 def _name_of(pid: int) -> str:
-    """Return the name of a process, for an interpreter that of its script."""
+    """Return the name of a process; of an interpreter, the name of its script."""
     try:
         name = Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip()
         words = Path(f"/proc/{pid}/cmdline").read_bytes().decode("utf-8", "replace").split("\0")
@@ -99,7 +99,7 @@ def _name_of(pid: int) -> str:
         return "a process"
     if name.startswith("python") and len(words) > 2:
         script = words[2] if words[1] == "-m" else words[1]
-        # What follows `-c` is a program's text.
+        # The argument of `-c` is a program's text.
         return name if script.startswith("-") else f"{name} {Path(script).name}"
     return name
 

@@ -1,6 +1,6 @@
-r"""The hello of a network board that shares a key with us, sans I/O: before it no rosserial byte passes.
+r"""The hello of a network board with a pre-shared key, sans I/O; rosserial bytes follow only after it.
 
-Four lines of ASCII. Who listens asks; who connects answers and asks back; both prove that they have the key:
+Four lines of ASCII, in which both sides prove that they have the key:
 
     listener    RSPSK1 <nonce>\n
     connector   RSPSK1 <nonce> <proof>\n
@@ -8,8 +8,8 @@ Four lines of ASCII. Who listens asks; who connects answers and asks back; both 
 
 A nonce is 16 random bytes in hex. A proof is HMAC-SHA256 in hex, with the key, over the ASCII text
 `rostether psk1 connector <listener's nonce> <connector's nonce>`, or with `listener` for `connector`. A board
-that may be deceived about its host can leave the last line unchecked. What follows is not encrypted and not
-signed: that needs TLS, whose tunnel this hello can run in.
+that need not identify its host can ignore the last line. The bytes after the hello are not encrypted and not
+signed: use TLS for that, with or without this hello inside it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PSK_LIMIT_S = 5.0
 # A shorter key can be guessed offline from one recorded hello.
 MIN_KEY_BYTES = 16
 
-# More is another file, given by mistake.
+# A longer file is another file, given by mistake.
 MAX_KEY_FILE_BYTES = 4096
 
 # The longest line has 105 bytes: a longer one is not a hello.
@@ -56,9 +56,9 @@ def read_key(path: str) -> bytes:
 
 
 class ListenerHello:
-    """The half of who was connected to: `greeting`, then `receive` until it returns.
+    """The side of the listener: send `greeting`, then call `receive` until it returns a result.
 
-    `keys` are those that peers may have, by whatever name; `proven` is then the name of the peer's.
+    `keys` are the accepted keys by name; `proven` is then the name of the peer's key.
     """
 
     def __init__(self, keys: Mapping[str | None, bytes], nonce: bytes | None = None) -> None:
@@ -69,11 +69,11 @@ class ListenerHello:
 
     @property
     def greeting(self) -> bytes:
-        """What to send first."""
+        """The first line to send."""
         return f"{_WORD} {self._nonce}\n".encode()
 
     def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
-        """Take bytes; once the key is proven, return what to send and what belongs to the next protocol.
+        """Handle bytes; once the key is proven, return the bytes to send and those of the next protocol.
 
         Raises RemoteProtocolError for a peer without the key.
         """
@@ -103,7 +103,8 @@ class ConnectorHello:
         self._lines = _Lines()
 
     def receive(self, data: bytes) -> tuple[bytes, bytes] | None:
-        """Take bytes, and send what `take_answer` returns; once the key is proven, return as a listener does.
+        """Handle bytes, and send the result of `pop_answer`; once the key is proven, return the same as
+        `ListenerHello.receive`.
 
         Raises RemoteProtocolError for a peer without the key.
         """
@@ -130,7 +131,7 @@ class ConnectorHello:
         return b"", rest
 
     def pop_answer(self) -> bytes:
-        """Return what to send now."""
+        """Return the bytes to send now."""
         answer, self._answer = self._answer, b""
         return answer
 

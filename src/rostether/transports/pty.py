@@ -1,8 +1,8 @@
-"""A pseudo-terminal with a link to it at a path, which a simulated board opens like a serial port.
+"""A pseudo-terminal with a symbolic link, which a simulated board opens like a serial port.
 
 The terminal stays while programs open and close the other side. While no program has it open, Linux reports
 a hang-up without end, so we do not watch it in the event loop but check twenty times a second for a program
-that opens it; what is written meanwhile is dropped, so that this program receives no old data.
+that opens it; bytes written in the meantime are dropped, so that this program receives no old data.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from rostether.transports.transport import Receiver
 
 # A person does not notice it, and it costs less than 0.1 % of a CPU.
 _OPENER_POLL_S = 0.05
-# The kernel drops what is unread when our side closes, and moves bytes to the reader in steps: it has read
-# all when twice in a row nothing was waiting.
+# The kernel drops unread bytes when our side closes, and moves bytes to the reader in steps: all bytes are
+# read when two checks in a row find none waiting.
 _UNREAD_POLL_S = 0.01
 _UNREAD_LOOKS = 2
-# Linux hands out at most 4 KiB or a flip buffer of 16 KiB at once; larger buffers only need memory.
+# Linux delivers at most 4 KiB, or a flip buffer of 16 KiB, at once; larger buffers only need memory.
 _READ_BYTES = 16 * 1024
-# The same marks as asyncio's sockets.
+# The same limit as asyncio's sockets.
 _HIGH_WATER_BYTES = 64 * 1024
 _LOW_WATER_BYTES = 16 * 1024
 
 
 def open_pty(address: PtyAddress) -> PtyTransport:
-    """Make a pseudo-terminal and link it. Raises TransportOpenError, ConfigError on Windows."""
+    """Create a pseudo-terminal and its link. Raises TransportOpenError, ConfigError on Windows."""
     if sys.platform == "win32":
         raise ConfigError(
             f"{address} needs pseudo-terminals, which Windows does not have; use tcp://:11411 there"
@@ -66,7 +66,7 @@ def open_pty(address: PtyAddress) -> PtyTransport:
 
 
 class PtyTransport:
-    """Our side of a pseudo-terminal; made by `open_pty`."""
+    """Our side of a pseudo-terminal; created by `open_pty`."""
 
     remote: str | None = None
     proof: Proof = NO_PROOF
@@ -102,7 +102,7 @@ class PtyTransport:
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet."""
+        """The number of written bytes that are still waiting."""
         return len(self._unsent)
 
     @property
@@ -111,7 +111,7 @@ class PtyTransport:
         return self._terminal
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
         if self._ended.is_set():
             self._loop.call_soon(receiver.connection_lost, None)
@@ -214,7 +214,7 @@ class PtyTransport:
                 self._receiver.resume_writing()
 
     def _hung_up(self) -> None:
-        """Forget the program that closed the terminal, with all that it did not read."""
+        """Forget the program that closed the terminal, with all its unread bytes."""
         if not self._opened:
             return
         self._opened = False

@@ -20,7 +20,7 @@ def check_link(link: Path) -> None:
 
 
 def place_link(link: Path, terminal: str) -> None:
-    """Link atomically, so that a program which waits for the path never finds half a link."""
+    """Create the link atomically, so that a program that waits for the path never finds a wrong one."""
     fresh = link.with_name(f".{link.name}.{os.getpid()}")
     fresh.unlink(missing_ok=True)
     fresh.symlink_to(terminal)

@@ -11,7 +11,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class RefusalLog:
-    """Counts refused peers and logs at most one line each ten seconds."""
+    """Counts refused peers, and logs at most one line every ten seconds."""
 
     def __init__(self, listener: str, clock: Callable[[], float]) -> None:
         self.count = 0
@@ -20,7 +20,7 @@ class RefusalLog:
         self._lines = RepeatLimiter()
 
     def refuse(self, peer: str, reason: str) -> None:
-        """Count one refused peer, and log it unless one was logged just now."""
+        """Count a refused peer, and log it if the rate permits."""
         self.count += 1
         suppressed = self._lines.admit("refused", self._clock())
         if suppressed is None:

@@ -1,4 +1,4 @@
-"""Plays the devices' side of a capture: each link of it becomes a transport, as if the board were there."""
+"""Plays the devices' side of a capture: each of its links becomes a transport."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _TAKEN_POLL_S = 0.001
 
 
 class CaptureListener:
-    """A listener whose peers are the links of a capture; they come once it plays.
+    """A listener whose peers are the links of a capture; they connect when it plays.
 
-    What the host sends goes nowhere. `speed` is how many times as fast as recorded; None: no pauses, only
-    `settle()` is awaited behind each chunk.
+    Bytes from the host are ignored. `speed` is the factor of the recorded speed; None: without pauses, only
+    with `settle()` after each chunk.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class CaptureListener:
 
 
 class _PlayedBoard:
-    """A board's end of one link; it is deaf."""
+    """A board's end of one link; it ignores the host."""
 
     def __init__(self, transport: MemoryTransport) -> None:
         self.transport = transport
@@ -96,9 +96,9 @@ class _PlayedBoard:
         transport.start(self)
 
     async def wait_until_read(self) -> None:
-        """Wait until the host has taken all; it cannot before its node has joined the graph."""
+        """Wait until the host has received all bytes, which it does after its node has joined the graph."""
         await asyncio.sleep(0)
-        # The port announces no delivery; looking is cheap.
+        # The transport does not report a delivery; a check is cheap.
         while self.transport.write_buffer_bytes and not self._is_gone:  # noqa: ASYNC110
             await asyncio.sleep(_TAKEN_POLL_S)
 
@@ -111,9 +111,9 @@ class _PlayedBoard:
         self.has_room.set()
 
     def pause_writing(self) -> None:
-        """Learn that the host has enough."""
+        """Ignore that the host's buffer is full."""
         self.has_room.clear()
 
     def resume_writing(self) -> None:
-        """Learn that the host takes more."""
+        """Ignore that the host's buffer has room."""
         self.has_room.set()

@@ -1,4 +1,4 @@
-"""Serial ports through serialx: opening, the data path, and the list of what is plugged in.
+"""Serial ports through serialx: opening, the data path, and the list of ports.
 
 Importing this module costs 50 ms, so only `opening` and the command line import it, when they need it.
 """
@@ -21,12 +21,12 @@ from rostether.transports.stream import FLUSH_LIMIT_S, READ_CHUNK_BYTES, StreamT
 
 # A pseudo-terminal has no line speed, and some systems refuse to set odd ones on it.
 _PTY_BAUD = 115200
-# How often close() looks whether the port's own output buffer has emptied.
+# How often `close` checks whether the port's output buffer is empty.
 _FLUSH_POLL_S = 0.02
 
 
 def list_ports() -> list[SerialPort]:
-    """Return the serial ports that are there now, sorted by path."""
+    """Return the current serial ports, sorted by path."""
     ports = [
         SerialPort(
             path=info.resolved_device,
@@ -45,7 +45,7 @@ def list_ports() -> list[SerialPort]:
 
 
 async def open_serial(address: SerialAddress, *, flow_control: bool = False) -> SerialTransport:
-    """Open a port exclusively. Raises TransportOpenError saying what to do.
+    """Open a port exclusively. Raises TransportOpenError with the next step.
 
     Linux asserts DTR whenever a port is opened; with `reset=False` it stays asserted at close, so that from
     the second opening on nothing changes on the line and the board keeps running.
@@ -87,7 +87,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         return not self._can_pause
 
     def set_baud(self, baud: int) -> bool:
-        """Change the speed of the open line; False if this port cannot have it. What was read is dropped."""
+        """Change the line's speed, and drop unread bytes; return False if the port does not support it."""
         port = self._port()
         if port is None or not self.has_baud:
             return True
@@ -99,8 +99,8 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         return True
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the asyncio side; reading waits for `start`."""
-        # serialx asks the kernel for 256 KiB each time and pays 30 us for that buffer, but a terminal never
+        """Keep asyncio's transport; reading waits for `start`."""
+        # serialx reads 256 KiB each time, and the buffer costs 30 µs, but a terminal never
         # has so much.
         if hasattr(transport, "max_size"):
             transport.max_size = READ_CHUNK_BYTES
@@ -114,7 +114,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet, those that the operating system holds included."""
+        """The number of written bytes that are still waiting, including those in the operating system."""
         return super().write_buffer_bytes + (0 if self._lost else self._unsent_bytes())
 
     def data_received(self, data: bytes) -> None:
@@ -122,8 +122,8 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         self._deliver(data)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
-        # Unplugged between two wake-ups: serialx says so here, and again through connection_lost.
+        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
+        # The port was unplugged between two wake-ups: serialx raises here, and also calls connection_lost.
         with contextlib.suppress(OSError, RuntimeError):
             super().write(data)
 
@@ -140,7 +140,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
         self._close_when_drained(wire)
 
     def _close_when_drained(self, wire: asyncio.Transport) -> None:
-        # The kernel's close waits up to 30 s for a board that takes nothing, so it is called when the bytes
+        # The kernel's close waits up to 30 s for a board that accepts nothing, so it is called when the bytes
         # have left; `abort` drops them when the limit is over.
         if wire.get_write_buffer_size() or self._unsent_bytes():
             loop = asyncio.get_running_loop()
@@ -156,7 +156,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
             return 0
 
     def _port(self) -> serialx.BaseSerial | None:
-        """Return the port unless it is being closed: its descriptor may be another file's by then."""
+        """Return the port unless it is being closed: its descriptor may already belong to another file."""
         if self._wire is None or self._lost or self._wire.is_closing():
             return None
         return cast("serialx.BaseSerialTransport", self._wire).serial

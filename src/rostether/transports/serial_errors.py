@@ -1,4 +1,4 @@
-"""The reasons why a serial port cannot be opened, each with the next step."""
+"""Explains why a serial port cannot be opened, with the next step."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def explain_open_error(
     path = address.path
     code = error.errno if isinstance(error, OSError) else None
     if isinstance(error, PermissionError) and sys.platform == "win32":
-        code = errno.EBUSY  # Windows says "access denied" of a port that is open elsewhere
+        code = errno.EBUSY  # Windows reports "access denied" for a port that another program has open
     if isinstance(error, FileNotFoundError):
         return TransportOpenError(f"no serial port {path}; {_describe_ports(list_ports)}")
     if code == errno.EBUSY:
@@ -60,7 +60,7 @@ def explain_open_error(
 
 
 def find_holder(path: str) -> str | None:
-    """Name the process that has a port open, where the system lets us see it: `screen (PID 4711)`."""
+    """Return the process that has a port open, if the system shows it: `screen (PID 4711)`."""
     holders = find_holders(path)
     if holders:
         return str(holders[0])
@@ -68,7 +68,7 @@ def find_holder(path: str) -> str | None:
 
 
 def explain_permission(path: str) -> str:
-    """Return who may open a port, and what to type."""
+    """Return who may open a port, and the command that permits it."""
     group = group_of(path)
     if group is None:
         return f"no permission to open {path}: only root may use it; run: sudo chmod a+rw {path}"

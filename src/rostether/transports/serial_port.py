@@ -12,7 +12,7 @@ _USB_INTERFACE = re.compile(r"[0-9]+-[0-9.]+:[0-9]+\.[0-9]+")
 
 @dataclass(frozen=True, slots=True)
 class SerialPort:
-    """One serial port of this machine; USB fields are None where the port is not on USB.
+    """One serial port of this machine; the USB fields are None if the port is not on USB.
 
     `usb_location` is the socket that the device is plugged into, with the interface: it stays when the port
     gets another number (Linux only).
@@ -30,14 +30,14 @@ class SerialPort:
 
     @property
     def usb_id(self) -> str | None:
-        """Vendor and product as people write them, `2341:0043`."""
+        """Vendor and product in the usual form, `2341:0043`."""
         if self.usb_vendor_id is None:
             return None
         return f"{self.usb_vendor_id:04x}:{self.usb_product_id or 0:04x}"
 
 
 def find_usb_location(path: str, *, sys_folder: str = "/sys/class/tty") -> str | None:
-    """Return the socket behind a port's path, as the kernel names it; None where it has none."""
+    """Return the kernel's name of the USB socket of a port; None if it has none."""
     device = os.path.realpath(f"{sys_folder}/{path.rpartition('/')[2]}/device")
     for part in reversed(device.split("/")):
         if _USB_INTERFACE.fullmatch(part):

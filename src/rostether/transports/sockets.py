@@ -1,4 +1,4 @@
-"""What TCP and UDP share: socket options, and why a socket could not be had, in words."""
+"""Shared by TCP and UDP: socket options, and explanations of socket errors."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from weakref import WeakKeyDictionary
 from rostether.errors import TransportOpenError
 from rostether.transports.address import LOOPBACK, show_endpoint
 
-# A name server that does not answer within this time will not.
+# A working name server answers within this time.
 RESOLVE_LIMIT_S = 5.0
 # A board without power does not close its connection: probe after 5 s of silence, 3 times in 6 s.
 _KEEPALIVE_IDLE_S = 5
 _KEEPALIVE_INTERVAL_S = 2
 _KEEPALIVE_PROBES = 3
-# The same for a board that vanished while we were writing to it.
+# The same for a board that disappeared while data was being sent to it.
 _UNACKNOWLEDGED_LIMIT_MS = 11_000
-# What a slow board has not taken waits with us, where it is counted and commands that are too old can go; the
-# kernel keeps enough unsent to fill the line until we are woken.
+# Data for a slow board waits in this process, where it is counted and old commands can be dropped; the kernel
+# keeps enough unsent data to fill the line until the process wakes up.
 _UNSENT_BYTES = 16 * 1024
 
-# Connects that the kernel holds while the event loop is busy: after a restart, all boards and nodes connect
-# at once. One that finds no place is repeated a second later. It costs memory only while they wait.
+# The connections that the kernel keeps while the event loop is busy: after a restart, all boards and nodes
+# connect at once. Without room, a connection is repeated a second later. Only waiting ones need memory.
 _BACKLOG = 1024
 
 # About 30 frames of 4 KiB: with fewer, calls of the system take a tenth of the time.
@@ -49,7 +49,7 @@ _STREAM_OPTIONS = (
 
 
 def tune_stream(sock: socket.socket) -> None:
-    """Send at once, hold little back, and notice a peer that vanished without a word in eleven seconds."""
+    """Send at once, buffer little, and detect within eleven seconds a peer that has disappeared."""
     for level, name, value in _STREAM_OPTIONS:
         option = getattr(socket, name, None)
         if option is not None:
@@ -67,7 +67,7 @@ def read_buffer() -> memoryview:
 
 
 def lengthen_backlog(server: asyncio.Server) -> None:
-    """Let many connect at once. The `backlog` given to asyncio is how many it accepts in one turn."""
+    """Permit many connections at once; asyncio's `backlog` is also the number that it accepts per turn."""
     for listener in server.sockets:
         with (
             contextlib.suppress(OSError),
@@ -78,7 +78,7 @@ def lengthen_backlog(server: asyncio.Server) -> None:
 
 @contextlib.asynccontextmanager
 async def system_bind_errors(host: str | None, port: int) -> AsyncIterator[None]:
-    """Raise the errors of a TCP bind inside the block as the system words them, with errno and strerror.
+    """Raise the errors of a TCP bind inside the block in the system's form, with errno and strerror.
 
     asyncio words these errors differently in each Python, and since 3.13 gives a foreign address no errno.
     Raises OSError, socket.gaierror for a host that has no address.
@@ -105,7 +105,7 @@ async def _try_bind(host: str | None, port: int) -> None:
 
 
 def explain_bind_error(scheme: str, host: str, port: int, error: OSError) -> TransportOpenError:
-    """Return why an address cannot be listened on, and what to type instead."""
+    """Return why listening on an address is impossible, and what to use instead."""
     shown_host = "" if host == LOOPBACK else host
     if error.errno == errno.EADDRINUSE:
         return TransportOpenError(
@@ -138,7 +138,7 @@ def explain_connect_error(place: str, error: OSError) -> TransportOpenError:
 
 
 def explain_reason(error: Exception) -> str:
-    """Return the shortest words an error has for itself."""
+    """Return the shortest text of an error."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     return str(error) or type(error).__name__

@@ -14,15 +14,15 @@ from rostether.transports.transport import Receiver
 if TYPE_CHECKING:
     import ssl
 
-# A board that does not read must not delay the end of this process: data not sent by then is lost.
+# A board that does not read must not delay the end of this process: later data is lost.
 FLUSH_LIMIT_S = 1.0
-# About 900 frames of 64 bytes: enough that the cost of a wake-up vanishes, little enough that the chunk of
-# one flooding board is worked off in a few milliseconds and others get their turn.
+# About 900 frames of 64 bytes: enough to make the cost of a wake-up negligible, but few enough to process the
+# chunk of a flooding board in a few milliseconds, so that others get their turn.
 READ_CHUNK_BYTES = 64 * 1024
 
 
 class StreamTransport(asyncio.BaseProtocol):
-    """One open byte stream as a `Transport`; made by the rooms beside it, never directly."""
+    """One open byte stream as a `Transport`; created by the modules of TCP and serial ports."""
 
     remote: str | None = None
     proof: Proof = NO_PROOF
@@ -42,7 +42,7 @@ class StreamTransport(asyncio.BaseProtocol):
         self._ended = asyncio.get_running_loop().create_future()
 
     def peer_certificate(self) -> bytes | None:
-        """Return the certificate that the peer has proven to be its own, in DER form."""
+        """Return the certificate that the peer has proven to have, in DER form."""
         tls = None if self._wire is None else self._wire.get_extra_info("ssl_object")
         return None if tls is None else tls.getpeercert(binary_form=True)
 
@@ -58,13 +58,13 @@ class StreamTransport(asyncio.BaseProtocol):
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet."""
+        """The number of written bytes that are still waiting."""
         if self._wire is None or self._lost:
             return 0
         return self._wire.get_write_buffer_size()
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
         if self._lost or self._early:
             asyncio.get_running_loop().call_soon(self._catch_up)
@@ -81,7 +81,7 @@ class StreamTransport(asyncio.BaseProtocol):
             self._wire.pause_reading()
 
     async def start_tls(self, context: ssl.SSLContext, *, listens: bool, host: str = "") -> None:
-        """Encrypt from here on; before `start`. Raises OSError when the handshake fails."""
+        """Encrypt all further bytes; call it before `start`. Raises OSError if the handshake fails."""
         assert self._wire is not None
         wire = None
         try:
@@ -97,14 +97,14 @@ class StreamTransport(asyncio.BaseProtocol):
             # Until the handshake ends, asyncio does not report that the connection was lost.
             if wire is None:
                 self.connection_lost(None)
-        assert wire is not None  # asyncio's stubs say it may be; it raises instead
-        # Bytes at the heels of the handshake have paused what lies below TLS, which sees to that itself now.
+        assert wire is not None  # asyncio raises instead, unlike its stubs
+        # Bytes right after the handshake have paused the socket, which TLS controls now.
         self._wire.resume_reading()
         self._wire = wire
         wire.pause_reading()
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
         if self._closing or self._lost or self._wire is None:
             return
         self._wire.write(data)
@@ -142,7 +142,7 @@ class StreamTransport(asyncio.BaseProtocol):
         await asyncio.shield(self._ended)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the asyncio side; reading waits for `start`."""
+        """Keep asyncio's transport; reading waits for `start`."""
         self._wire = cast(asyncio.Transport, transport)
         self._wire.pause_reading()
 
@@ -163,7 +163,7 @@ class StreamTransport(asyncio.BaseProtocol):
             self._receiver.connection_lost(self._error)
 
     def eof_received(self) -> bool:
-        """Close this side when the peer closes: it may never read again."""
+        """Close this side when the peer closes its side: it may never read again."""
         if self._flush_limit is None and self._wire is not None:
             self._flush_limit = asyncio.get_running_loop().call_later(FLUSH_LIMIT_S, self._wire.abort)
         return False
@@ -184,7 +184,7 @@ class StreamTransport(asyncio.BaseProtocol):
         if self._receiver is not None:
             self._receiver.data_received(data)
         elif self._wire is not None:
-            # uvloop begins to read only after connection_made, and so forgets that we paused it there.
+            # uvloop starts to read after connection_made, and so ignores a pause in connection_made.
             self._early += data
             self._wire.pause_reading()
 

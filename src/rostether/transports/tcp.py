@@ -1,4 +1,4 @@
-"""TCP: a listener that boards connect to, and a client that connects to one peer."""
+"""TCP: a listener for boards, and a client that connects to one peer."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MAX_UNPROVEN = 128
 _ACCEPTED_AT_ONCE = 64
 # A board on Wi-Fi answers within a second or is not there.
 CONNECT_LIMIT_S = 5.0
-# Linux has it; elsewhere acknowledgements are late only sometimes.
+# Only Linux has it; on other systems, acknowledgements are rarely late.
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ if TYPE_CHECKING:
 class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
     """One TCP connection.
 
-    It reads less at a time while its chunks cost much, so that a flood or hostile bytes on one leave others
-    their turn.
+    It reads less at a time while its chunks are expensive, so that a flood or hostile bytes on one connection
+    do not delay the others.
     """
 
     def __init__(self, peer: str = "", *, on_lost: Callable[[TcpTransport], None] | None = None) -> None:
@@ -63,7 +63,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         self.own_host = ""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the asyncio side and set the socket's options."""
+        """Keep asyncio's transport, and set the socket's options."""
         super().connection_made(transport)
         self._buffer = read_buffer()
         self._socket = transport.get_extra_info("socket")
@@ -81,11 +81,11 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
         super().connection_lost(exc)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing.
+        """Queue bytes. Never blocks; does nothing after the end of the pipe.
 
-        The kernel holds the acknowledgements of who answers back for 40 ms, to send them along with the next
-        answer. A board whose TCP gathers small messages until the last is acknowledged (ESP boards do) would
-        send its next one that late, after each answer about the time.
+        If this side sends, the kernel delays acknowledgements for 40 ms, to send them with the next data. A
+        board that collects small messages until the last one is acknowledged (such as an ESP) would send its
+        next message with that delay after each time answer.
         """
         super().write(data)
         if self._socket is not None and _QUICKACK is not None:
@@ -111,7 +111,7 @@ class TcpTransport(StreamTransport, asyncio.BufferedProtocol):
 
 
 class TcpListener:
-    """Listens for boards and makes a transport of each; made by `start`."""
+    """Listens for boards, and creates a transport for each; created by `start`."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class TcpListener:
         self._allow = allow
         self._greeting = greeting
         self._greetings: set[asyncio.Task[None]] = set()
-        # In the order in which they came.
+        # In their order of arrival.
         self._unproven: dict[TcpTransport, None] = {}
         self._boards: set[TcpTransport] = set()
         self._max_connections = max_connections
@@ -168,7 +168,7 @@ class TcpListener:
 
     @property
     def address(self) -> str:
-        """Where it listens, with the port that was really bound."""
+        """The listening address, with the port that was bound."""
         return self._address
 
     @property
@@ -178,7 +178,7 @@ class TcpListener:
 
     @property
     def refused_count(self) -> int:
-        """How many connections were refused so far."""
+        """The number of refused connections so far."""
         return self._refusals.count
 
     async def close(self) -> None:
@@ -216,7 +216,7 @@ class TcpListener:
         task.add_done_callback(self._greetings.discard)
 
     def _make_room(self, host: str) -> None:
-        """End the oldest that has proven nothing, where its address or all together hold too many."""
+        """End the oldest unproven connection of the address, or of all, if there are too many."""
         same = [each for each in self._unproven if each.host == host]
         if len(same) >= MAX_UNPROVEN_PER_HOST:
             self._end_unproven(same[0], f"{host} has {MAX_UNPROVEN_PER_HOST} unauthenticated connections")
@@ -238,7 +238,7 @@ class TcpListener:
         except RostetherError as error:
             reason = str(error)
         if transport not in self._unproven:
-            # It has given way meanwhile, and was reported.
+            # In the meantime, a newer one has replaced it, which was reported.
             return
         del self._unproven[transport]
         if reason is None:
@@ -313,9 +313,9 @@ async def connect_tcp(address: TcpAddress, *, limit_s: float = CONNECT_LIMIT_S) 
 
 
 def make_greeting(address: TcpAddress, board_keys: BoardKeys = NO_KEYS) -> Greeting | None:
-    """Return what an address asks for before a board's first byte. Raises ConfigError."""
+    """Return the greeting that an address requires before a board's first byte. Raises ConfigError."""
     if address.psk is None and address.tls is None:
         return None
-    from rostether.transports.greeting import Greeting  # only who has secrets pays for the import
+    from rostether.transports.greeting import Greeting  # only needed with a key or TLS
 
     return Greeting(address.psk, address.tls, listens=address.listens, host=address.host, boards=board_keys)

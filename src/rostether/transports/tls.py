@@ -1,4 +1,4 @@
-"""TLS for TCP links: with what, and the contexts of Python's ssl that this makes."""
+"""TLS for TCP links: its files, and their contexts of Python's ssl."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ HANDSHAKE_LIMIT_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class TlsFiles:
-    """PEM files: our certificate, its key (None: in the same file), and who signed the peer's certificate.
+    """PEM files: a certificate, its key (None: in the same file), and the authority of the peer.
 
-    A listener needs a certificate; with `ca` it takes only boards with one of their own. Who connects checks
-    the listener against `ca`, else against the system's authorities.
+    A listener needs a certificate; with `ca`, it accepts only boards that have one too. A connector checks
+    the listener's certificate with `ca`, or else with the system's authorities.
     """
 
     cert: str | None = None
@@ -29,11 +29,11 @@ class TlsFiles:
 
 
 def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl.SSLContext:
-    """Return the context of a listener, which asks for `certificates` of single boards (DER) too.
+    """Return the context of a listener, which also accepts the `certificates` of single boards (DER).
 
     Raises ConfigError.
     """
-    import ssl  # only who uses TLS pays for the import
+    import ssl  # only needed with TLS
 
     if files.cert is None:
         raise ConfigError("a tls: listener needs a certificate; write tls://HOST:PORT?cert=FILE&key=FILE")
@@ -51,7 +51,7 @@ def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl
 
 
 def connector_context(files: TlsFiles) -> ssl.SSLContext:
-    """Return the context of who connects. Raises ConfigError."""
+    """Return the context of a connector. Raises ConfigError."""
     import ssl
 
     context = ssl.create_default_context()
@@ -68,7 +68,7 @@ def _load(context: ssl.SSLContext, files: TlsFiles) -> None:
     try:
         if files.cert is not None:
             key = None if files.key is None else Path(files.key).expanduser()
-            # No password is asked for on the terminal: a service has none.
+            # Never ask for a password on the terminal: a service has no terminal.
             context.load_cert_chain(Path(files.cert).expanduser(), key, password=lambda: "")
         shown = f"ca={files.ca}"
         if files.ca is not None:

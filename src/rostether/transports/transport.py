@@ -1,6 +1,6 @@
-"""The byte pipe a device is reached through, and what it calls back. Transports know no ROS.
+"""The byte pipe to a device, and its callbacks. Transports know nothing about ROS.
 
-Reading is by callback, not by `await read()`: a flood then costs one call a chunk and no task switch.
+Data arrives by callback, not by `await read()`: a flood then costs one call per chunk, and no task switch.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ class Receiver(Protocol):
     """Implemented by the users of a transport."""
 
     def data_received(self, data: bytes) -> None:
-        """Handle a chunk, in order, cut anywhere."""
+        """Handle a chunk of the stream, which may end anywhere."""
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """Learn once that the pipe ended; None after our own close()."""
+        """Handle the end of the pipe, once; None after `close`."""
 
     def pause_writing(self) -> None:
-        """Learn that the write buffer is above its high-water mark."""
+        """Handle that the write buffer is above its high-water mark."""
 
     def resume_writing(self) -> None:
-        """Learn that the write buffer has drained below its low-water mark."""
+        """Handle that the write buffer is below its low-water mark."""
 
 
 class Transport(Protocol):
@@ -48,13 +48,13 @@ class Transport(Protocol):
 
     @property
     def write_buffer_bytes(self) -> int:
-        """How many written bytes have not left yet."""
+        """The number of written bytes that are still waiting."""
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
@@ -70,11 +70,11 @@ class Transport(Protocol):
 
 
 class Listener(Protocol):
-    """A server that makes a transport of each peer that comes."""
+    """A server that creates a transport for each peer."""
 
     @property
     def address(self) -> str:
-        """Where it listens, with the port that was really bound."""
+        """The listening address, with the port that was bound."""
 
     async def close(self) -> None:
         """Stop listening and end all its transports. Idempotent."""

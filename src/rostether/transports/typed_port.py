@@ -23,7 +23,7 @@ class _Port(Protocol):
 
 
 def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]) -> None:
-    """Raise ConfigError for a serial port that no plugging in can bring: a typing error, a file, a folder."""
+    """Raise ConfigError for a serial port that cannot appear: a typing error, a file, a folder."""
     if not isinstance(address, SerialAddress | XbeeAddress) or sys.platform == "win32":
         return
     path = address.path
@@ -55,6 +55,6 @@ def _meant(path: str) -> str | None:
 
 
 def _there(ports: Sequence[_Port]) -> str:
-    # Every PC has those of the mainboard, without a board at them.
+    # Every PC has the ports of the mainboard, which have no board.
     plugged_in = [each.path for each in ports if not each.path.startswith("/dev/ttyS")]
     return " or ".join(plugged_in[:3]) or "/dev/ttyACM0 or /dev/ttyUSB0 (none is plugged in now)"

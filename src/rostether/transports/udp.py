@@ -1,8 +1,8 @@
 """UDP: one transport for each peer address behind one socket, or a socket connected to one peer.
 
-A datagram is a piece of the byte stream, cut anywhere. A session writes whole frames, so what fits one
-datagram leaves as one; more is cut at the datagram's limit without regard to frames, because the reader
-joins datagrams again anyway, and a lost one costs the frames it touched, found by their checksums.
+A datagram is a piece of the byte stream, and may end anywhere. A session writes whole frames: they are sent
+as one datagram if they fit, otherwise cut at the datagram's limit, because the reader joins datagrams. A lost
+one damages the frames that it has parts of, which their checksums show.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerEntry, PeerT
 from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
 from rostether.transports.transport import Transport
 
-# Ethernet's 1500 less IPv6 and UDP headers (48) and what tunnels take: a datagram is never fragmented.
+# Ethernet's 1500, minus IPv6 and UDP headers (48) and those of tunnels: datagrams are never fragmented.
 MAX_DATAGRAM_BYTES = 1400
-# What a burst of all boards brings while we work off one chunk; the default holds 200 small datagrams.
+# A burst of all boards during the processing of one chunk; the default holds 200 small datagrams.
 _RECEIVE_BUFFER_BYTES = 1024 * 1024
-# A network that takes nothing must not fill our memory; a datagram may be lost anywhere, so why not here.
+# A network that accepts nothing must not fill the memory; datagrams beyond this are dropped.
 _SEND_LIMIT_BYTES = 1024 * 1024
 
 _Peer: TypeAlias = tuple[Any, ...]  # (host, port) of IPv4, (host, port, flow, scope) of IPv6
@@ -37,7 +37,7 @@ def split_datagrams(data: bytes | bytearray | memoryview) -> Iterator[bytes]:
 
 
 class _DatagramWire(Protocol):
-    """What asyncio's datagram transports have, and its stubs half know."""
+    """The methods of asyncio's datagram transports, some of which its stubs lack."""
 
     def sendto(self, data: bytes, addr: _Peer | None = None) -> None: ...
 
@@ -64,7 +64,7 @@ class _DatagramSocket(asyncio.DatagramProtocol):
             self._closed.set_result(None)
 
     def error_received(self, exc: Exception) -> None:
-        """Ignore "port unreachable": a board that reboots sends it, and is back a moment later."""
+        """Ignore "port unreachable": a board that restarts sends it, and returns a moment later."""
 
     def pause_writing(self) -> None:
         self.peers.pause_writing()
@@ -88,7 +88,7 @@ class _DatagramSocket(asyncio.DatagramProtocol):
 
 
 class UdpListener(_DatagramSocket):
-    """Receives from boards and makes a transport of each peer address; made by `start`."""
+    """Receives from boards, and creates a transport for each peer address; created by `start`."""
 
     def __init__(
         self,
@@ -141,7 +141,7 @@ class UdpListener(_DatagramSocket):
 
     @property
     def address(self) -> str:
-        """Where it listens, with the port that was really bound."""
+        """The listening address, with the port that was bound."""
         return self._address
 
     async def close(self) -> None:
@@ -151,7 +151,7 @@ class UdpListener(_DatagramSocket):
         await asyncio.shield(self._closed)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the bound socket."""
+        """Keep the bound socket."""
         super().connection_made(transport)
         self._address = f"udp://{show_endpoint(*transport.get_extra_info('sockname')[:2])}"
 
@@ -229,7 +229,7 @@ async def _resolve(host: str, port: int) -> tuple[int, _Peer]:
 
 
 def _make_socket(family: int, *, local: _Peer) -> socket.socket:
-    """Bind a socket ourselves: event loops differ in what they say when they cannot."""
+    """Bind a socket without asyncio, because event loops report errors differently."""
     sock = socket.socket(family, socket.SOCK_DGRAM)
     try:
         sock.setblocking(False)

@@ -4,8 +4,8 @@
 
 Binary messages are the bytes of the line, both ways. The page's first message is text, `read_hello`. From
 then on it reports how many bytes it has written to its port, after each write and at least once a second:
-that paces what is sent, and shows that the page is alive. Pings do not: a browser answers them while the
-page's script is stopped.
+this controls the rate of sending, and shows that the page is alive. Pings do not show that: a browser answers
+them while the page's script is stopped.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ ALIVE_LIMIT_S = 4.0
 ALIVE_CHECK_S = 0.5
 # A page reads a port in much smaller chunks.
 MAX_MESSAGE_BYTES = 64 * 1024
-# On its way to the port at once: the round trip of a weak network at the speed of a fast port.
+# The unreported bytes: the round trip of a weak network at the speed of a fast port.
 WINDOW_BYTES = 16 * 1024
-# The same marks as sockets have.
+# The same limit as sockets.
 HIGH_WATER_BYTES = 64 * 1024
 LOW_WATER_BYTES = 16 * 1024
 # RFC 6455 (7.4.1).
@@ -39,7 +39,7 @@ _CONNECTED = '{"op":"connected"}'
 
 
 class WebSocket(Protocol):
-    """The connection to a page, as `gateways.websocket.connection.Connection` is one."""
+    """The connection to a page, such as `gateways.websocket.connection.Connection`."""
 
     def send(self, *messages: str | bytes) -> None:
         """Send messages, unless the connection has ended."""
@@ -61,7 +61,7 @@ class WebTransport:
     """One board behind a page; made by `WebBoards.open`.
 
     `connect` serves the board that the page names, or returns why not; `forget` is called at the end.
-    It cannot pause the board: what the page does not read in time, its port loses, as any serial port does.
+    It cannot pause the board: its port loses the bytes that the page does not read in time.
     """
 
     remote: str | None = None
@@ -95,7 +95,7 @@ class WebTransport:
 
     @property
     def peer(self) -> str:
-        """The name for users of the board at the page."""
+        """The board's name for users."""
         return f"web {self.hello.name}" if self.hello is not None else "web"
 
     @property
@@ -104,14 +104,14 @@ class WebTransport:
         return len(self._unsent) + self._sent_bytes - self._written_bytes
 
     def start(self, receiver: Receiver) -> None:
-        """Begin to deliver; called once. Nothing received before it is lost."""
+        """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
         if self._writing_paused:
             receiver.pause_writing()
         self._loop.call_soon(self._catch_up)
 
     def write(self, data: bytes | bytearray | memoryview) -> None:
-        """Queue bytes. Never blocks; after the pipe ended it does nothing."""
+        """Queue bytes. Never blocks; does nothing after the end of the pipe."""
         if self._ended.is_set():
             return
         self._unsent += data
@@ -165,20 +165,20 @@ class WebTransport:
             self._refuse(str(error))
 
     def paused(self) -> None:
-        """Nothing to do: only `WINDOW_BYTES` are on their way."""
+        """Do nothing: only `WINDOW_BYTES` are unreported."""
 
     def resumed(self) -> None:
-        """Nothing to do."""
+        """Do nothing."""
 
     def closed(self) -> None:
-        """The page closed the connection, or the network did."""
+        """Handle the end of the connection."""
         self._end(PeerClosedError(f"{self.peer} is away: its page was closed or hidden, or lost its network"))
 
     # Internal methods.
 
     def admit(self, address: WebAddress, hello: WebHello) -> None:
         """Serve the board that the page has named."""
-        # With the prefix, a name typed on a page is never that of another node.
+        # With the prefix, a name from a page never equals that of another node.
         self.address = replace(address, name=address.name or f"web_{hello.name}", baud=hello.baud)
         self.hello = hello
         self._timer.cancel()

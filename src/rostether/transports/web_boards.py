@@ -1,4 +1,4 @@
-"""The boards that pages of the dashboard connect, between the dashboard's server and the bridge."""
+"""Passes the boards of dashboard pages from the dashboard's server to the bridge."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MAX_WEB_BOARDS = 32
 
 
 class WebListener:
-    """What the bridge has of the pages' boards; made by `WebBoards.listen`."""
+    """The bridge's listener for boards of pages; created by `WebBoards.listen`."""
 
     def __init__(self, address: WebAddress, boards: WebBoards) -> None:
         self._address = address

@@ -15,7 +15,7 @@ MAX_TEXT_CHARACTERS = 1000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _ID = re.compile(r"[A-Za-z0-9-]{8,64}")
 
-# More than a line of 20 Mbaud carries in a century.
+# More than a line of 20 Mbaud transfers in a century.
 _MAX_BYTES = 1 << 53
 
 

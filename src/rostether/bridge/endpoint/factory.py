@@ -108,7 +108,7 @@ class EndpointFactory:
             return
         asked = (type_name, announced)
         if asked not in self._mismatches:
-            from rostether.msgdef.mismatch import explain_mismatch  # only who meets one pays for it
+            from rostether.msgdef.mismatch import explain_mismatch  # only needed for a mismatch
 
             if len(self._mismatches) >= MAX_MISMATCHES:
                 self._mismatches.clear()

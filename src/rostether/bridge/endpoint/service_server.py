@@ -3,8 +3,8 @@
 The wire has no correlation id, so a response belongs to the one call in flight. After a call that timed out
 the board may still answer, and that answer must not become the next call's. So no other call is sent until
 the late answer was dropped, or the board shows that it has finished the call. The established device library
-serves a call in its loop, and requests the time again only when it is done. For a board that requests the
-time during calls too, a request shows nothing.
+serves a call in its loop, and requests the time again only when it is done. If a board requests
+the time during calls too, its requests show nothing.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
 from rostether.serde.layout import Layout
 
-# A board that never shows that it is past a call that timed out (it requests the time every 2.5 s, and takes
-# its host for gone after 11 s) is believed to have lost the request.
+# A board requests the time every 2.5 s, and unconfigures itself after 11 s without an answer. If it has not
+# shown in this time that it finished the call that timed out, it has lost the request.
 QUARANTINE_S = 15.0
 # A board that was busy with a call has skipped more than two time requests; the line may lose two.
 BUSY_S = 6.0

@@ -1,12 +1,13 @@
 """Limits how much is written to a serial line, so that urgent frames wait behind little data.
 
-The operating system would take seconds of a slow line's backlog at once, and a time answer would wait for all
-of it. Here at most 20 ms of line time is on its way; the rest waits in the outbox, where order is ours.
+The operating system would accept seconds of a slow line's backlog at once, and a time answer would wait for
+all of it. Here, at most 20 ms of line time are in the port; the rest waits in the outbox, which can reorder
+it.
 
-The baud rate alone does not give a line's speed: boards with USB of their own ignore it. So a port that
-holds nothing any more, before its line can have carried all, is taken to be twice as fast, and so on; one
-that still holds something is taken at its baud rate again. An adapter's own buffer looks like a fast line
-until it is full; the largest common one holds 0.1 s of 57600 baud.
+The baud rate alone does not give a line's speed: boards with built-in USB ignore it. If a port is empty
+before its line can have transferred all bytes, its assumed speed doubles; if it still holds bytes, the
+assumed speed is the baud rate again. An adapter's own buffer looks like a fast line until it is full; the
+largest common one holds 0.1 s of 57600 baud.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from __future__ import annotations
 BITS_PER_BYTE = 10
 # The line stays busy through a late wake-up of this length, and nothing urgent waits longer than this.
 WINDOW_S = 0.020
-# Slow lines still take a few small frames at once.
+# Slow lines still accept a few small frames at once.
 MIN_WINDOW_BYTES = 64
-# 57600 baud taken at 370 kB/s: what USB of full speed carries.
+# From 57600 baud to 370 kB/s, the limit of full-speed USB.
 MAX_SPEED_FACTOR = 64.0
 
 
@@ -39,7 +40,7 @@ class LinePacer:
         self._idle_at_s = max(self._idle_at_s, now_s) + count_bytes / self._speed()
 
     def observe(self, unsent_bytes: int, now_s: float) -> None:
-        """Record how much of what was written is still in the port."""
+        """Record how many of the written bytes are still in the port."""
         if unsent_bytes:
             self._speed_factor = 1.0
             self._idle_at_s = now_s + unsent_bytes / self.bytes_per_s
@@ -48,7 +49,7 @@ class LinePacer:
             self._idle_at_s = now_s
 
     def wait_s(self, now_s: float) -> float:
-        """Return how long until half the window is free, at least a millisecond."""
+        """Return the time until half of the window is free, at least a millisecond."""
         half_s = self._window_bytes() / self._speed() / 2
         return max(0.001, self._idle_at_s - now_s - half_s)
 

@@ -1,9 +1,8 @@
-"""What waits to go to one board: a bounded queue a topic, emptied in turns, behind all control traffic.
+"""The output to one board: control traffic first, then one bounded queue for each topic, in turns.
 
-A queue that overflows pauses its source where the link pauses us (TCP, pty), so that the messages wait in
-ROS and none is lost; a board that takes no byte for a second is waited for no longer. Everywhere else, and
-for such a board, the oldest messages of that topic go. Control traffic, and answers that someone waits for,
-never queue.
+On links with flow control (TCP, pty), a queue that overflows pauses its source: the messages wait in ROS, and
+none is lost. The pause ends if the board accepts no byte for a second. On other links, and for such a board,
+the oldest messages of the topic are dropped. Control traffic and responses never wait in a queue.
 """
 
 from __future__ import annotations
@@ -23,16 +22,16 @@ from rostether.transports.transport import Transport
 QUEUE_LINE_S = 2.0
 # Slow lines still hold a burst of small commands.
 MIN_QUEUE_BYTES = 8 * 1024
-# A paused source may have this much of what it had read already on its way to us.
+# The data that a paused source has already read can still arrive, up to this many queues.
 PAUSED_QUEUE_FACTOR = 8
-# How much one topic sends before the next one: many small messages, but short turns.
+# The bytes that one topic sends before the next one: many small messages, but short turns.
 TURN_BYTES = 4 * 1024
 # The size of one write; other boards are served between two writes.
 WRITE_BYTES = 256 * 1024
-# Data after a pause this long is written at once; sooner data is gathered for one write per turn.
+# Data after a pause of this length is written at once; other data is collected for one write per turn.
 EAGER_AFTER_S = 0.0005
 EAGER_MESSAGES = 16
-# How often a paused source looks whether the board still takes bytes.
+# How often a paused source checks whether the board still accepts bytes.
 STALL_CHECK_S = 0.1
 
 
@@ -43,10 +42,10 @@ class FrameSource(Protocol):
         """Return the control traffic that is due."""
 
     def encode_message(self, topic_id: int, payload: bytes) -> bytes:
-        """Return one frame. Raises LocalProtocolError for an id the board does not take."""
+        """Return one frame. Raises LocalProtocolError for an id that the board did not announce."""
 
     def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
-        """Return the frames. Raises LocalProtocolError for an id the board does not take."""
+        """Return the frames. Raises LocalProtocolError for an id that the board did not announce."""
 
 
 class Scheduler(Protocol):
@@ -109,8 +108,8 @@ class Outbox:
         return sum(queue.queued_bytes for queue in self._ready)
 
     def put(self, queue: TopicQueue, payloads: Sequence[bytes]) -> None:
-        """Queue messages of one topic; they leave by the end of this turn of the event loop if the link
-        takes them."""
+        """Queue messages of one topic; they are written by the end of this turn of the event loop if the link
+        accepts them."""
         if len(payloads) <= EAGER_MESSAGES and self._is_idle():
             self._send_now(queue, payloads)
             return
@@ -126,9 +125,10 @@ class Outbox:
             self._schedule()
 
     def answer(self, topic_id: int, payload: bytes) -> None:
-        """Send what the board, or the one caller of its service, waits for: ahead of all topics.
+        """Send a response that the board, or the caller of its service, waits for: before all topics.
 
-        Raises LocalProtocolError for an id the board does not take or a payload larger than its buffer.
+        Raises LocalProtocolError for an id that the board did not announce, or a payload above its buffer
+        size.
         """
         self._answers.append(self._link.encode_message(topic_id, payload))
         if not self._scheduled:
@@ -143,9 +143,9 @@ class Outbox:
         queue.set_source(None)
 
     def flush(self) -> None:
-        """Write what is due: answers, control traffic, then topics as far as the link takes them."""
+        """Write what is due: responses, control traffic, then messages as far as the link accepts them."""
         self._scheduled = False
-        # Answers first: the link may have held control traffic back until the answer was made.
+        # Responses first: the link may have delayed control traffic until the response was made.
         pieces, self._answers = self._answers, []
         control = self._link.data_to_send()
         if control:
@@ -163,7 +163,7 @@ class Outbox:
             self._flushed_s = self._loop.time()
             self._write(pieces)
         if self._drained:
-            # Only now: a source may bring more at once, and that must come behind what was just written.
+            # Last: a source may send more at once, which must follow the data that was just written.
             drained, self._drained = self._drained, []
             for queue in drained:
                 queue.resume_source()
@@ -171,13 +171,13 @@ class Outbox:
             self._schedule()
 
     def pause_writing(self) -> None:
-        """The transport has enough."""
+        """Stop writing topics: the transport's buffer is full."""
         self._blocked = True
         self._unsent_bytes = self._transport.write_buffer_bytes
         self._progress_s = self._loop.time()
 
     def resume_writing(self) -> None:
-        """The transport takes more."""
+        """Write topics again: the transport's buffer has room."""
         self._blocked = False
         self._stalled = False
         if not self._scheduled:
@@ -211,7 +211,7 @@ class Outbox:
         try:
             frames = self._link.encode_messages(queue.topic_id, payloads)
         except LocalProtocolError:
-            # The board no longer takes the topic, for instance after a reset with another sketch.
+            # The board no longer subscribes the topic, for example after a reset with another sketch.
             queue.dropped_count += len(payloads)
             return b""
         return frames

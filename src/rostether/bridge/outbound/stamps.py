@@ -1,4 +1,4 @@
-"""A few of the stamps that a board sends, for the estimate of its clock."""
+"""Samples the stamps that a board sends, for the estimate of its clock."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.packets import TopicInfo
 from rostether.rostime import Time
 
-# Fifty a second show the least delayed of any 0.8 s well enough, whatever a flood brings.
+# With fifty a second, one of any 0.8 s has little delay, even in a flood.
 SAMPLE_PERIOD_S = 0.02
 
 _HEADER = "std_msgs/Header"
@@ -25,19 +25,19 @@ class Stamps:
     def __init__(self, estimate: ClockEstimate, now: Callable[[], Time]) -> None:
         self.estimate = estimate
 
-        # By topic id: where in the payload the stamp is.
+        # The offset of the stamp in the payload, by topic id.
         self.offsets: dict[int, int] = {}
         self._now = now
         self._next_s = 0.0
 
     def announced(self, info: TopicInfo, registry: Registry) -> None:
-        """Note a topic that the board publishes and that is bridged."""
+        """Record a bridged topic that the board publishes."""
         offset = stamp_offset(registry, info.message_type)
         if offset is not None:
             self.offsets[info.topic_id] = offset
 
     def answered(self, time: Time, now_s: float) -> None:
-        """Note that the board gets the time."""
+        """Record that the board gets the time."""
         self.estimate.answered(time.to_ns(), now_s)
 
     def track(self, topic_id: int, payloads: list[bytes], now_s: float) -> None:
@@ -53,7 +53,7 @@ class Stamps:
 
 
 def stamp_offset(registry: Registry, type_name: str) -> int | None:
-    """Return where a type's first stamp is, None where it does not begin with a Header or a list of such."""
+    """Return the offset of a type's first stamp, None unless it begins with a Header or a list of Headers."""
     fields = registry.message(type_name).fields
     if not fields:
         return None
@@ -68,7 +68,7 @@ def stamp_offset(registry: Registry, type_name: str) -> int | None:
 
 
 def has_header(registry: Registry, type_name: str) -> bool:
-    """Whether a type begins with a field `header`, which is what ROS clients count messages in."""
+    """Return whether a type begins with a field `header`, in which ROS clients count messages."""
     fields = registry.message(type_name).fields
     return (
         bool(fields)

@@ -1,16 +1,16 @@
-"""The queue of what waits to go out on one topic id, and the tap of the source that fills it."""
+"""The queue of the messages to one topic id, and the source that fills it."""
 
 from __future__ import annotations
 
 from collections import deque
 from typing import Protocol
 
-# Counted for each message beside its payload, so that a flood of empty ones is bounded too.
+# The overhead of a message besides its payload, so that the limit also applies to empty messages.
 FRAME_OVERHEAD_BYTES = 8
 
 
 class PausableSource(Protocol):
-    """Where a queue's messages come from: a graph subscription."""
+    """The source of a queue's messages: a graph subscription."""
 
     def pause(self) -> None:
         """Deliver nothing until `resume`."""

@@ -25,7 +25,7 @@ MAX_OFFERS = 256
 class Discovery:
     """The search for boards on this machine's serial ports.
 
-    `taken` are paths that are served already. `run` never ends by itself; its tasks are made by `spawn`.
+    `taken` are paths that are already served. `run` never ends by itself; `spawn` creates its tasks.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Discovery:
             is_here = self._is_here(found.port)
             if is_here and found.is_dismissed:
                 continue
-            # A board that is served ends by itself and reports why, unless it is already back.
+            # The task of a served board ends by itself and reports why, unless the board is already back.
             has_left = not is_here and (not found.is_serving or found.identity.key in moved)
             if has_left or task.done() or (path in present and not is_here):
                 task.cancel()

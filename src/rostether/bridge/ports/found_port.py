@@ -1,4 +1,4 @@
-"""One port that the search for boards may open: in use by others, asked, served, or left alone.
+"""The states of one port that the search for boards may open: in use, asked, served, or ignored.
 
 waits while another program uses it ──> opened ──> asked ──┬── a board: served until it is gone ──> again
    ^                                      │                └── none: closed and left alone
@@ -39,15 +39,16 @@ MAX_ASK_AGAIN_S = 60.0
 # How often an ignored port is checked (not opened) for signs that another program used it.
 LOOK_PERIOD_S = 1.0
 
-# A port is gone from the list a moment after it is lost.
+# A lost port disappears from the list of ports after a moment.
 AFTER_LOSS_S = 0.1
 
-# Linux raises DTR at the first opening; left up, later ones reset no board. Elsewhere it must be raised.
+# Linux asserts DTR at the first opening; while it stays asserted, later openings reset no board. On other
+# systems it must be asserted at each opening.
 RESETS_AT_CLOSE = sys.platform != "linux"
 
 
 class FoundPort:
-    """Keeps one port, in a task that ends when the port is gone, at the latest by being cancelled.
+    """Handles one port, in a task that ends when the port has disappeared, or when it is cancelled.
 
     `is_dismissed`: another node shut down the board's node, so the port is not opened.
     """
@@ -79,7 +80,7 @@ class FoundPort:
         self._reported = ""
 
     async def run(self) -> None:
-        """Keep the port."""
+        """Handle the port until it has disappeared."""
         ask_again = Backoff(first_s=FIRST_ASK_AGAIN_S, limit_s=MAX_ASK_AGAIN_S)
         while (transport := await self._open()) is not None:
             try:

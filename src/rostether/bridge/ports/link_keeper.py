@@ -1,4 +1,4 @@
-"""Keeps one link open: waits for a port that is not there, and opens it again each time it was lost."""
+"""Keeps one link open: waits for a missing port, and opens it again after each loss."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class OpenLink(Protocol):
 
 
 class LinkKeeper:
-    """Keeps the link of one address; `devices` may set a board's speed where the address does not.
+    """Keeps the link of one address open; `devices` may set a board's speed if the address does not.
 
-    `list_ports` is the system's list of serial ports.
+    `list_ports` returns the system's list of serial ports.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class LinkKeeper:
             except NodeEndedError:
                 if self._finder is None:
                     raise
-                # Opening the port again at once would bring back a node that someone has ended.
+                # If the port were opened again at once, a node that a user has ended would return.
                 await self._wait_gone(self._finder)
                 continue
             if error is not None:
@@ -123,14 +123,14 @@ class LinkKeeper:
 
 
 def way_back(address: Address) -> str:
-    """Return when a board is served again after its node was shut down, as the end of "until ..."."""
+    """Return when a board is served again after its node was shut down, in the words after "until"."""
     if address.listens:
         return "it reconnects"
     return "you unplug it and plug it in again" if _comes_and_goes(address) else "you restart rostether"
 
 
 def identify_address(address: Address) -> BoardIdentity:
-    """Return what is known of a link's board before it answers: the USB identity of its port."""
+    """Return the known identity of a link's board before it answers: the USB identity of its port."""
     if isinstance(address, SerialAddress) and "/" in address.path:
         return PortFinder(address.path, list_serial_ports, lambda: 0.0).identify(address.path)
     return BoardIdentity()

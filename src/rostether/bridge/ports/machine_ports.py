@@ -29,7 +29,7 @@ async def open_port(address: SerialAddress) -> TunableTransport:
 
 @dataclass(frozen=True, slots=True)
 class MachinePorts:
-    """`list_ports` is the system's list, `folders` are watched for changes of it.
+    """`list_ports` returns the system's list, `folders` are watched for changes of it.
 
     `find_user` names the other program that uses a port; it is called in a thread.
     """

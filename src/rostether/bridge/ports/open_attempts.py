@@ -1,4 +1,4 @@
-"""The common part of a kept link and a found port: opens a link, with retries, and serves it."""
+"""Retries to open a link, for configured links and found ports."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from rostether.ports.board_identity import BoardIdentity
 from rostether.transports.address import Address
 from rostether.transports.transport import Transport
 
-# udev sets the group of a new port, and ModemManager releases it, a moment after it appears: only a refusal
-# that lasts is worth a line.
+# udev sets the group of a new port, and ModemManager releases it, a moment after it appears: only an error
+# that lasts longer is reported.
 SETTLE_S = 1.0
 
 
@@ -23,9 +23,9 @@ class ServeLink(Protocol):
     def __call__(
         self, address: Address, transport: Transport, identity: BoardIdentity
     ) -> Awaitable[TransportError | None]:
-        """Serve; returns why the link ended, None if we ended it.
+        """Serve the link; return why it ended, None if the bridge ended it.
 
-        Raises SessionError if it is not to be served again.
+        Raises SessionError if it must not be served again.
         """
 
 

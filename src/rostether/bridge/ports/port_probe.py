@@ -1,4 +1,4 @@
-"""Probes an open port for rosserial: `rosserial.baud_probe` decides, this carries bytes."""
+"""Connects an open port to `rosserial.baud_probe`, which detects a board."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class TunableTransport(Transport, Protocol):
         """Whether the line has a speed: a pseudo-terminal has none."""
 
     def set_baud(self, baud: int) -> bool:
-        """Change the speed; False if this port cannot have it."""
+        """Change the speed; return False if the port does not support it."""
 
     def release(self, unread: bytes = b"") -> None:
-        """Stop delivering; the receiver of the next `start` gets `unread` first."""
+        """Stop delivering; the receiver of the next `start` gets the `unread` bytes first."""
 
 
 async def probe_port(
@@ -79,7 +79,7 @@ class _Probing:
             self._probe.receive_data(data, self._loop.time())
             self._apply()
             if self._probe.result is not None:
-                # What comes until the session is there waits in the port.
+                # Until the session starts, received bytes wait in the port.
                 self._transport.pause_reading()
         self._woken.set()
 

@@ -1,4 +1,4 @@
-"""Shares the one radio at the host between all boards: who sends next, and how much is on its way. Sans I/O.
+"""Shares the radio at the host between all boards: whose turn it is, and the packets in progress. Sans I/O.
 
     put ──> queue of each board ──> next_packets (in turn, as the radio has room) ──> radio
                                           ^                                             │
@@ -147,7 +147,7 @@ class SendQueue(Generic[Key]):
         return min(sent) + STATUS_LIMIT_S if sent else None
 
     def heard(self, key: Key) -> None:
-        """Note that a board sent something, so it is in range."""
+        """Record data of a board, which shows that it is in range."""
         self._note(key, fails=False)
 
     def _note(self, key: Key, *, fails: bool) -> None:
