@@ -10,22 +10,27 @@ class BridgeSettings:
     """Times in seconds.
 
     `grace_s`: how long a lost board's node and topics stay in the graph. A reset, a USB re-enumeration or a
-    Wi-Fi re-association is over within 5 s, and subscribers then never notice it. `service_timeout_s`: how
-    long a caller waits for a board's service. A board that is busy for 11 s loses its configuration, so no
-    working service takes longer than 10 s. `client_call_timeout_s`: how long a board's own call may take in
-    the graph. The board gets no time answer meanwhile, and unconfigures itself without one after 11 s.
+    Wi-Fi re-association is over within 5 s, and subscribers then never notice it.
+    `service_timeout_s`: how long a caller waits for a board's service. A board that is busy for 11 s loses
+    its configuration, so no working service takes longer than 10 s.
+    `client_call_timeout_s`: how long a board's own call may take in the graph. The board gets no time answer
+    meanwhile, and unconfigures itself without one after 11 s.
     `queued_calls`: how many callers may wait for one board's service before the next is refused at once.
-    `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch says otherwise. `drain_pause_s`:
-    how long a board is paused at a time for a slow subscriber. `frame_bytes`: the largest payload of a frame
-    from a board; the default is the largest of the length field. `endpoints`: how many a board may announce.
-    The established library has at most 50. `messages_hz`: how many messages per second a board may publish,
-    on all topics together (None: as many as its line can transfer). `queue_bytes`: how much data may wait for
-    a board on each topic: more than one read of a ROS connection. On a line of known speed it is less.
+    `parameter_timeout_s`: boards wait 1 s for a parameter unless the sketch says otherwise.
+    `drain_pause_s`: how long a board is paused at a time for a slow subscriber.
+    `frame_bytes`: the largest payload of a frame from a board; the default is the largest of the length
+    field.
+    `endpoints`: how many a board may announce. The established library has at most 50.
+    `messages_hz`: how many messages per second a board may publish, on all topics together (None: as many as
+    its line can transfer).
+    `queue_bytes`: how much data may wait for a board on each topic: more than one read of a ROS connection.
+    On a line of known speed it is less.
     `subscriber_bytes`: how much data may wait for a slow ROS subscriber of a board's topic: a second of
-    images. `unsent_bytes`: how many bytes of responses may wait in a link that accepts nothing; then it is
-    closed. `connections`, `connections_per_host`: boards on one listener, and from one address (None: as the
-    kind of link has it). `stall_s`: how long a board may accept no byte before its subscriptions no longer
-    wait for it.
+    images.
+    `unsent_bytes`: how many bytes of responses may wait in a link that accepts nothing; then it is closed.
+    `connections`, `connections_per_host`: boards on one listener, and from one address (None: the default of
+    the kind of link).
+    `stall_s`: how long a board may accept no byte before its subscriptions no longer wait for it.
     """
 
     grace_s: float = 5.0

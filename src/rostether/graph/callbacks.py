@@ -1,4 +1,4 @@
-"""Calling what the user of a graph gave us, without letting its errors into the data path."""
+"""Runs callbacks of a graph's user, and keeps their errors out of the data path."""
 
 from __future__ import annotations
 
@@ -21,6 +21,6 @@ def call_contained(
 
 
 def report_error(what: str, error: BaseException) -> None:
-    """Log one line for the error of a callback; the traceback only where debugging is on."""
+    """Log one line for the error of a callback; the traceback only if debugging is on."""
     _log.error("%s failed: %s: %s", what, type(error).__name__, error)
     _log.debug("traceback of this failure", exc_info=error)

@@ -1,15 +1,15 @@
 """Back-pressure of one publication: when a subscriber's backlog pauses the publisher, and for how long.
 
-A subscriber's backlog is what was published and has not left yet. While it is above the subscriber's mark,
-the publisher is asked to pause (`publish_raw` returns False).
+A subscriber's backlog is the published data that has not been sent yet. While it is above the subscriber's
+mark, the publisher should pause (`publish_raw` returns False).
 
     event                                       mark
-    at first, and whenever little is left       high water
-    a pause is over, and it took something      stays: the publisher goes on at the subscriber's pace
-    a pause is over, and it took next to        one step up, a small one while its node reads the same topic
-    nothing                                     from others; at the limit of the queue the publisher does not
-                                                wait any more, and the oldest messages are dropped
-    it takes something after that               one step below the limit
+    at first, and whenever the backlog is low   high water
+    a pause ends, and data was sent             unchanged: the publisher continues at the subscriber's rate
+    a pause ends, and almost no data was sent   one step up, a small one while its node reads the same topic
+                                                from others; at the limit of the queue, the publisher no
+                                                longer waits, and the oldest messages are dropped
+    data is sent after that                     one step below the limit
 
 So a subscriber that reads, even slowly, loses nothing; one that hangs pauses the publisher STEPS times.
 A node that receives many floods may read one connection for seconds before it reads the next.
@@ -21,23 +21,24 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 
-# What waits for one subscriber before its oldest messages go: 0.3 s of the fastest flood we carry (13 MB/s),
-# three times the longest pause of a board, and 20 s of the fastest serial line.
+# The data that waits for one subscriber before its oldest messages are dropped: 0.3 s of the fastest flood
+# (13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line.
 DEFAULT_QUEUE_BYTES = 4 << 20
 
-# 20 ms of that flood: keeps a subscriber busy until its publisher continues; the delay is not noticeable.
+# 20 ms of that flood: a subscriber stays busy until its publisher continues, without a noticeable delay.
 HIGH_WATER_BYTES = 256 << 10
 
 # The flow resumes when the backlog is below this fraction of the high-water mark, so that it does not flap.
 LOW_WATER_SHARE = 4
 
-# Three seconds of the bridge's pauses: so long may a busy system keep a healthy subscriber from running.
+# Three seconds of the bridge's pauses: a busy system may stop a healthy subscriber for this time.
 STEPS = 32
 
-# Half a minute of them: a node that reads others for longer will not come back to this one.
+# Half a minute of pauses: a node that reads other connections for longer does not return to this one.
 SMALL_STEPS = 300
 
-# Who takes less in a pause hangs: 160 kB/s in the bridge's, where dozens of floods share one subscriber.
+# A subscriber that reads less in a pause hangs: 160 kB/s in the bridge's pauses, in which dozens of floods
+# share one subscriber.
 LEAST_TAKEN_BYTES = 16 << 10
 
 
@@ -55,7 +56,7 @@ class PublicationFlow:
         return not self._congested
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is congested or a pause is over; `is_open` says whether another is due."""
+        """Wait until no subscriber is congested, or a pause has ended; then `is_open` shows whether another is due."""
         if not self._congested:
             return
         before = list(self._congested)
@@ -78,7 +79,7 @@ class PublicationFlow:
 
 @dataclass(slots=True, weakref_slot=True)
 class Reader:
-    """A node that reads one topic, from several publishers perhaps: counts how often it took something."""
+    """A node that reads one topic, perhaps from several publishers: counts its reads."""
 
     takes: int = 0
 
@@ -108,11 +109,11 @@ class SubscriberFlow:
 
     @property
     def hangs(self) -> bool:
-        """Whether it took next to nothing in all the pauses that were made for it."""
+        """Whether it read almost nothing in all pauses for it."""
         return self._mark_bytes >= self._limit_bytes
 
     def update(self) -> None:
-        """Look at the backlog after each change of it."""
+        """Check the backlog; called after each change."""
         backlog_bytes = self._measure()
         if backlog_bytes <= self._high_water_bytes // LOW_WATER_SHARE:
             self.end()
@@ -122,14 +123,14 @@ class SubscriberFlow:
             self._publication._note(self, is_congested=True)
 
     def note_taken(self) -> None:
-        """Learn that the subscriber took some of the backlog."""
+        """Record that a part of the backlog was sent."""
         self.reader.takes += 1
         if self.hangs:
             self._mark_bytes = self._limit_bytes - self._step_bytes
         self.update()
 
     def end_pause(self) -> None:
-        """The time of a pause is over: the next one begins if the backlog is still above the mark."""
+        """End a pause; the next one begins if the backlog is still above the mark."""
         if not self._is_congested:
             return
         backlog_bytes = self._measure()
@@ -141,7 +142,7 @@ class SubscriberFlow:
             self._reopen()
 
     def end(self) -> None:
-        """Forget it: little is left, or its subscriber is gone."""
+        """Forget the flow: its backlog is low, or its subscriber has disconnected."""
         self._mark_bytes = self._high_water_bytes
         self._reopen()
 

@@ -1,7 +1,7 @@
 """One node in several graphs at once: a board in ROS 1 and in ROS 2.
 
 It publishes and serves in all of them, subscribes in all of them, and tries them in order for service calls
-and parameters. A graph that fails does not disturb the others; one that comes later gets everything there is.
+and parameters. A graph that fails does not disturb the others; one that joins later gets all open handles.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ ResultT = TypeVar("ResultT")
 class JointGraph:
     """A `graph.ports.Graph` over others, the most important first; all are closed with it.
 
-    `joint_nodes` are the names of all nodes in the same graphs: they are heard through the first one.
-    `relays` are the nodes between these graphs: what they publish is heard from its publishers.
+    `joint_nodes` are the names of all nodes in the same graphs: only the first graph delivers their messages.
+    `relays` are the nodes between these graphs: their messages come from the original publishers.
     """
 
     def __init__(
@@ -71,17 +71,17 @@ class JointGraph:
 
     @property
     def graphs(self) -> Sequence[Graph]:
-        """The graphs that it is in now."""
+        """The current graphs of the node."""
         return tuple(self._graphs)
 
     def run_until_closed(self, work: Callable[[], Awaitable[None]]) -> None:
-        """Let something run as long as the node is there."""
+        """Run something until the node leaves the graphs."""
         task = asyncio.ensure_future(work())
         self._background.add(task)
         task.add_done_callback(self._background.discard)
 
     async def add(self, graph: Graph, position: int) -> None:
-        """Join one more graph, with everything that is advertised, subscribed, served and watched."""
+        """Join another graph, with all publishers, subscribers, services and watches."""
         self._graphs.insert(position, graph)
         self._watching.add(asyncio.ensure_future(self._watch_closed(graph)))
         self._joined.set()
@@ -136,7 +136,7 @@ class JointGraph:
         def call(graph: Graph) -> Awaitable[bytes]:
             return graph.call_service(service, service_type, request, timeout_s=timeout_s)
 
-        # Unknown types and names that break one graph's rules too: another graph may know them.
+        # Unknown types and illegal names too: another graph may accept them.
         return await self._first_of(
             call, ServiceUnavailableError, MasterUnreachableError, DefinitionError, InvalidNameError
         )
@@ -182,7 +182,7 @@ class JointGraph:
         return sorted(names)
 
     async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> JointWatch:
-        """Call back with the first graph's value that there is, now and whenever it has changed."""
+        """Call back with the value of the first graph that has one, now and after each change."""
         watch = await self._open(JointWatch(self.resolve(name), on_change, lambda: self._graphs))
         watch.start()
         return watch
@@ -197,7 +197,7 @@ class JointGraph:
         return self._first.now()
 
     async def snapshot(self) -> Snapshot:
-        """Return what is in any of the graphs; raises when none of them answers."""
+        """Return a snapshot of all graphs together; raises if none of them answers."""
         return merge_snapshots(await self._all(lambda graph: graph.snapshot()))
 
     def changes(self) -> AsyncIterator[Snapshot]:
@@ -223,7 +223,7 @@ class JointGraph:
     async def _open(self, handle: HandleT) -> HandleT:
         if self._closing is not None:
             raise GraphError(f"node {self.node_name} has left the graph; join again")
-        # Before it opens: a graph that comes meanwhile must find it.
+        # Before it opens: a graph that joins in the meantime must find it.
         self._handles = [*self._open_handles(), handle]
         try:
             await handle.parts.open(tuple(self._graphs))
@@ -241,7 +241,7 @@ class JointGraph:
         *passing: type[RostetherError],
         graphs: Sequence[Graph] = (),
     ) -> ResultT:
-        """Return the first graph's answer that is no error that another one may not have."""
+        """Return the answer of the first graph without an error that another graph may not have."""
         faults: list[RostetherError] = []
         for graph in graphs or self._graphs:
             try:
@@ -258,7 +258,7 @@ class JointGraph:
         return next((found for found in await self._all(ask) if is_it(found)), None)
 
     async def _all(self, ask: Callable[[Graph], Awaitable[ResultT]]) -> list[ResultT]:
-        """Return the answers of all graphs that give one; raises when none does."""
+        """Return the answers of all graphs that answer; raises if none does."""
         results = await asyncio.gather(*map(ask, self._graphs), return_exceptions=True)
         answers = [result for result in results if not isinstance(result, BaseException)]
         faults = [result for result in results if isinstance(result, BaseException)]

@@ -75,8 +75,8 @@ class JointPublisher:
 class JointSubscriber:
     """A `graph.ports.Subscriber` in several graphs.
 
-    What nodes that are in several graphs publish comes through the first graph only, and what relays between
-    the graphs publish through none: it comes from its own publishers.
+    Messages of nodes in several graphs come from the first graph only. Messages of relays between the graphs
+    are ignored: they come from their original publishers.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class JointSubscriber:
 
 
 class _AnyOf:
-    """What is in one of several containers, which may change."""
+    """The elements of several containers, which may change."""
 
     def __init__(self, *containers: Container[str]) -> None:
         self._containers = containers
@@ -182,7 +182,7 @@ class _UnlistedClient:
     """Represents a client in a graph that lists none."""
 
     async def close(self) -> None:
-        """Nothing was listed."""
+        """Do nothing: it was not listed."""
 
 
 class JointWatch:

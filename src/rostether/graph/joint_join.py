@@ -1,4 +1,4 @@
-"""Joining several graphs as one node: those that can be joined at once, the others as soon as they can."""
+"""Joins several graphs as one node: at once if possible, the others as soon as they are reachable."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.graph.joint_marks import MARK_TYPE, MarkedNodes, new_joint_mark, 
 from rostether.graph.joint_parts import retry_backoff
 from rostether.graph.ports import Graph, JoinGraph, Level
 
-# How often changes of the graphs are looked through at most: many boards that come at once cost one look.
+# The shortest pause between two checks of the graphs: many boards that connect together cost one check.
 POLL_INTERVAL_S = 0.25
 
 _log = logging.getLogger("rostether.graph")
@@ -33,13 +33,13 @@ class JointJoin:
         self._seen = MarkedNodes()
         self._joint_nodes: set[str] = set()
         self._relays: set[str] = set()
-        # One of our nodes looks for all of them.
+        # One of our nodes searches for all of them.
         self._looking = asyncio.Lock()
 
     async def __call__(
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> JointGraph:
-        """Join every graph that can be joined now. Raises when none can, or when a name is wrong."""
+        """Join every graph that is reachable now. Raises if none is, or if a name is illegal."""
 
         async def join(join_one: JoinGraph) -> Graph | GraphError:
             try:

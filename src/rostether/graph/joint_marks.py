@@ -1,7 +1,7 @@
-"""How programs that are in two graphs at once recognise each other's nodes: by a topic that marks them.
+"""Marks the nodes of programs that are in two graphs at once with a topic, so that they recognise each other.
 
-    /rostether/_relay_<since><id>    a relay: what it publishes comes from its other graph
-    /rostether/_joint_<since><id>    a board in both graphs: it publishes everything in each of them
+    /rostether/_relay_<since><id>    a relay: its messages come from its other graph
+    /rostether/_joint_<since><id>    a board in both graphs: it publishes all its messages in both
 
 A program has one mark, and each of its nodes advertises it in every graph that the node is in. Nothing is
 published there. A node that has the same mark in two graphs is in both. A name alone does not show that:
@@ -25,7 +25,7 @@ _RELAY, _JOINT = f"{_PREFIX}relay_", f"{_PREFIX}joint_"
 
 
 def new_relay_mark() -> str:
-    """Return the mark of a relay that starts now; marks of older relays are less."""
+    """Return the mark of a relay that starts now; marks of older relays sort before it."""
     return _RELAY + _token()
 
 
@@ -35,7 +35,7 @@ def new_joint_mark() -> str:
 
 
 def is_mark(topic: str) -> bool:
-    """Return whether a topic marks nodes, and carries nothing."""
+    """Return whether a topic only marks nodes, without messages."""
     return topic.startswith((_RELAY, _JOINT))
 
 
@@ -58,7 +58,7 @@ class MarkedNodes:
 
     @classmethod
     def find(cls, snapshots: Iterable[Snapshot]) -> MarkedNodes:
-        """Look for them in a snapshot of each graph."""
+        """Find the marked nodes in a snapshot of each graph."""
         found = Counter(
             (name, node)
             for snapshot in snapshots
@@ -74,12 +74,12 @@ class MarkedNodes:
 
     @property
     def names(self) -> set[str]:
-        """All of them."""
+        """The names of all marked nodes."""
         return {*self.relays, *self.joint}
 
 
 def replace_names(names: set[str], new: set[str]) -> None:
-    """Change a set that other threads look into, so that elements that stay are never missing."""
+    """Change a set that other threads read; unchanged elements are never missing."""
     names |= new
     names &= new
 

@@ -1,4 +1,4 @@
-"""One thing (a publisher, a subscriber, a service, a watch) opened in each of several graphs.
+"""Opens one handle (a publisher, a subscriber, a service, a watch) in each of several graphs.
 
 A graph that refuses it for now (its master does not answer) is asked again; one that refuses it permanently
 (it does not know the type) is left out. Neither disturbs the others.
@@ -17,7 +17,7 @@ from rostether.graph.ports import Graph
 from rostether.mechanisms.backoff import Backoff
 
 FIRST_RETRY_S = 0.2
-# A graph that is away comes back within seconds, or much later: then this seldom is soon enough.
+# A graph that is unreachable returns within seconds, or much later: then this rate is sufficient.
 MAX_RETRY_S = 5.0
 
 # How long a hanging graph may delay the others; it continues to open in the background.
@@ -36,7 +36,7 @@ _Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
 
 
 class JointParts(Generic[PartT]):
-    """The open parts, by graph."""
+    """The open handles, by graph."""
 
     def __init__(self, what: str, open_part: Callable[[Graph], Awaitable[PartT]]) -> None:
         self.by_graph: dict[Graph, PartT] = {}
@@ -46,7 +46,7 @@ class JointParts(Generic[PartT]):
         self._tasks: set[asyncio.Task[None] | _Trial] = set()
 
     async def open(self, graphs: Sequence[Graph]) -> None:
-        """Open it in every graph, at least in one. Raises the errors of the graphs if none accepts it."""
+        """Open the handle in every graph that accepts it. Raises the graphs' errors if none does."""
         trials = {self._run(self._try(graph)): graph for graph in graphs}
         try:
             await self._wait(trials)
@@ -63,13 +63,13 @@ class JointParts(Generic[PartT]):
                 trial.add_done_callback(partial(self._note, graph))
 
     async def add(self, graph: Graph) -> None:
-        """Open it in one more graph."""
+        """Open the handle in another graph."""
         trial = self._run(self._try(graph))
         trial.add_done_callback(partial(self._note, graph))
         await asyncio.wait((trial,))
 
     async def close(self) -> None:
-        """Close every part. Idempotent. Raises the first error after all have been closed."""
+        """Close the handle in all graphs. Idempotent. Raises the first error after all were closed."""
         self.stop()
         parts = list(self.by_graph.values())
         self.by_graph.clear()
@@ -79,13 +79,13 @@ class JointParts(Generic[PartT]):
                 raise result
 
     def stop(self) -> None:
-        """Open no more parts; open parts end with their graph."""
+        """Do not open it in further graphs; open ones end with their graph."""
         self.is_closed = True
         for task in self._tasks:
             task.cancel()
 
     async def _wait(self, trials: dict[_Trial, Graph]) -> None:
-        """Wait for all trials, but not long for one that hangs once there is a part."""
+        """Wait for all attempts, but only briefly for one that hangs after another has succeeded."""
         pending = set(trials)
         while pending:
             done, pending = await asyncio.wait(
@@ -140,7 +140,7 @@ class JointParts(Generic[PartT]):
 
 
 def retry_backoff() -> Backoff:
-    """Return the delays after which a graph that is away is asked again."""
+    """Return the delays between attempts to reach a graph."""
     return Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S)
 
 

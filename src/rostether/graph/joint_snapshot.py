@@ -1,4 +1,4 @@
-"""Several graphs seen as one."""
+"""Merges the snapshots of several graphs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.msgdef.interface import ANY_TYPE
 
 
 def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
-    """Return what is in any of the snapshots; a topic has the first type that is known."""
+    """Return all snapshots as one; a topic has the first known type."""
     nodes: set[str] = set()
     topics: dict[str, TopicEntry] = {}
     services: dict[str, ServiceEntry] = {}
@@ -51,7 +51,7 @@ async def follow_each(
 ) -> AsyncGenerator[list[Snapshot]]:
     """Yield a snapshot of each graph now and after each change, until all have ended or `closed` is set.
 
-    `joined` is set when there is one more graph.
+    `joined` is set when another graph joins.
     """
     latest: dict[Graph, Snapshot] = {}
     news = asyncio.Event()

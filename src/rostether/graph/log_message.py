@@ -44,7 +44,7 @@ string frame_id
 
 
 class LogRecord(NamedTuple):
-    """One log message as its node gave it."""
+    """One log message of a node."""
 
     node_name: str
     level: Level

@@ -26,7 +26,7 @@ class _Closable(Protocol):
 
 
 class MemoryGraph(NodeMembership):
-    """A `Graph`; made by `MemoryNetwork.join`."""
+    """A `Graph`; created by `MemoryNetwork.join`."""
 
     def __init__(
         self, network: MemoryNetwork, node_name: str, namespace: str, remappings: Mapping[str, str]

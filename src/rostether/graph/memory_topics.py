@@ -20,7 +20,7 @@ _log = logging.getLogger("rostether.graph.memory")
 
 
 class MemoryPublisher:
-    """A `Publisher`: what it publishes waits in one queue for each subscriber until the loop delivers it."""
+    """A `Publisher`: messages wait in one queue for each subscriber until the loop delivers them."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class MemoryPublisher:
             self._on_close(self)
 
     def connect(self, subscriber: MemorySubscriber) -> None:
-        """Connect a subscriber of this type; a mismatch is one line in the log."""
+        """Connect a subscriber of this type; a mismatch is logged in one line."""
         if subscriber.skip_own and subscriber.node_name == self.node_name:
             return
         if not subscriber.takes(self):
@@ -161,12 +161,12 @@ class MemorySubscriber:
             self._on_close(self)
 
     def deliver_connection(self, fields: Mapping[str, str]) -> None:
-        """Hand a new publisher's fields on."""
+        """Report a new publisher's header fields."""
         if self._on_connection is not None:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
     def deliver(self, payloads: Sequence[bytes]) -> None:
-        """Hand a batch on; an error of the callback stays here."""
+        """Deliver a batch; an error of the callback stays here."""
         call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
 
 
@@ -191,7 +191,7 @@ class _Link:
         return self._publisher.node_name
 
     def put(self, payloads: Sequence[bytes]) -> int:
-        """Queue a batch; returns how many of the oldest messages had to go."""
+        """Queue a batch; return how many of the oldest messages were dropped."""
         self._queue.extend(payloads)
         self._bytes += sum(map(len, payloads))
         dropped = 0

@@ -1,4 +1,4 @@
-"""A topic's messages as something to loop over, decoded by the definition their publisher sent."""
+"""A topic's messages for a loop, decoded with the definition of their publisher."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DEFAULT_QUEUE_MESSAGES = 1000
 # The same bound for large messages: about ten camera images.
 MAX_QUEUE_BYTES = 64 << 20
 
-# Definitions come from peers; a program that listens to more types than this forgets the first.
+# Definitions come from peers; beyond this number of types, the first is forgotten.
 MAX_LEARNED_TYPES = 256
 
 
@@ -73,7 +73,7 @@ class MessageStream(Generic[M]):
     """The messages of one topic; made by `TypedGraph.messages`.
 
     A loop subscribes, and unsubscribes when it is left; it ends by itself when the node leaves the graph.
-    What waits is bounded, oldest dropped first.
+    The queue is bounded, and drops the oldest first.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class MessageStream(Generic[M]):
     ) -> None:
         self.topic = topic
 
-        # Messages that came faster than the loop took them.
+        # Messages that were dropped because the loop was too slow.
         self.dropped_count = 0
         # Messages that did not have their type's layout.
         self.misfit_count = 0

@@ -1,4 +1,4 @@
-"""What every graph implementation needs for its own node: name resolution, and an orderly end."""
+"""The common part of all graph implementations: a node's name resolution, and its orderly end."""
 
 from __future__ import annotations
 

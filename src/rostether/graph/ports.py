@@ -1,11 +1,11 @@
-"""The graph port: what a bridge, a tool or a page asks of any ROS graph, ROS 1, ROS 2 or in memory.
+"""The graph port: the interface of a bridge, a tool or a page to any ROS graph, ROS 1, ROS 2 or in memory.
 
 A `Graph` is one node's membership of a ROS graph. Payloads are ROS 1 serialization without a length
 prefix and are never decoded here. Names are resolved by the implementation: relative names against the
 node's namespace, `~name` against the node, and through its remappings.
 
-Payloads travel in batches: a chunk read from a board holds hundreds of messages, and one call per chunk
-is what makes a flood cheap.
+Payloads are passed in batches: a chunk from a board has hundreds of messages, and one call per chunk makes a
+flood cheap.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class ServiceEntry:
 class Snapshot:
     """The whole graph at one moment; every mapping is sorted by name.
 
-    `problem` says why the graph cannot be read now, and what is here is the last that was read; else empty.
+    `problem` explains why the graph cannot be read now; the rest is then the last known state.
     """
 
     nodes: tuple[str, ...] = ()
@@ -110,17 +110,17 @@ class Publisher(Protocol):
 
     @property
     def dropped_count(self) -> int:
-        """How many messages slow subscribers have lost so far, summed over them."""
+        """How many messages slow subscribers have lost so far, in total."""
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
         """Queue the payloads for every subscriber, in order.
 
-        Returns False when a subscriber that keeps up otherwise is above its high-water mark: a caller that
-        can pause its source should then await `drained`. Never blocks and never raises for a peer's sake.
+        Returns False if a subscriber that still reads is above its high-water mark: a caller that can pause
+        its source should then await `drained`. Never blocks, and never raises because of a peer.
         """
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until little waits for every subscriber, `timeout_s` at most: one pause of the source."""
+        """Wait until all backlogs are low, at most `timeout_s`: one pause of the source."""
 
     async def close(self) -> None:
         """Unadvertise. Idempotent."""
@@ -185,10 +185,10 @@ class Graph(Protocol):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> Publisher:
-        """Advertise a topic. `queue_bytes` bounds what waits for each slow subscriber (None: default).
+        """Advertise a topic. `queue_bytes` limits the backlog of each slow subscriber (None: default).
 
         A second handle on a topic of this node shares the first one's queues and subscribers; it raises
-        TypeMismatchError when its type is another one.
+        TypeMismatchError for another type.
         """
 
     async def subscribe(
@@ -205,7 +205,7 @@ class Graph(Protocol):
     ) -> ServiceServer:
         """Offer a service. A handler that raises RostetherError fails the call with that error's text.
 
-        Calls run side by side. Raises GraphError when this node offers the service already.
+        Calls run concurrently. Raises GraphError if this node already offers the service.
         """
 
     async def call_service(
@@ -264,7 +264,7 @@ class ListsClients(Protocol):
     """A `Graph` that lists the clients of services, as ROS 2 does; ROS 1 does not know them."""
 
     async def list_client(self, service: str, service_type: ServiceType) -> ServiceClient:
-        """Be listed as a client of a service, which need not be there.
+        """Be listed as a client of a service, even if it does not exist.
 
         Raises the same errors as `Graph.advertise`.
         """

@@ -1,4 +1,4 @@
-"""Handles on what one node publishes: several may share a topic, and the last one ends it."""
+"""Handles on the publications of one node: several may share a topic, and the last one ends it."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Publication(Protocol):
 
     @property
     def dropped_count(self) -> int:
-        """How many messages slow subscribers have lost so far, summed over them."""
+        """How many messages slow subscribers have lost so far, in total."""
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
         """Send or queue a batch; False asks the caller to await `drained`."""
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until little waits for every subscriber, `timeout_s` at most."""
+        """Wait until all backlogs are low, at most `timeout_s`."""
 
 
 PublicationT = TypeVar("PublicationT", bound=Publication)
@@ -62,7 +62,7 @@ class PublisherHandle(Generic[PublicationT]):
 
     @property
     def dropped_count(self) -> int:
-        """How many messages slow subscribers have lost so far, summed over them."""
+        """How many messages slow subscribers have lost so far, in total."""
         return self.publication.dropped_count
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
@@ -70,7 +70,7 @@ class PublisherHandle(Generic[PublicationT]):
         return self._is_closed or self.publication.publish(payloads)
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until little waits for every subscriber, `timeout_s` at most: one pause of the source."""
+        """Wait until all backlogs are low, at most `timeout_s`: one pause of the source."""
         await self.publication.drained(timeout_s)
 
     async def close(self) -> None:
@@ -83,7 +83,7 @@ class PublisherHandle(Generic[PublicationT]):
 
 
 def check_same_type(topic: str, published: MessageType, wanted: MessageType) -> None:
-    """Check that a handle may share what its node publishes. Raises TypeMismatchError."""
+    """Check that a handle has the type of its node's publication. Raises TypeMismatchError."""
     if not agree(published.md5sum, wanted.md5sum):
         raise TypeMismatchError(
             f"this node publishes {topic} as {published.name}, not as {wanted.name}; choose another topic"

@@ -1,4 +1,4 @@
-"""A graph with decoded messages: the graph port for programs, any implementation below.
+"""A graph with decoded messages: the graph port for programs, on any implementation.
 
 async for message in graph.messages("/chatter"):     # the type is learned from its publisher
     print(message.data)

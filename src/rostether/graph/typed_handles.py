@@ -1,4 +1,4 @@
-"""The handles of a `TypedGraph`: what publishes and receives messages as values."""
+"""The handles of a `TypedGraph`, which publish and receive messages as values."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class TypedPublisher(Generic[P]):
         """Wait for a subscriber; returns False if none subscribed in time."""
         try:
             async with asyncio.timeout(timeout_s):
-                # The port announces no connections; looking is cheap.
+                # The port does not report connections; a check is cheap.
                 while not self.raw.subscriber_count:  # noqa: ASYNC110
                     await asyncio.sleep(_SUBSCRIBER_POLL_S)
         except TimeoutError:

@@ -1,7 +1,7 @@
-"""Who may connect to what: the fields each side of a TCPROS connection sends first, and their check.
+"""The TCPROS handshake: the header fields that each side sends first, and their check.
 
-The side that connects sends what it wants; the other answers with its own fields, or with one field `error`
-and the end of the connection. What the first header makes of a connection:
+The side that connects sends its request. The other side answers with its own fields, or with one field
+`error` and the end of the connection. The first header decides the purpose of a connection:
 
     field present            purpose          answered, then
     topic                    SUBSCRIBE        messages flow to the peer until one side closes
@@ -10,7 +10,7 @@ and the end of the connection. What the first header makes of a connection:
     service                  CALL_ONCE        one request, one answer, end
 
 A md5sum or type of `*` agrees with every other. Names of types are only compared to explain why md5sums
-differ, as rospy and roscpp do it.
+differ, as in rospy and roscpp.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Purpose(Enum):
 
 
 _PURPOSES: tuple[tuple[str, str, Purpose], ...] = (
-    # field that must be there, field that must be true besides it
+    # required field, another field that must be true
     ("topic", "", Purpose.SUBSCRIBE),
     ("service", "probe", Purpose.PROBE),
     ("service", "persistent", Purpose.CALL_PERSISTENT),
@@ -58,7 +58,7 @@ def purpose_of(fields: Mapping[str, str]) -> Purpose:
 def subscriber_fields(
     topic: str, message_type: MessageType, *, caller_id: str, tcp_nodelay: bool
 ) -> dict[str, str]:
-    """Return what a subscriber sends to a publisher."""
+    """Return the header of a subscriber."""
     return {
         "topic": topic,
         "type": message_type.name,
@@ -70,7 +70,7 @@ def subscriber_fields(
 
 
 def publisher_fields(topic: str, message_type: MessageType, *, caller_id: str, latch: bool) -> dict[str, str]:
-    """Return what a publisher answers."""
+    """Return a publisher's answer."""
     return {
         "topic": topic,
         "type": message_type.name,
@@ -84,7 +84,7 @@ def publisher_fields(topic: str, message_type: MessageType, *, caller_id: str, l
 def client_fields(
     service: str, service_type: ServiceType, *, caller_id: str, persistent: bool
 ) -> dict[str, str]:
-    """Return what a service client sends to a server."""
+    """Return the header of a service client."""
     fields = {
         "service": service,
         "type": service_type.name,
@@ -95,12 +95,12 @@ def client_fields(
 
 
 def probe_fields(service: str, *, caller_id: str) -> dict[str, str]:
-    """Return what asks a server only whether it lives, and for its type."""
+    """Return the header of a probe, which only asks for a service's type."""
     return {"service": service, "md5sum": ANY_MD5SUM, "callerid": caller_id, "probe": "1"}
 
 
 def server_fields(service: str, service_type: ServiceType, *, caller_id: str) -> dict[str, str]:
-    """Return what a service server answers."""
+    """Return a service server's answer."""
     return {
         "service": service,
         "type": service_type.name,
@@ -112,7 +112,7 @@ def server_fields(service: str, service_type: ServiceType, *, caller_id: str) ->
 
 
 def check_subscriber(fields: Mapping[str, str], topic: str, message_type: MessageType) -> None:
-    """Check a subscriber's header against what we publish. Raises TypeMismatchError with the text to send."""
+    """Check a subscriber's header for our publication. Raises TypeMismatchError with the text to send."""
     if agree(fields["md5sum"], message_type.md5sum):
         return
     wanted = fields.get("type", message_type.name)
@@ -126,9 +126,9 @@ def check_subscriber(fields: Mapping[str, str], topic: str, message_type: Messag
 
 
 def check_publisher(fields: Mapping[str, str], topic: str, message_type: MessageType) -> None:
-    """Check a publisher's answer against what we subscribe to.
+    """Check a publisher's answer for our subscription.
 
-    Raises TypeMismatchError, GraphError with the publisher's own words, RemoteProtocolError.
+    Raises TypeMismatchError, GraphError with the publisher's text, RemoteProtocolError.
     """
     _check_answer(fields)
     if not agree(fields["md5sum"], message_type.md5sum):
@@ -150,9 +150,9 @@ def check_client(fields: Mapping[str, str], service_type: ServiceType) -> None:
 def check_server(fields: Mapping[str, str], service: str, service_type: ServiceType) -> None:
     """Check a server's answer against the type we call.
 
-    Raises TypeMismatchError, GraphError with the server's own words, RemoteProtocolError.
+    Raises TypeMismatchError, GraphError with the server's text, RemoteProtocolError.
     """
-    # roscpp's servers answer with the md5sum only, rospy's with everything.
+    # roscpp's servers answer with the md5sum only, rospy's with all fields.
     _check_answer(fields)
     if not agree(fields["md5sum"], service_type.md5sum):
         raise TypeMismatchError(
@@ -171,7 +171,7 @@ def type_of(fields: Mapping[str, str]) -> MessageType:
 def _check_answer(fields: Mapping[str, str]) -> None:
     if "error" in fields:
         text = fields["error"]
-        # rospy and roscpp say md5sum, and rospy "topic types", when types disagree.
+        # For another type, the texts of rospy and roscpp have "md5sum", or in rospy "topic types".
         kind = TypeMismatchError if "md5sum" in text or "types do not match" in text else GraphError
         raise kind(text)
     if "md5sum" not in fields:

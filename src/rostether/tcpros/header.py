@@ -1,4 +1,4 @@
-"""Connection headers: the `key=value` fields both ends of a TCPROS connection exchange first.
+"""Connection headers: the `key=value` fields at the start of a TCPROS connection.
 
     uint32 length of everything below | uint32 length of a field, `key=value` | ...     (little endian)
 
@@ -69,7 +69,7 @@ def decode_fields(body: bytes) -> dict[str, str]:
 
 
 class HeaderDecoder:
-    """Collects one connection header from chunks cut anywhere; what follows it is `rest`."""
+    """Collects one connection header from chunks, which may end anywhere; `rest` are the bytes after it."""
 
     def __init__(self, max_header_bytes: int = MAX_HEADER_BYTES) -> None:
         self._max_header_bytes = max_header_bytes
@@ -78,7 +78,7 @@ class HeaderDecoder:
 
     @property
     def held_bytes(self) -> int:
-        """How much of a header that is not complete it holds."""
+        """The number of kept bytes of an incomplete header."""
         return len(self._buffer)
 
     def feed(self, data: bytes) -> dict[str, str] | None:

@@ -2,8 +2,8 @@
 
     uint32 length | payload | uint32 length | payload | ...     (little endian)
 
-Both directions work on whole chunks, because at 200,000 messages a second every step taken once a message
-counts: the prefixes of a batch of equal lengths are one `join`, and a chunk of equal lengths is cut by one
+Both directions work on whole chunks, because at 200,000 messages a second each step for a message is
+expensive: the prefixes of a batch of equal lengths are one `join`, and a chunk of equal lengths is cut by one
 comprehension after a check in C that all its prefixes are the same.
 """
 
@@ -14,15 +14,15 @@ from collections.abc import Sequence
 
 from rostether.errors import RemoteProtocolError
 
-# Four times the largest messages seen in practice (64 MB point clouds): a length above it is a peer that lost
-# its framing or means harm. Memory is only taken for bytes that really arrived.
+# Four times the largest messages in practice (64 MB point clouds): a peer with a larger length lost its
+# framing or is hostile. Memory is only allocated for received bytes.
 MAX_MESSAGE_BYTES = 256 << 20
 
 _LENGTH = struct.Struct("<I")
 _pack_length = _LENGTH.pack
 _unpack_length = _LENGTH.unpack_from
 
-# Messages in a chunk from which looking for a run of equal lengths pays (measured).
+# The number of messages from which a search for a run of equal lengths is faster (measured).
 _MIN_RUN = 8
 
 
@@ -42,9 +42,9 @@ def encode_messages(payloads: Sequence[bytes]) -> bytes:
 
 
 def measure_oldest(data: bytes, excess_bytes: int) -> tuple[int, int]:
-    """Walk whole messages of an encoded batch until `excess_bytes` are passed.
+    """Count the oldest messages of an encoded batch until they have `excess_bytes`.
 
-    Returns how many bytes and how many messages that is; it stops before the last message of the batch.
+    Returns their bytes and their number; the last message of the batch never counts.
     """
     position, count, end = 0, 0, len(data)
     while position < excess_bytes:
@@ -57,11 +57,11 @@ def measure_oldest(data: bytes, excess_bytes: int) -> tuple[int, int]:
 
 
 class MessageDecoder:
-    """Cuts a byte stream, given in chunks cut anywhere, into payloads."""
+    """Cuts a byte stream, in chunks that may end anywhere, into payloads."""
 
     def __init__(self, max_message_bytes: int = MAX_MESSAGE_BYTES) -> None:
         self._max_message_bytes = max_message_bytes
-        self._prefix = b""  # the first bytes of a length that was cut
+        self._prefix = b""  # the first bytes of an incomplete length
         # A payload that spans chunks is a list of its pieces until it is whole: each byte is copied once.
         self._pieces: list[bytes] = []
         self._missing_bytes = 0
@@ -69,7 +69,7 @@ class MessageDecoder:
     def feed(self, data: bytes) -> list[bytes]:
         """Handle a chunk and return the payloads that are complete, in order.
 
-        Raises RemoteProtocolError for a length above the limit: the connection cannot go on.
+        Raises RemoteProtocolError for a length above the limit: the connection cannot continue.
         """
         payloads: list[bytes] = []
         if self._missing_bytes:
@@ -106,7 +106,7 @@ class MessageDecoder:
         return payloads
 
     def _cut_run(self, data: bytes, payloads: list[bytes]) -> int:
-        """Cut the chunk in one go if all of its messages have the same length; return where it ended."""
+        """Cut the chunk in one step if all its messages have the same length; return its end."""
         end = len(data)
         if end < 4 * _MIN_RUN:
             return 0

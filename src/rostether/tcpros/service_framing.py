@@ -1,4 +1,4 @@
-"""Answers on a TCPROS service connection: did it work, then the response or the error's text.
+"""Answers on a TCPROS service connection: a flag for success, then the response or the error's text.
 
     uint8 ok | uint32 length | payload            (little endian; requests are framed as messages are)
 
@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rostether.errors import RemoteProtocolError
 from rostether.tcpros.message_framing import MAX_MESSAGE_BYTES
 
-# An error is read by people; longer texts are cut before they are sent.
+# Errors are read by users; longer texts are cut before they are sent.
 MAX_ERROR_TEXT_BYTES = 64 << 10
 
 _HEAD = struct.Struct("<BI")
@@ -43,7 +43,7 @@ def encode_error(text: str) -> bytes:
 
 
 class AnswerDecoder:
-    """Cuts a byte stream, given in chunks cut anywhere, into answers."""
+    """Cuts a byte stream, in chunks that may end anywhere, into answers."""
 
     def __init__(self, max_message_bytes: int = MAX_MESSAGE_BYTES) -> None:
         self._max_message_bytes = max_message_bytes

@@ -1,4 +1,4 @@
-"""Reading XML-RPC documents: calls, responses and faults, with bounds on whatever a peer could make large."""
+"""Reads XML-RPC documents: calls, responses and faults, with limits on all that a peer can make large."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from xml.parsers import expat
 from rostether.errors import RemoteProtocolError
 from rostether.xmlrpc.values import MAX_INT, MAX_NESTING, MIN_INT, DateTime, FaultError, XmlRpcValue
 
-# What reading, checking and storing them takes is a few tenths of a second; points and images go over topics.
+# To read, check and store them takes some tenths of a second; points and images are sent on topics.
 MAX_VALUES = 262_144
 # Bytes that are read at a time: about 2 ms.
 STEP_BYTES = 16 * 1024
-# What ROS peers write between < and > has about 20 bytes, and expat reads it again with each step.
+# Tags of ROS peers have about 20 bytes, and expat reads an incomplete one again in each step.
 MAX_TAG_BYTES = 64 * 1024
 
 
@@ -72,7 +72,7 @@ _NO_CHILDREN: frozenset[str] = frozenset()
 
 
 class DocumentReader:
-    """Reads one document in `steps` of a few ms, so that nothing waits for it, then says what it was.
+    """Reads one document in `steps` of a few ms, which do not block the event loop, then returns its content.
 
     `params` are the call's arguments, or the one value of a response or fault. A value is complete at its end
     tag and goes into the innermost container: `params` at the bottom, then one list or dict for each array or
@@ -94,7 +94,7 @@ class DocumentReader:
         self._text: list[str] = []
 
     def steps(self) -> Iterator[None]:
-        """Read on with each, once. Raises RemoteProtocolError."""
+        """Read a part with each step; called once. Raises RemoteProtocolError."""
         document = self._document
         # Not an attribute: it refers to this object, and its 12 KB would wait for the garbage collector.
         parser = expat.ParserCreate()
@@ -123,7 +123,7 @@ class DocumentReader:
         return self.method, self.params
 
     def response(self) -> XmlRpcValue:
-        """Return the value of a methodResponse. Raises FaultError, RemoteProtocolError for nonsense."""
+        """Return the value of a methodResponse. Raises FaultError, RemoteProtocolError for anything else."""
         if self.root != "methodResponse" or len(self.params) != 1:
             raise RemoteProtocolError("the XML-RPC document is not a response with one value")
         value = self.params[0]

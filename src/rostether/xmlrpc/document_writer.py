@@ -1,7 +1,7 @@
-"""Writing XML-RPC documents: calls, responses and faults, in short steps and of bounded length.
+"""Writes XML-RPC documents: calls, responses and faults, in short steps and of limited length.
 
-roscpp's parser is no XML parser: it knows five entities, no numeric character references, no attributes
-and no `<data/>`, so nothing of that is ever written.
+roscpp's parser is not a full XML parser: it has five entities, but no numeric character references,
+attributes and `<data/>`, so these are never written.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ class DocumentTooLargeError(SerializationError):
 
 
 class DocumentWriter:
-    """Writes texts and values one after the other into a document of at most `max_bytes`.
+    """Writes texts and values into a document of at most `max_bytes`.
 
-    Containers are copied level by level as they are reached, so a tree may change between two steps.
+    Containers are copied level by level during the writing, so a tree may change between two steps.
     """
 
     def __init__(self, max_bytes: int | None = None) -> None:
@@ -37,17 +37,17 @@ class DocumentWriter:
         self._parts: list[str] = []
 
     def document(self) -> bytes:
-        """Return what has been written. Raises DocumentTooLargeError."""
+        """Return the document. Raises DocumentTooLargeError."""
         self._flush()
         return b"".join(self._chunks)
 
     def mark(self) -> int:
-        """Return a place that `rewind` comes back to. Raises DocumentTooLargeError."""
+        """Return a position for `rewind`. Raises DocumentTooLargeError."""
         self._flush()
         return len(self._chunks)
 
     def rewind(self, mark: int) -> None:
-        """Drop what was written since `mark` returned."""
+        """Remove everything after a position of `mark`."""
         self._parts.clear()
         self._byte_count -= sum(map(len, self._chunks[mark:]))
         del self._chunks[mark:]
@@ -57,11 +57,11 @@ class DocumentWriter:
         self._parts.append(f"{_PROLOG}<methodResponse><params><param><value><array><data>")
 
     def end_response_array(self) -> None:
-        """End what `begin_response_array` began."""
+        """End the array of `begin_response_array`."""
         self._parts.append("</data></array></value></param></params></methodResponse>")
 
     def write_text(self, text: str) -> None:
-        """Append text that is XML already."""
+        """Append text that is already XML."""
         self._parts.append(text)
 
     def write_value(self, value: object) -> None:
@@ -69,11 +69,12 @@ class DocumentWriter:
         for _ in self.value_steps(value):
             pass
 
-    def value_steps(self, value: object) -> Iterator[None]:  # noqa: C901, PLR0912 - one branch for each kind of value
+    def value_steps(self, value: object) -> Iterator[None]:  # noqa: C901, PLR0912 - one branch for each kind
+    of value
         """Append a value; a large one takes several steps.
 
-        An iterator is written as an array; what it yields as None is left out.
-        Raises SerializationError for a value XML-RPC cannot carry, DocumentTooLargeError.
+        An iterator is written as an array, without its elements that are None.
+        Raises SerializationError for a value without a form in XML-RPC, DocumentTooLargeError.
         """
         outer: list[tuple[Iterator[object], Iterator[object] | None]] = []
         items, names = iter((value,)), None
@@ -157,7 +158,7 @@ class _Lazy(Iterator[object]):
 
 
 def call_steps(writer: DocumentWriter, method: str, params: Sequence[object]) -> Iterator[None]:
-    """Write a methodCall document. Raises SerializationError for a value XML-RPC cannot carry."""
+    """Write a methodCall document. Raises SerializationError for a value without a form in XML-RPC."""
     writer.write_text(f"{_PROLOG}<methodCall><methodName>{_escape(method)}</methodName><params>")
     for param in params:
         writer.write_text("<param>")
@@ -167,7 +168,7 @@ def call_steps(writer: DocumentWriter, method: str, params: Sequence[object]) ->
 
 
 def dump_response(value: object) -> bytes:
-    """Return a methodResponse document. Raises SerializationError for a value XML-RPC cannot carry."""
+    """Return a methodResponse document. Raises SerializationError for a value without a form in XML-RPC."""
     writer = DocumentWriter()
     for _ in response_steps(writer, value):
         pass
@@ -182,12 +183,12 @@ def response_steps(writer: DocumentWriter, value: object) -> Iterator[None]:
 
 
 def fault(code: int, text: str) -> dict[str, object]:
-    """Return the struct of a fault; characters XML cannot carry become `?`."""
+    """Return the struct of a fault; characters that XML does not allow become `?`."""
     return {"faultCode": code, "faultString": NOT_XML.sub("?", text)}
 
 
 def dump_fault(code: int, text: str) -> bytes:
-    """Return a methodResponse document with a fault; characters XML cannot carry become `?`."""
+    """Return a methodResponse document with a fault; characters that XML does not allow become `?`."""
     writer = DocumentWriter()
     writer.write_text(f"{_PROLOG}<methodResponse><fault>")
     writer.write_value(fault(code, text))

@@ -1,9 +1,9 @@
-"""HTTP as XML-RPC needs it, sans I/O: POST bodies to a server, response bodies to a client.
+"""HTTP for XML-RPC, sans I/O: POST bodies to a server, response bodies to a client.
 
 h11 does the framing (Content-Length, chunked, HTTP/1.0 and 1.1, keep-alive); this adds what ROS peers need:
 limits, one exchange at a time, `Expect: 100-continue`, and no browsers: a web page can make a browser POST to
-a loopback port, and only a browser sends an `Origin` header, so a request with one is refused. So is one that
-asks for a host of another name: see `transports.own_names`.
+a loopback port, and only a browser sends an `Origin` header, so a request with one is refused. A request for
+a host with another name is refused too: see `transports.own_names`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import h11
 
 from rostether.errors import LocalProtocolError, RemoteProtocolError
 
-# The largest documents in the field are robot descriptions and whole parameter dumps, of a few MB.
+# The largest documents in practice are robot descriptions and whole parameter dumps, of a few MB.
 MAX_BODY_BYTES = 16 * 1024 * 1024
 
-# Chunks are read one by one. A sender fills them; these leave room for a few small ones.
+# The average size of chunks, each of which costs a step: senders fill them, but a few may be small.
 MIN_CHUNK_BYTES = 64
 SMALL_CHUNKS = 1024
 # How many parts of a request are read in one step: a header, some chunks, an end. Below a millisecond.
@@ -37,11 +37,11 @@ _REASONS = {
 
 
 class HttpStatusError(RemoteProtocolError):
-    """The peer answered with another HTTP status than 200: it is an HTTP server, but not XML-RPC."""
+    """The peer answered with another HTTP status than 200: it is an HTTP server, but not one for XML-RPC."""
 
 
 class HttpServerSide:
-    """One connection's server half: `receive_data`, then `next_request` and `send_response` in turns."""
+    """The server side of a connection: `receive_data`, then `next_request` and `send_response` in turns."""
 
     def __init__(
         self, *, max_body_bytes: int = MAX_BODY_BYTES, is_own_host: Callable[[str], bool] = lambda _host: True
@@ -53,7 +53,7 @@ class HttpServerSide:
         self._chunk_count = 0
         self._out = bytearray()
 
-        # Whether `next_request` stopped before it had read all it was given: call it again soon.
+        # Whether `next_request` stopped before the end of its data: call it again soon.
         self.is_behind = False
 
     @property
@@ -78,11 +78,11 @@ class HttpServerSide:
         return data
 
     def receive_data(self, data: bytes) -> None:
-        """Take bytes from the peer, cut anywhere; `b""` is the end of the stream."""
+        """Handle bytes from the peer, which may end anywhere; `b""` is the end of the stream."""
         self._connection.receive_data(data)
 
     def next_request(self) -> bytes | None:
-        """Return the body of the next complete POST, or None while there is none.
+        """Return the body of the next complete POST, None without one.
 
         Other requests are answered here, and the connection is closed: see `ended`.
         """
@@ -137,7 +137,7 @@ class HttpServerSide:
                 f"--listen to this name",
             )
         elif any(_media_type(value) not in _XML_TYPES for name, value in request.headers if name == _TYPE):
-            # What a web page can send unasked is a form or plain text; some ROS clients give no type.
+            # A web page can send forms or plain text without a permission; some ROS clients send no type.
             self._refuse(415, "an XML-RPC request has the Content-Type text/xml")
         elif int(headers.get(b"content-length", b"0")) > self._max_body_bytes:
             self._refuse(413, f"the request is larger than {self._max_body_bytes} bytes")
@@ -167,7 +167,7 @@ class HttpServerSide:
 
 
 class HttpClientSide:
-    """One connection's client half: `send_request`, then `receive_data` until it returns the response."""
+    """The client side of a connection: `send_request`, then `receive_data` until it returns the response."""
 
     def __init__(self, host: str, *, path: str = "/", max_body_bytes: int = MAX_BODY_BYTES) -> None:
         self._connection = h11.Connection(h11.CLIENT)
@@ -199,9 +199,10 @@ class HttpClientSide:
             raise LocalProtocolError(f"no request can be sent now: {error}") from None
 
     def receive_data(self, data: bytes) -> bytes | None:
-        """Take bytes, `b""` for the end of the stream; return the body once the response is complete.
+        """Handle bytes, `b""` for the end of the stream; return the body once the response is complete.
 
-        Raises HttpStatusError for another status than 200, RemoteProtocolError for no HTTP or too much of it.
+        Raises HttpStatusError for another status than 200, RemoteProtocolError if the data is not HTTP, or
+        too long.
         """
         try:
             self._connection.receive_data(data)
@@ -235,7 +236,7 @@ class HttpClientSide:
             # A web page does not fit into one line.
             reason = "" if not text or text.startswith("<") else f": {text}"
             raise HttpStatusError(f"HTTP status {self._status}{reason}")
-        # Bytes beyond the answer were not asked for: they would be taken for the next answer.
+        # Bytes after the answer were not requested, and would look like the next answer.
         is_done = self._connection.our_state is h11.DONE and self._connection.their_state is h11.DONE
         if is_done and not self._connection.trailing_data[0]:
             self._connection.start_next_cycle()

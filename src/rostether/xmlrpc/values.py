@@ -1,4 +1,4 @@
-"""XML-RPC documents <-> Python values, as ROS masters and nodes exchange them.
+"""The XML-RPC values that ROS masters and nodes exchange, as Python values.
 
 | XML-RPC                   | Python                                       |
 | ---                       | ---                                          |
@@ -20,17 +20,17 @@ XmlRpcValue: TypeAlias = (
     bool | int | float | str | bytes | list["XmlRpcValue"] | dict[str, "XmlRpcValue"] | None
 )
 
-# Arrays and structs inside each other: deeper than any parameter tree, and far below the recursion limit.
+# The nesting of arrays and structs: deeper than any parameter tree, and far below the recursion limit.
 MAX_NESTING = 100
-# XML-RPC integers have 32 bits, and rospy's and roscpp's codecs hold to it.
+# XML-RPC integers have 32 bits, also in rospy and roscpp.
 MIN_INT, MAX_INT = -(2**31), 2**31 - 1
 
-# Characters that no XML document can hold.
+# Characters that XML does not allow.
 NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class DateTime(str):
-    """A dateTime.iso8601 value, kept as the text that was sent, so that it goes back unchanged."""
+    """A dateTime.iso8601 value, kept as its text, so that it is sent back unchanged."""
 
     __slots__ = ()
 
