@@ -56,7 +56,7 @@ class PublicationFlow:
         return not self._congested
 
     async def drained(self, timeout_s: float) -> None:
-        """Wait until no subscriber is congested, or a pause has ended; then `is_open` shows whether another is due."""
+        """Wait until no subscriber is congested, or a pause has ended; see `is_open`."""
         if not self._congested:
             return
         before = list(self._congested)

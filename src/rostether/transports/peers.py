@@ -94,7 +94,7 @@ class PeerTransport(Generic[PeerKey]):
         return 0 if self._lost else self._table.write_buffer_bytes(self.key)
 
     def is_replaceable(self, now_s: float) -> bool:
-        """Return whether it was silent for so long that a new peer may replace it."""
+        """Return whether it was silent long enough for a new peer to replace it."""
         limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
         return self.expires and now_s - self.heard_at_s >= limit_s
 

@@ -69,8 +69,7 @@ class DocumentWriter:
         for _ in self.value_steps(value):
             pass
 
-    def value_steps(self, value: object) -> Iterator[None]:  # noqa: C901, PLR0912 - one branch for each kind
-    of value
+    def value_steps(self, value: object) -> Iterator[None]:  # noqa: C901, PLR0912 - one branch for each kind of value
         """Append a value; a large one takes several steps.
 
         An iterator is written as an array, without its elements that are None.

@@ -1,8 +1,8 @@
 """The nodes of rosserial_server as roles: their names and parameters, with our bridge.
 
-    serial_node        ~port /dev/ttyACM0, ~baud 57600
-    socket_node        ~port 11411
-    udp_socket_node    ~server_port 11411; the boards' addresses are learned, not set by ~client_*
+serial_node        ~port /dev/ttyACM0, ~baud 57600
+socket_node        ~port 11411
+udp_socket_node    ~server_port 11411; the boards' addresses are learned, not set by ~client_*
 """
 
 from __future__ import annotations
