@@ -35,7 +35,7 @@ READ_BYTES = 128 * 1024
 # By event loop. A loop reads one connection at a time, and each read is copied before the next.
 _read_buffers: WeakKeyDictionary[asyncio.AbstractEventLoop, memoryview] = WeakKeyDictionary()
 
-# By name, because every system lacks one or the other; macOS calls TCP_KEEPIDLE TCP_KEEPALIVE.
+# By name, because each system lacks some of them; on macOS, TCP_KEEPIDLE is TCP_KEEPALIVE.
 _STREAM_OPTIONS = (
     (socket.IPPROTO_TCP, "TCP_NODELAY", 1),
     (socket.SOL_SOCKET, "SO_KEEPALIVE", 1),

@@ -37,7 +37,7 @@ MAX_UNPROVEN_PER_HOST = 16
 MAX_UNPROVEN = 128
 # Accepted in one turn of the event loop.
 _ACCEPTED_AT_ONCE = 64
-# A board on Wi-Fi answers within a second or is not there.
+# A board on Wi-Fi answers within a second.
 CONNECT_LIMIT_S = 5.0
 # Only Linux has it; on other systems, acknowledgements are rarely late.
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
