@@ -10,11 +10,12 @@ from typing import Any, cast
 from rostether.bridge.supervisor import Supervisor
 from rostether.graph.ports import Graph, Level
 from rostether.ros1.environment import LOOPBACK
+from rostether.rospy.client.exceptions import ROSInterruptException
 from rostether.rospy.client.logs import TerminalHandler
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.node import node, require_running
 from rostether.rospy.client.ros_time import simulated_time_s
-from rostether.rospy.client.shutdown import shutdown
+from rostether.rospy.client.shutdown import MAX_JOIN_S, is_shutdown_requested, shutdown
 from rostether.serde.store import TypeStore
 from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, Address, SerialAddress, TcpAddress
 
@@ -96,7 +97,11 @@ class _OwnGraph:
 
 def _serve(address: Address) -> None:
     require_running()
-    node.call(_serve_until_shutdown(address))
+    with contextlib.suppress(ROSInterruptException):
+        node.call(_serve_until_shutdown(address))
+    if is_shutdown_requested():
+        # The boards end first. A program that asks now would start again.
+        shutdown.event.wait(MAX_JOIN_S)
 
 
 async def _serve_until_shutdown(address: Address) -> None:
