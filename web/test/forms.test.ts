@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { parseExact, stringifyExact } from "../src/connection/exact_json.ts";
 import { parseList, parseNumber } from "../src/forms/numbers.ts";
 import { controlKind } from "../src/panels/controls/control_kind.ts";
 import { controllableTopics } from "../src/panels/controls/controllable.ts";
@@ -27,6 +28,14 @@ test("numbers are read as their type", () => {
     ["float64", "x"],
   ] as const)
     assert.equal(typeof parseNumber(type, text), "string", `${type} ${text}`);
+});
+
+test("parameters keep the digits of 64 bit integers", () => {
+  const big = parseExact('[4611686018427387905, 1.5, 3, "9007199254740993"]');
+  assert.deepEqual(big, [4611686018427387905n, 1.5, 3, "9007199254740993"]);
+  assert.equal(stringifyExact({ big }), '{"big":[4611686018427387905,1.5,3,"9007199254740993"]}');
+  assert.equal(readValue("-4611686018427387905", 4611686018427387904n), -4611686018427387905n);
+  assert.throws(() => readValue("true", 4611686018427387904n), /a number/);
 });
 
 test("lists are read by their elements", () => {

@@ -1,5 +1,7 @@
 // One WebSocket that connects again by itself, sooner when the page is looked at.
 
+import { stringifyExact } from "./exact_json.ts";
+
 const FIRST_RETRY_MS = 250;
 const MAX_RETRY_MS = 5000;
 // A server that accepts and never answers is given up.
@@ -35,7 +37,7 @@ export class ReconnectingSocket {
   /** Sends a message; false when there is no connection. */
   send(message: object | Uint8Array<ArrayBuffer>): boolean {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
-    this.socket.send(message instanceof Uint8Array ? message : JSON.stringify(message));
+    this.socket.send(message instanceof Uint8Array ? message : stringifyExact(message));
     return true;
   }
 

@@ -17,6 +17,9 @@ export function followRobotDescription(context: PanelContext, onText: (urdf: str
     const message = feed.lastMessage();
     if (message !== undefined && !(message instanceof Error)) offer(message.data);
   });
+  // A latched description came to the panel before, with which this one shares the subscription.
+  const last = feed.lastMessage();
+  if (last !== undefined && !(last instanceof Error)) offer(last.data);
   const endRead = effect(() => {
     if (!robot.canCommand.value) return;
     robot.gateway

@@ -3,6 +3,11 @@ import type { Channel } from "../connection/protocol.ts";
 import { parseDefinition } from "../wire/definition.ts";
 import type { StructNode } from "../wire/schema.ts";
 
+/** Whether ROS 2 tools leave a topic out of their lists: a part of its name begins with an underscore. */
+export function isHidden(name: string): boolean {
+  return name.includes("/_");
+}
+
 export class Topic {
   readonly name: string;
   /** Such as `sensor_msgs/Range`. */

@@ -1,5 +1,6 @@
 // Lays out nodes and topics from left to right, as rqt_graph does.
 import * as dagre from "@dagrejs/dagre";
+import { isHidden } from "../../store/topics.ts";
 import { texts } from "../../texts.ts";
 
 export interface Box {
@@ -57,7 +58,7 @@ export function layout(
   const pairs: Pair[] = [];
   const add = (table: GraphInput["publishers"], publishes: boolean) => {
     for (const [topic, nodes] of table) {
-      if (!withPlumbing && PLUMBING.includes(topic)) continue;
+      if (!withPlumbing && (PLUMBING.includes(topic) || isHidden(topic))) continue;
       for (const node of nodes)
         if (withPlumbing || publishes || node !== ownNode) pairs.push({ node, topic, publishes });
     }

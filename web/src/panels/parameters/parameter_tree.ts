@@ -1,4 +1,5 @@
 // Parameters as a tree, by the parts of their names.
+import { parseExact, stringifyExact } from "../../connection/exact_json.ts";
 import type { Parameter } from "../../connection/protocol.ts";
 
 export interface Branch {
@@ -33,7 +34,7 @@ export function parameterTree(parameters: Iterable<Parameter>, search: string): 
 
 /** The value as a person edits it. */
 export function valueText(value: unknown): string {
-  return typeof value === "string" ? value : JSON.stringify(value);
+  return typeof value === "string" ? value : stringifyExact(value);
 }
 
 /**
@@ -45,10 +46,10 @@ export function readValue(text: string, before: unknown): unknown {
   if (typeof before === "string") return text;
   let value: unknown;
   try {
-    value = JSON.parse(text.trim());
+    value = parseExact(text.trim());
   } catch {
     throw new Error(
-      typeof before === "number" ? "Type a number." : "Type a value as JSON, such as [1, 2] or true.",
+      kindOf(before) === "a number" ? "Type a number." : "Type a value as JSON, such as [1, 2] or true.",
     );
   }
   if (before !== undefined && before !== null && kindOf(value) !== kindOf(before))
@@ -60,6 +61,8 @@ function kindOf(value: unknown): string {
   if (Array.isArray(value)) return "a list";
   if (typeof value === "object") return "a group of values";
   return (
-    { number: "a number", boolean: "true or false", string: "text" }[typeof value as string] ?? "nothing"
+    { number: "a number", bigint: "a number", boolean: "true or false", string: "text" }[
+      typeof value as string
+    ] ?? "nothing"
   );
 }

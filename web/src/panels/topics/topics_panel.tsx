@@ -4,6 +4,7 @@ import { type ComponentChildren, Fragment } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import { compareNames, formatBandwidth, formatRate } from "../../shell/format.ts";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
+import { isHidden } from "../../store/topics.ts";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
 import { MAIN_FIELDS } from "../main_fields.ts";
@@ -31,7 +32,9 @@ function TopicsPanel({ context }: { context: PanelContext }) {
   };
   const rows = useComputed(() => allRows(context)).value;
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const withHidden = search.includes("_");
   const shown = rows.filter(({ name, typeName }) => {
+    if (!withHidden && isHidden(name)) return false;
     const text = `${name} ${typeName}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });

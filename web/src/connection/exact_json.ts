@@ -1,0 +1,24 @@
+// JSON whose integers keep all digits: a parameter may have 64 bits, a number of JavaScript exact ones only to 2^53.
+
+/** What browsers of 2025 have; older ones round such integers. */
+interface Source {
+  readonly source?: string;
+}
+const rawJson = (JSON as { rawJSON?: (text: string) => unknown }).rawJSON;
+
+/** As JSON.parse; integers that a number cannot hold are bigint. Throws SyntaxError. */
+export function parseExact(text: string): unknown {
+  // The reviver's third argument is newer than its type.
+  const revive = (_: string, value: unknown, context?: Source) =>
+    typeof value === "number" && !Number.isSafeInteger(value) && /^-?\d+$/.test(context?.source ?? "")
+      ? BigInt(context?.source as string)
+      : value;
+  return JSON.parse(text, revive as (key: string, value: unknown) => unknown);
+}
+
+/** As JSON.stringify; bigint becomes an integer. */
+export function stringifyExact(value: unknown): string {
+  return JSON.stringify(value, (_, each) =>
+    typeof each === "bigint" ? (rawJson?.(String(each)) ?? Number(each)) : each,
+  );
+}
