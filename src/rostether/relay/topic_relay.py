@@ -8,6 +8,7 @@ from collections.abc import Container, Mapping, Sequence
 from rostether.graph.ports import Publisher, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType
 from rostether.relay.side import Side
+from rostether.relay.static_transforms import TYPES, StaticTransforms
 
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
 PAUSE_S = 0.1
@@ -37,6 +38,7 @@ class TopicRelay:
         self.message_count = 0
         self._skip_nodes = skip_nodes
         self._is_latched = False
+        self._transforms: StaticTransforms | None = None
         self._met = asyncio.Event()
         self._waiting: list[bytes] = []
         self._publisher: Publisher | None = None
@@ -114,6 +116,7 @@ class TopicRelay:
         elif self._is_latched or not is_latched:
             return
         self.type, self._is_latched = met, is_latched
+        self._transforms = StaticTransforms() if is_latched and met.name in TYPES else None
         self._is_ready = False
         self._met.set()
 
@@ -145,6 +148,8 @@ class TopicRelay:
         if self._publisher is None:
             return
         self.message_count += len(payloads)
+        if self._transforms is not None:
+            payloads = [self._transforms.merge(each) for each in payloads]
         if not self._publisher.publish_raw(payloads) and self._pausing is None:
             self._pausing = asyncio.get_running_loop().create_task(self._pause())
 

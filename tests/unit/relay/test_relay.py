@@ -27,10 +27,14 @@ from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ServiceType
+from rostether.msgdef.registry import Registry
 from rostether.relay import relay as relay_module
 from rostether.relay.relay import Relay
 from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.relay.side import ForgetNode, Side
+from rostether.relay.static_transforms import StaticTransforms
+from rostether.relay.topic_relay import TopicRelay
+from rostether.serde.store import TypeStore
 from waiting import until
 
 SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
@@ -186,6 +190,35 @@ async def test_latched_topics_stay_latched(world: World) -> None:
             await until(lambda: inbox.payloads)  # noqa: B023 - awaited at once
             assert inbox.payloads == [string("the map")]
             assert inbox.headers[0]["latching"] == "1"
+
+
+async def test_a_late_subscriber_has_the_static_transforms_of_all_publishers(world: World) -> None:
+    store = TypeStore(Registry())
+    codec, message_type = (
+        store.codec("tf2_msgs/TFMessage"),
+        store.registry.message_type("tf2_msgs/TFMessage"),
+    )
+
+    async def broadcast(frame: str) -> None:
+        node = await world.networks[0].join(f"/{frame}")
+        talker = await node.advertise("/tf_static", message_type, latch=True)
+        transform = {"header": {"frame_id": "base"}, "child_frame_id": frame}
+        talker.publish_raw([codec.encode({"transforms": [transform]})])
+
+    await broadcast("lidar")
+    async with world.relaying(Topics("/tf_static")) as relay:
+        await until(lambda: world.carries("/tf_static", 1))
+        await broadcast("camera")
+        await until(
+            lambda: sum(each.message_count for each in relay.relays if isinstance(each, TopicRelay)) == 2
+        )
+        inbox = Inbox()
+        await world.two.subscribe("/tf_static", message_type, inbox.take)
+        await until(lambda: inbox.payloads)
+    frames = [each.child_frame_id for each in codec.decode(inbox.payloads[0]).transforms]
+    assert sorted(frames) == ["camera", "lidar"]
+    # What is not a list of transforms is not touched.
+    assert StaticTransforms().merge(b"\2\0\0\0short") == b"\2\0\0\0short"
 
 
 async def test_a_slow_reader_on_one_side_is_felt_on_the_other(world: World) -> None:
