@@ -36,6 +36,15 @@ def pytest_configure() -> None:
     os.environ[MARK] = f"{os.environ.get(MARK, '')}{secrets.token_hex(4)}."
 
 
+def outliving_files() -> dict[str, str]:
+    """Return the environment of a process that the fixtures of a whole session end, not a file's.
+
+    If they fail to, the controller of the test processes ends it.
+    """
+    *controllers, _ = os.environ[MARK].rstrip(".").split(".")
+    return {**os.environ, MARK: "".join(f"{each}." for each in controllers)}
+
+
 def is_running(number: int) -> bool:
     """Return whether a process runs; one whose parent has not read its exit code yet does not."""
     try:

@@ -11,6 +11,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import children
 from interop_web.web_peers import install_packages, node_folder
 
 ROOT = Path(__file__).parents[2]
@@ -46,6 +47,7 @@ class Browser:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             limit=1 << 24,
+            env=children.outliving_files(),
             start_new_session=True,
         )
         return cls(process)

@@ -22,22 +22,22 @@ def packages() -> Path:
         pytest.skip(f"npm ci failed, is the network up? {error}")
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="session", loop_scope="session")
 async def chromium(packages: Path) -> AsyncIterator[Browser]:
-    """The browser of the tests of a file."""
+    """The browser of this test process."""
     browser = await Browser.start(packages)
     yield browser
     await browser.close()
 
 
-@pytest_asyncio.fixture(loop_scope="module")
+@pytest_asyncio.fixture(loop_scope="session")
 async def browser(chromium: Browser) -> AsyncIterator[Browser]:
     """Chromium; its pages, with what they store, are closed after each test."""
     yield chromium
     await chromium.do("closeAll")
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="module", loop_scope="session")
 async def board(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Robot]:
     """The board and dashboard of the tests of a file."""
     robot = Robot(tmp_path_factory.mktemp("robot"))
@@ -48,7 +48,7 @@ async def board(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Robot
         await robot.close()
 
 
-@pytest_asyncio.fixture(loop_scope="module")
+@pytest_asyncio.fixture(loop_scope="session")
 async def robot(board: Robot) -> Robot:
     """A simulated board, and beside it the dashboard without options."""
     await board.restore_dashboard()

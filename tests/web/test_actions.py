@@ -10,7 +10,7 @@ import rostether
 from web.browser import Browser
 from web.robot import Robot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 PATIENCE_S = 60.0
 LED = "rostether.feed('/led').lastMessage()?.data"

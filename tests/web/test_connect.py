@@ -15,12 +15,12 @@ from web.browser import Browser
 from web.robot import PATIENCE_S, POLL_S, end, run_rostether, wait_page
 from web.usb_board import UsbBoard
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 STATE = "document.querySelector('.connect-board .badge')?.innerText"
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="module", loop_scope="session")
 async def served(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[tuple[str, str]]:
     """The page and the master of a bridge that has only the boards of pages."""
     port, master = free_port(), f"http://127.0.0.1:{free_port()}"

@@ -16,7 +16,7 @@ from interop.ros1_peers import ros_environment
 from web.browser import Browser
 from web.robot import PATIENCE_S, POLL_S, Robot
 
-pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.robot]
+pytestmark = [pytest.mark.asyncio(loop_scope="session"), pytest.mark.robot]
 
 LOOKUPS = Path(__file__).parents[1] / "interop/peers/tf2_lookups.py"
 CHAIN = [("odom", "arm"), ("arm", "hand"), ("hand", "finger")]

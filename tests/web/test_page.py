@@ -10,7 +10,7 @@ from rostether.cli.dashboard.view import read_view
 from web.browser import Browser
 from web.robot import Robot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 RANGE = "rostether.feed('/ultrasound')"
 

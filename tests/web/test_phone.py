@@ -14,7 +14,7 @@ import rostether
 from web.browser import Browser
 from web.robot import PATIENCE_S, Robot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 # It lies on a table, its top to the west, and turns to the left.
 READINGS = {

@@ -15,7 +15,7 @@ from rostether.serde.store import TypeStore
 from web.browser import PATIENCE_S, Browser
 from web.robot import Robot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 
 async def test_a_saved_plot_is_a_recording(robot: Robot, browser: Browser, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from web.browser import Browser
 from web.meshed_robot import write_robot
 from web.robot import LaunchedRobot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 SLIDERS = "/joint_state_publisher_gui/sliders"
 WHEEL = "rostether.feed('/tf').lastMessage()?.transforms.find((each) => each.child_frame_id === 'wheel')"

@@ -12,7 +12,7 @@ from web.browser import Browser
 from web.robot import Robot, end, run_rostether
 from web.sensing_fleet import sensing_fleet
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="session")
 
 
 ROWS = "document.querySelectorAll('.sensor').length"

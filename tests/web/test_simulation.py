@@ -11,7 +11,7 @@ from interop.ros1_peers import free_port
 from web.browser import Browser
 from web.robot import end, run_rostether, wait_page
 
-pytestmark = [pytest.mark.simavr, pytest.mark.asyncio(loop_scope="module")]
+pytestmark = [pytest.mark.simavr, pytest.mark.asyncio(loop_scope="session")]
 
 SKETCH = """
 void setup() {

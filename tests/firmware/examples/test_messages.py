@@ -6,9 +6,16 @@ import itertools
 
 import pytest
 
+from effort import effort
 from firmware.examples.stage import running
 
 EMPTY = "std_msgs/Empty"
+
+
+@pytest.fixture(params=effort(["uno"], ["uno", "mega"]))
+def kind(request: pytest.FixtureRequest) -> str:
+    """The Mega has the same pins for these, and its own line in tests/firmware/platforms."""
+    return str(request.param)
 
 
 async def test_hello_world(kind: str) -> None:
