@@ -6,15 +6,15 @@ RostetherError
 ├── LaunchError                 a launch file that cannot be understood or started (file, line)
 ├── CodegenError                a client library that cannot be generated
 ├── FirmwareError               a sketch that cannot be built, measured or uploaded
-│   └── SketchError             the compiler or the linker refuses it; holds what they printed
+│   └── SketchError             the compiler or the linker rejects it; has their output
 ├── RobotModelError             a robot description (URDF, xacro) that makes no sense
 ├── BoardError                  a simulated board that cannot start, does not understand, or has ended
 ├── DefinitionError             a .msg or .srv text that cannot be read (file, line, column)
-│   └── UnknownTypeError        no known package has the message or service; says how to give it
+│   └── UnknownTypeError        no known package has the message or service
 ├── SerializationError          a value or bytes that do not fit a type
 ├── ProtocolError
-│   ├── LocalProtocolError      we were asked to send what the protocol does not allow
-│   └── RemoteProtocolError     the peer sent what the protocol does not allow
+│   ├── LocalProtocolError      the program wanted to send something that the protocol does not allow
+│   └── RemoteProtocolError     the peer sent something that the protocol does not allow
 ├── TransportError
 │   ├── TransportOpenError      a port, address or pseudo-terminal that cannot be opened
 │   ├── TransportClosedError    the pipe ended: unplugged, or closed by either side
@@ -111,11 +111,11 @@ class SerializationError(RostetherError, ValueError):
 
 
 class ProtocolError(RostetherError):
-    """A peer or we broke a protocol."""
+    """A protocol was violated."""
 
 
 class LocalProtocolError(ProtocolError):
-    """We were asked to send what the protocol does not allow."""
+    """The program wanted to send something that the protocol does not allow."""
 
 
 class RemoteProtocolError(ProtocolError):
@@ -163,7 +163,7 @@ class AccessDeniedError(GraphError):
 
 
 class ServiceCallError(GraphError):
-    """A service call failed; the text is the server's own where it gave one."""
+    """A service call failed; the text is the server's if it sent one."""
 
 
 class ServiceUnavailableError(ServiceCallError):

@@ -1,4 +1,4 @@
-"""Names for nodes whose name does not matter, unlike those of all other nodes."""
+"""Unique names for nodes whose name does not matter."""
 
 from __future__ import annotations
 
@@ -12,6 +12,6 @@ _NOT_IN_NAMES = re.compile(r"[.:-]")
 
 
 def anonymous_name(base_name: str) -> str:
-    """Return a unique node name, made as in ROS: from host, process and a random number."""
+    """Return a unique node name, as in ROS: from host, process and a random number."""
     number = random.randint(0, sys.maxsize)  # noqa: S311 - no secret, only unlike others
     return _NOT_IN_NAMES.sub("_", f"{base_name}_{socket.gethostname()}_{os.getpid()}_{number}")

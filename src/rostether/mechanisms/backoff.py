@@ -1,4 +1,4 @@
-"""How long to wait before the next attempt: longer each time up to a limit, and different for each waiter."""
+"""The delay before the next attempt: longer each time up to a limit, and different for each user."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A thread that runs the callbacks of one source in order.
 
-It begins with the first item and ends when there has been none for a while, so that publishers that come and
-go leave no threads behind.
+It begins with the first item and ends after some time without items, so that publishers that have
+disconnected leave no threads behind.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from typing import Generic, TypeVar
 
 _T = TypeVar("_T")
 
-# How long a thread waits for more before it ends; a new one costs a tenth of a millisecond.
+# How long a thread waits for items before it ends; a new one costs a tenth of a millisecond.
 IDLE_S = 5.0
 
 HIGH_WATER_ITEMS = 1000
-# When to ask the source to stop and go on: a callback that is too slow must not fill the memory.
+# The limits at which the source stops and continues: a slow callback must not fill the memory.
 LOW_WATER_ITEMS = 100
 
 
 class CallbackThread(Generic[_T]):
     """Passes items to `run`, which must not raise. Calls `on_full` with True above high water, then False.
 
-    `limit` keeps only that many of the newest items waiting.
+    Only the newest `limit` items wait.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class CallbackThread(Generic[_T]):
         return self._is_alive
 
     def close(self) -> None:
-        """Run nothing more than what is running now."""
+        """End after the running callback."""
         with self._news:
             self._is_closed = True
             self._items.clear()

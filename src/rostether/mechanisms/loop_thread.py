@@ -15,7 +15,7 @@ _SHORT_WAIT_S = 0.5
 
 
 class LoopThread:
-    """Runs coroutines for other threads; the thread begins with the first call and never blocks the exit.
+    """Runs coroutines for other threads; its thread starts with the first call and never blocks the exit.
 
     `interrupted` makes the error of calls that `interrupt` ends.
     """
@@ -30,7 +30,7 @@ class LoopThread:
 
     @property
     def loop(self) -> asyncio.AbstractEventLoop:
-        """The loop, running."""
+        """The running loop."""
         with self._lock:
             if self._loop is None:
                 ready = threading.Event()
@@ -41,7 +41,7 @@ class LoopThread:
             return self._loop
 
     def call(self, coroutine: Coroutine[Any, Any, _T], *, timeout_s: float | None = None) -> _T:
-        """Run a coroutine and wait for its result, or raise what it raises.
+        """Run a coroutine, and return its result or raise its error.
 
         Raises the error of `interrupted` after `interrupt`, TimeoutError after the time.
         """
@@ -85,7 +85,7 @@ class LoopThread:
 
 
 def _result(future: concurrent.futures.Future[_T], timeout_s: float | None) -> _T:
-    """Wait in short steps: a Ctrl-C just before a step, and on Windows any, is only seen after it."""
+    """Wait in short steps: a Ctrl-C just before a step, and on Windows any Ctrl-C, has effect after it."""
     deadline_s = float("inf") if timeout_s is None else time.monotonic() + timeout_s
     while True:
         left_s = deadline_s - time.monotonic()
@@ -102,7 +102,7 @@ def _result(future: concurrent.futures.Future[_T], timeout_s: float | None) -> _
 async def run_in_thread(function: Callable[[], _T]) -> _T:
     """Run a function that may block in a new thread, and wait for its result.
 
-    Each call has its own thread: handlers may wait for one another, so a pool could run dry.
+    Each call has its own thread: handlers may wait for each other, and would block a pool.
     """
     loop = asyncio.get_running_loop()
     future: asyncio.Future[_T] = loop.create_future()

@@ -1,4 +1,4 @@
-"""The median, without `statistics`: importing that is a fiftieth of the time that a bridge needs to start."""
+"""The median, without the module `statistics`: its import takes a fiftieth of a bridge's start time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Running work that blocks between its awaits, such as searching folders, without holding an event loop."""
+"""Runs work that blocks between its awaits, such as a search of folders, without blocking the event loop."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 
 
 async def in_own_loop(work: Callable[[], Coroutine[Any, Any, Result]]) -> Result:
-    """Await `work()` on an event loop in its own thread; return or raise what it does.
+    """Await `work()` on an event loop in its own thread; return its result or raise its error.
 
     When the caller is cancelled, so is the work, and the caller waits until it has ended.
     """
@@ -32,6 +32,6 @@ async def in_own_loop(work: Callable[[], Coroutine[Any, Any, Result]]) -> Result
         cancel = await started
         with suppress(RuntimeError):  # it has just ended by itself
             cancel()
-        # Its end is known to the caller as a cancellation already.
+        # The caller already gets its end as a cancellation.
         await asyncio.gather(thread, return_exceptions=True)
         raise

@@ -1,4 +1,4 @@
-"""Running a program to its end; when the caller is cancelled, the program and its children end too."""
+"""Runs a program to its end; if the caller is cancelled, the program and its children end too."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ END_LIMIT_S = 5.0
 
 
 class Ended(NamedTuple):
-    """How a program ended: its exit code, what it printed, and its error output if that is apart."""
+    """The result of a program: its exit code, its output, and its error output if that is separate."""
 
     code: int
     output: bytes

@@ -1,4 +1,4 @@
-"""Lines that could repeat without end: one of each kind in a while, and a count of the others."""
+"""Limits repeated lines: one line of each kind per period, and a count of the others."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections import OrderedDict
 # Scanners, boards in a reconnect loop and broken lines repeat many times a second; one line in this time is
 # enough.
 PERIOD_S = 10.0
-# Kinds may contain names that a peer chose; forgetting the oldest keeps a hostile one from filling memory.
+# Kinds may contain names that a peer chose; the oldest is forgotten, so that no peer can fill the memory.
 MAX_KINDS = 256
 
 

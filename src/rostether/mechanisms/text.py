@@ -1,4 +1,4 @@
-"""Text from peers, files and libraries as people may see it: it controls no terminal and fits its line."""
+"""Makes text from peers, files and libraries safe for output: it controls no terminal, and fits its line."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import json
 import re
 from collections.abc import Iterable
 
-# Control characters except line ends and tabs, what is invisible or changes the direction of writing, and
-# half characters (bytes that were not UTF-8), which a terminal's encoding rejects.
+# Control characters except line ends and tabs, invisible characters and those that change the direction of
+# writing, and lone surrogates (from invalid UTF-8), which a terminal's encoding rejects.
 _STEERING = re.compile(
     "[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\xad\\u061c\\u180e\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f"
     "\\ud800-\\udfff\\ufeff\\ufff9-\\ufffb\\U000e0000-\\U000e007f]"
@@ -15,7 +15,7 @@ _STEERING = re.compile(
 
 
 def escape_text(text: str) -> str:
-    """Return the text with its lines and tabs; what could control a terminal is escaped as in JSON."""
+    """Return the text with its lines and tabs; other control characters are escaped as in JSON."""
     if text.isprintable():
         return text
     return _STEERING.sub(lambda found: json.dumps(found[0])[1:-1], text)

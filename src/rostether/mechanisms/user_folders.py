@@ -1,4 +1,4 @@
-"""The folders of a user for settings, state, data and caches, as each system has them."""
+"""The folders of a user for settings, state, data and caches, on each system."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 class Kind(Enum):
-    """What a folder is for: its XDG variable, its place below HOME, on macOS too, and Windows' variable."""
+    """The purpose of a folder: its XDG variable, its place below HOME and on macOS, and Windows' variable."""
 
     CONFIG = ("XDG_CONFIG_HOME", ".config", ".config", "APPDATA")
     STATE = ("XDG_STATE_HOME", ".local/state", ".local/state", "LOCALAPPDATA")
@@ -21,7 +21,7 @@ def user_folder(kind: Kind) -> Path:
     """Return rostether's folder of a kind; it may not exist yet."""
     variable, below_home, on_mac, on_windows = kind.value
     given = os.environ.get(variable, "")
-    # The XDG specification wants relative paths ignored.
+    # The XDG specification requires that relative paths are ignored.
     if given and Path(given).is_absolute():
         return Path(given) / "rostether"
     if sys.platform == "win32" and os.environ.get(on_windows):

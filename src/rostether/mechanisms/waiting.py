@@ -9,9 +9,9 @@ from typing import TypeVar
 from rostether.errors import GraphError, MasterUnreachableError
 from rostether.mechanisms.backoff import Backoff
 
-# Most masters are there at the first or second attempt: a launch starts them beside its nodes.
+# Most masters answer the first or second attempt: a launch starts them together with its nodes.
 FIRST_RETRY_S = 0.2
-# As often as rospy asks; people who start a master expect the nodes within a second.
+# As often as rospy; users who start a master expect the nodes within a second.
 MAX_RETRY_S = 0.5
 
 ResultT = TypeVar("ResultT")
@@ -24,7 +24,7 @@ async def wait_for_master(
     max_retry_s: float = MAX_RETRY_S,
     errors: type[GraphError] = MasterUnreachableError,
 ) -> ResultT:
-    """Return what `attempt` returns; while it raises `errors`, wait and try again.
+    """Return the result of `attempt`; while it raises `errors`, wait and try again.
 
     `report` gets the first such error. `max_retry_s` is the longest time between two attempts. Raises the
     other errors of `attempt`.

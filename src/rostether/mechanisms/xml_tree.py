@@ -12,12 +12,12 @@ from xml.parsers import expat
 # growing the stack.
 MAX_DEPTH = 64
 
-# Names and the end of a value are found within this; more would not fit into a line.
+# The length of the shown text around an error; more would not fit on a line.
 _CAUSE_BYTES = 120
 _CLOSING_TAG = re.compile(r"</([^\s>]{1,60})")
 _BARE_AND = re.compile(r"&\w*[^\w;#]")
 
-# Takes what is wrong and its line (from 1; 0: the whole file), and returns the error to raise.
+# Gets the error text and its line (from 1; 0: the whole file), and returns the error to raise.
 MakeError: TypeAlias = Callable[[str, int], Exception]
 
 
@@ -34,12 +34,12 @@ class XmlElement:
 
     @property
     def children(self) -> list[XmlElement]:
-        """The elements directly in it."""
+        """The direct child elements."""
         return [each for each in self.content if isinstance(each, XmlElement)]
 
     @property
     def text(self) -> str:
-        """The text directly in it, without that of its children."""
+        """Its own text, without that of its children."""
         return "".join(each for each in self.content if isinstance(each, str))
 
     @property

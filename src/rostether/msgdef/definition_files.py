@@ -34,7 +34,7 @@ _KIND_FOLDERS = frozenset(Kind)
 
 
 def is_type_name(name: str) -> bool:
-    """Return whether a message, service or action may be called so, without its package."""
+    """Return whether a message, service or action may have this name, without its package."""
     return _TYPE_NAME.fullmatch(name) is not None
 
 
@@ -109,7 +109,7 @@ MAX_LISTED_PACKAGES = 1024
 
 @functools.cache
 def bundled_packages() -> frozenset[str]:
-    """Return the names of the packages whose definitions we bring along."""
+    """Return the names of the packages with bundled definitions."""
     return frozenset(entry.name for entry in BUNDLED_FOLDER.iterdir() if entry.is_dir())
 
 
@@ -133,7 +133,7 @@ def bundled_file(package: str, kind: Kind, name: str) -> Path | None:
 
 
 def earlier_files(package: str, name: str) -> dict[str, Path]:
-    """Return a message's definitions in earlier versions of its package that we bring along, newest first.
+    """Return the bundled definitions of a message in earlier versions of its package, newest first.
 
     The files are `earlier/Name.VERSION.msg` in the package's folder.
     """

@@ -1,4 +1,4 @@
-"""The full text of a type, as connection headers (`message_definition`) and bags carry it.
+"""The full text of a type, as in connection headers (`message_definition`) and bags.
 
 the message's own text
 ================================================================================
@@ -24,7 +24,7 @@ MAX_PARTS = 512
 
 
 def message_full_text(spec: MessageSpec, lookup: Lookup) -> str:
-    """Return the message's text followed by those of all messages below.
+    """Return the message's text, followed by the texts of all messages below it.
 
     Raises the same errors as `dependencies`.
     """

@@ -1,4 +1,4 @@
-"""What two ends of a ROS connection must agree on: a type's name, md5sum and full text."""
+"""Identifies a type on a ROS connection: its name, md5sum and full text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ANY_MD5SUM = "*"
 
 @dataclass(frozen=True, slots=True)
 class MessageType:
-    """A message type as connection headers carry it; `definition` is the full text with dependencies."""
+    """A message type of a connection header; `definition` is the full text with dependencies."""
 
     name: str
     md5sum: str
@@ -19,7 +19,7 @@ class MessageType:
 
 @dataclass(frozen=True, slots=True)
 class ServiceType:
-    """A service type; `md5sum` covers both halves, each half has its own as well."""
+    """A service type; `md5sum` is of both halves together, and each half also has its own."""
 
     name: str
     md5sum: str

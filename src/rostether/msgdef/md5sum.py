@@ -1,6 +1,6 @@
-"""The md5sum by which two ends of a ROS 1 connection know that they mean the same type.
+"""The md5sum of a type, which two ends of a ROS 1 connection compare.
 
-It is over the constants as written, in order, then the fields with each message type replaced by its own
+Its input are the constants as written, in order, then the fields, with each message type replaced by its own
 md5sum (without array brackets); comments, blanks and package names do not count.
 """
 
@@ -15,17 +15,17 @@ from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
 
 
 def message_md5sum(spec: MessageSpec, lookup: Lookup) -> str:
-    """Return the md5sum in 32 hexadecimal digits. Raises what `dependencies` raises."""
+    """Return the md5sum in 32 hexadecimal digits. Raises the errors of `dependencies`."""
     return digest(message_md5_text(spec, lookup))
 
 
 def service_md5sum(spec: ServiceSpec, lookup: Lookup) -> str:
-    """Return the md5sum of a whole service: over the text of the request, then that of the response."""
+    """Return the md5sum of a whole service: of the request's text, followed by the response's."""
     return digest(message_md5_text(spec.request, lookup) + message_md5_text(spec.response, lookup))
 
 
 def message_md5_text(spec: MessageSpec, lookup: Lookup) -> str:
-    """Return the text that is hashed. Raises what `dependencies` raises."""
+    """Return the text that is hashed. Raises the errors of `dependencies`."""
     nested = {dependency.full_name: dependency for dependency in dependencies(spec, lookup)}
     return _text(spec, nested, {})
 

@@ -1,8 +1,8 @@
 """Explains why a device announces a type with another md5sum than the known one.
 
-A device only sends the md5sum. Its definition is found by trying: the types we know, earlier versions that
-we bring along, then ours with one change (a field or constant less, another width, another order, with or
-without Header), then the same in the messages below ours, then two changes at once.
+A device only sends the md5sum. Its definition is found by trials: the known types, bundled earlier versions,
+then the known type with one change (a missing field or constant, another width, another order, with or
+without Header), then the same in the messages below it, then two changes at once.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
-# About 10 us each, and every board waits meanwhile: 30 ms for a line, once.
+# About 10 µs each, during which all boards wait: 30 ms for a line, once.
 MAX_CANDIDATES = 3_000
 
-# Types of the user's packages to compare with; each is read from disk.
+# The types of the user's packages that are compared; each is read from disk.
 MAX_KNOWN_TYPES = 2_000
 
-# Types that one takes for another: other widths, other signs, the old names of bytes.
+# Types that users confuse: other widths, other signs, the old names of bytes.
 _ALTERNATIVES = (
     ("bool", "byte", "char", "int8", "uint8"),
     ("int8", "int16", "int32", "int64"),
@@ -40,12 +40,12 @@ _ALTERNATIVES = (
 )
 _HEADER = Field(FieldType("std_msgs/Header"), "header")
 
-# A definition with more differences is simply another one; the line stays readable.
+# A definition with more differences is another one; the line stays readable.
 _MAX_LISTED = 6
 
 
 class Types(Protocol):
-    """What a registry gives."""
+    """The lookups of a registry."""
 
     def message(self, name: str) -> MessageSpec:
         """Return a definition."""
@@ -60,7 +60,7 @@ class Types(Protocol):
 def explain_mismatch(types: Types, name: str, md5sum: str) -> str:
     """Return one line on a device that announced `name` with `md5sum`: the difference, if it can be found.
 
-    Raises what `types` raises for a type that is unknown or broken on our side.
+    Raises the errors of `types` for a type that is unknown or broken here.
     """
     ours = types.message_type(name)
     start = f"{name}: the device's md5sum {md5sum} is not the known one ({ours.md5sum})"
@@ -111,7 +111,7 @@ def guess_definition(types: Types, name: str, md5sum: str) -> MessageSpec | None
 
 
 class _Version(NamedTuple):
-    """A definition as lines of the text that is hashed, each with what it declares: quick to change."""
+    """A definition as the lines of its hashed text, each with its declaration: fast to change."""
 
     spec: MessageSpec
     constants: tuple[tuple[str, Constant], ...]
@@ -144,7 +144,7 @@ def _earlier(spec: MessageSpec) -> Iterator[tuple[str, MessageSpec]]:
 def _candidates(
     ours: MessageSpec, below: Sequence[MessageSpec], sums: Mapping[str, str]
 ) -> Iterator[tuple[str, _Version, Sequence[MessageSpec]]]:
-    """Yield each candidate's text, the candidate, and the messages that hold it, inmost first."""
+    """Yield each candidate's text, the candidate, and the messages that contain it, innermost first."""
     version = _Version.of(ours, sums)
     ordered = _bottom_up(ours, below)
     header = (declarations_text((), [_HEADER], sums), _HEADER)
@@ -154,7 +154,7 @@ def _candidates(
         affected = _holders(nested, ordered)
         for once in _changed(_Version.of(nested, sums), header):
             yield once.text(), once, affected
-    # Fields that a later version added in several places are what two changes mostly are.
+    # Two changes are mostly fields that a later version added in two places.
     for two in combinations(range(len(version.fields)), 2):
         kept = tuple(each for index, each in enumerate(version.fields) if index not in two)
         twice = version._replace(fields=kept)
@@ -192,17 +192,17 @@ def _other_types(type_: FieldType) -> Iterator[FieldType]:
     for other in _other_bases(type_.base):
         yield replace(type_, base=other)
     if type_.base in PRIMITIVE_TYPES:
-        # One value for many, many for one, any number for a fixed number.
+        # One value instead of many, many instead of one, a variable instead of a fixed number.
         yield FieldType(type_.base, is_array=not type_.is_array or type_.length is not None)
 
 
-@functools.lru_cache(maxsize=256)  # peers name types without end
+@functools.lru_cache(maxsize=256)  # peers may send any number of names
 def _other_bases(base: str) -> tuple[str, ...]:
     return tuple(other for group in _ALTERNATIVES if base in group for other in group if other != base)
 
 
 def _bottom_up(ours: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageSpec]:
-    """Return all of them in such an order that each comes after those that it holds."""
+    """Return all messages in an order in which each follows those that it contains."""
     specs = {each.full_name: each for each in below}
     ordered: dict[str, MessageSpec] = {}
 
@@ -218,7 +218,7 @@ def _bottom_up(ours: MessageSpec, below: Sequence[MessageSpec]) -> list[MessageS
 
 
 def _holders(nested: MessageSpec, ordered: Sequence[MessageSpec]) -> list[MessageSpec]:
-    """Return those that hold `nested`, directly or not, in the given order."""
+    """Return the messages that contain `nested`, also indirectly, in the given order."""
     changed = {nested.full_name}
     holders: list[MessageSpec] = []
     for spec in ordered:
@@ -229,7 +229,7 @@ def _holders(nested: MessageSpec, ordered: Sequence[MessageSpec]) -> list[Messag
 
 
 def difference(ours: MessageSpec, theirs: MessageSpec) -> str:
-    """Describe what `theirs` lacks, adds or declares otherwise; empty if all declarations are the same."""
+    """Describe the missing, additional and different declarations of `theirs`; empty if all are the same."""
     differences = [
         *_field_differences(ours.fields, theirs.fields),
         *_constant_differences(ours.constants, theirs.constants),

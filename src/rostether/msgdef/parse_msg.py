@@ -1,7 +1,8 @@
 """Reading a .msg text: one declaration per line, `type name` or `type NAME=value`, comments after `#`.
 
-Accepts and refuses what genmsg does, with two exceptions that no client library could compile: a constant
-whose name holds a blank is refused, and an indented string constant gets its own name. Tabs separate words.
+Accepts and refuses the same texts as genmsg, with two exceptions that no client library could compile: a
+constant whose name contains a blank is refused, and an indented string constant gets its own name. Tabs
+separate words.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ _MAX_BOOL_CHARACTERS = 100
 def parse_message(text: str, *, package: str, name: str, file: str = "", first_line: int = 1) -> MessageSpec:
     """Parse a definition. Raises DefinitionError with file, line and column of the first mistake.
 
-    Types without a package are taken from `package`, and a plain `Header` is std_msgs/Header.
+    Types without a package belong to `package`, and a plain `Header` is std_msgs/Header.
     `first_line` is the number of the text's first line in its file.
     """
     file = file or f"{package}/{name}"

@@ -1,4 +1,4 @@
-"""Reads .srv and .action texts: parts that lines of `---` separate."""
+"""Reads .srv and .action texts, whose parts are separated by lines of `---`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ACTION_SUFFIXES = ("ActionGoal", "ActionResult", "ActionFeedback", "Action", "Go
 
 
 def parse_service(text: str, *, package: str, name: str, file: str = "") -> ServiceSpec:
-    """Parse a definition; a text without the mark has an empty response, as genmsg has it.
+    """Parse a definition; a text without `---` has an empty response, as in genmsg.
 
     Raises DefinitionError with file, line and column of the first mistake.
     """
@@ -26,7 +26,7 @@ def parse_service(text: str, *, package: str, name: str, file: str = "") -> Serv
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith(SECTION_MARK):
             lines = response_lines
-            # Only the first mark counts, further ones are passed over; lines keep their numbers for errors.
+            # Only the first `---` counts, further ones are ignored; lines keep their numbers for errors.
             response_starts = response_starts or number
         else:
             lines.append(line)
@@ -46,7 +46,7 @@ def _joined(lines: list[str]) -> str:
 
 
 def action_of(message_name: str) -> tuple[str, ...]:
-    """Return the names of the actions that a message of this name could belong to, likeliest first."""
+    """Return the possible actions of a message of this name, the likeliest first."""
     return tuple(
         message_name.removesuffix(suffix)
         for suffix in ACTION_SUFFIXES
@@ -55,7 +55,7 @@ def action_of(message_name: str) -> tuple[str, ...]:
 
 
 def expand_action(text: str, *, name: str, file: str = "") -> dict[str, str]:
-    """Return the texts of an action's seven messages by their names, as actionlib's genaction writes them.
+    """Return the texts of an action's seven messages by their names, in the form of actionlib's genaction.
 
     Raises DefinitionError unless the text has three sections.
     """

@@ -1,4 +1,4 @@
-"""Every message and service type by name: from the user's folders, those we bring along, and learned ones."""
+"""Finds message and service types by name: in the user's folders, the bundled and the learned ones."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from rostether.packages.search_path import ros_package_path
 
 # Peers' definitions must not fill memory; a large system has about a hundred types.
 MAX_LEARNED_TYPES = 4096
-# Bundled for our examples; who has the robot has its package too, perhaps changed.
+# Bundled for the examples; owners of the robot have its package too, perhaps with changes.
 ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
 
 # Boards announce names; those in use are below 60.
@@ -42,12 +42,12 @@ class _SearchNeeded(Exception):  # noqa: N818 - it ends an attempt, it is no err
 
 
 class Registry:
-    """Finds, parses and caches definitions; nothing is read before it is asked for.
+    """Finds, parses and caches definitions; each is read on demand.
 
     `paths` are folders of packages or of plain definitions (--msg-path), `package_path` those of
     ROS_PACKAGE_PATH and the workspace; both win over the bundled definitions, in the order given. A package
-    there replaces the bundled one whole; a plain folder, type by type. `nearby`, which is asked only for what
-    none of these has, returns the roots of more packages: finding them takes time.
+    there replaces the whole bundled one; a plain folder replaces single types. `nearby` is only called for
+    types that none of these has; it returns the roots of more packages, whose search takes time.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class Registry:
         return cls(paths, package_path=package_path, nearby=_packages_around)
 
     def is_at_hand(self, look: Callable[[], object]) -> bool:
-        """Whether `look`, which asks this registry, has its answer or error without a search of folders.
+        """Return whether `look`, a query of this registry, needs no search of folders.
 
         For event loops, which must not search: `search_waiting` does it in a thread.
         """
@@ -109,7 +109,7 @@ class Registry:
         return True
 
     def search(self) -> None:
-        """Search all folders now and list what they hold. It may take seconds."""
+        """Search all folders now, and list their definitions. It may take seconds."""
         found = find_definitions(self._paths, self._package_path) if self._found is None else self._found
         nearby = self._found_nearby
         if nearby is None:
@@ -192,10 +192,10 @@ class Registry:
         return sorted(f"{each}/{name}" for each in packages for name in self._names(Kind.SERVICE, each))
 
     def add_full_text(self, name: str, definition: str) -> None:
-        """Learn a message from a connection header's `message_definition`, with all messages below it.
+        """Add a message from a connection header's `message_definition`, with all messages below it.
 
-        Types that are already known keep their definition: to read one connection exactly as its publisher
-        defines it, give a `Registry(bundled=False)` of its own. Raises DefinitionError.
+        Known types keep their definition: to read one connection exactly as its publisher defines it, use a
+        separate `Registry(bundled=False)`. Raises DefinitionError.
         """
         texts = split_full_text(name, definition)
         new = {each: text for each, text in texts.items() if each not in self._learned}
@@ -207,7 +207,7 @@ class Registry:
         self._learned.update(new)
 
     def add_service_text(self, name: str, definition: str) -> None:
-        """Learn a service from its definition; its messages must be known. Raises DefinitionError."""
+        """Add a service from its definition; its messages must be known. Raises DefinitionError."""
         package, _, short_name = name.partition("/")
         spec = parse_service(definition, package=package, name=short_name)
         self._services[name] = spec
@@ -265,7 +265,7 @@ class Registry:
         return self._found_nearby
 
     def _replacement(self, package: str) -> Path | None:
-        """Return where the user's own package of a name is, which hides a bundled one."""
+        """Return the folder of the user's package of a name, which hides a bundled one."""
         files = self._on_path().get(package)
         if files is None and package in ROBOTS_OWN_PACKAGES:
             files = self._around().get(package)
@@ -308,5 +308,5 @@ def _packages_around() -> Iterable[Path]:
     try:
         return package_folders({}, Path.cwd()).values()
     except OSError:
-        # The current folder was deleted under us.
+        # The current folder was deleted.
         return ()

@@ -1,4 +1,4 @@
-"""Which other messages a message is made of, in the order that full texts list them, within safe bounds."""
+"""Lists the messages inside a message, in the order of full texts, within safe limits."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ SpecT = TypeVar("SpecT", MessageSpec, Ros2Message)
 
 # The deepest in use nest about 8; definitions also come from peers.
 MAX_DEPTH = 32
-# Values that every message holds because of fixed arrays and nesting: two fields of the next type on each of
-# 32 levels would be 4e9 of them in a text of 1 KB; the largest in use have some thousand.
+# The values that every message contains because of fixed arrays and nesting: with two fields of the next type
+# on each of 32 levels, a text of 1 KB would mean 4e9 values; the largest in use have some thousand.
 MAX_FIXED_VALUES = 1 << 20
 
 # A fixed array of bytes is one value in memory, so it counts by size only.
@@ -40,7 +40,7 @@ class _Walk(Generic[SpecT]):
         self._values: dict[str, int] = {}
 
     def visit(self, spec: SpecT, path: tuple[str, ...]) -> int:
-        """Find everything below `spec` and return how many values each of its messages holds."""
+        """Add all messages below `spec`, and return how many values each of its messages contains."""
         if len(path) > MAX_DEPTH:
             raise DefinitionError(
                 f"messages are nested deeper than {MAX_DEPTH} levels: {' -> '.join(path)}", file=path[0]

@@ -20,7 +20,7 @@ def start_search(registry: Registry) -> Future[None]:
         search = _searches[registry] = Future()
         # It cannot be cancelled: others may wait for it.
         search.set_running_or_notify_cancel()
-        # A daemon, because the end of a program does not wait for a search.
+        # A daemon thread: the end of the program must not wait for a search.
         threading.Thread(target=_run, args=(registry, search), name="definitions", daemon=True).start()
     return search
 
@@ -31,7 +31,7 @@ async def definitions_searched(registry: Registry) -> None:
 
 
 async def definitions_at_hand(registry: Registry, look: Callable[[], object]) -> None:
-    """Wait until `look`, which asks the registry, needs no search of folders; most often that is at once."""
+    """Wait until `look`, a query of the registry, needs no search of folders; mostly it returns at once."""
     if not registry.is_at_hand(look):
         await asyncio.wrap_future(start_search(registry))
 

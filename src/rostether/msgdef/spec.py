@@ -1,6 +1,6 @@
 """The content of a .msg or .srv text, as values: fields, constants, messages and services.
 
-Type names are `package/Name`, as ROS 1 writes them.
+Type names are `package/Name`, as in ROS 1.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ class FieldType:
 
     `base` is a primitive name (`int32`, `string`, `time` ...) or a full `package/Name`.
     `length` is None for a variable-length array and meaningless unless `is_array`. `length_text` is the
-    length as written (`05`), which the md5sum is over.
+    length as written (`05`), which is part of the md5sum's input.
     """
 
     base: str
@@ -41,7 +41,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """One constant; `text` is its value as written (the md5sum is over that), `value` what it means."""
+    """One constant; `text` is its value as written (for the md5sum), `value` the parsed one."""
 
     type: str
     name: str

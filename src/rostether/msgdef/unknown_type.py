@@ -6,13 +6,13 @@ from typing import Protocol
 
 from rostether.msgdef.definition_files import Kind, bundled_file, is_type_name
 
-# A type without its package is looked for here, in this order.
+# The packages that are searched for a type without its package, in this order.
 _COMMON_PACKAGES = ("std_msgs", "std_srvs", "geometry_msgs", "sensor_msgs", "nav_msgs")
 HOW_TO_GIVE = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
 
 
 class KnownNames(Protocol):
-    """What a registry knows by name."""
+    """The names in a registry."""
 
     def packages(self) -> list[str]:
         """All packages."""
@@ -51,7 +51,7 @@ def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:
 
 
 def example_name(kind: Kind, short_name: str) -> str:
-    """Return a full name to write instead of one without its package: of a common type, if one is meant."""
+    """Return an example of a full name for one without its package, of a common type if possible."""
     packages = _COMMON_PACKAGES if is_type_name(short_name) else ()
     meant = [each for each in packages if bundled_file(each, kind, short_name) is not None]
     if meant:

@@ -1,6 +1,6 @@
 """The rules of ROS 1 graph names: `/global/name`, `relative/name`, `~private`.
 
-Source: what rosgraph.names (rospy) and ros::names (roscpp) accept, the stricter of the two.
+Source: rosgraph.names (rospy) and ros::names (roscpp); where they differ, the stricter one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ PRIVATE = "~"
 _LEGAL = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*")
 _ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
 
-# A board can announce any bytes as a name; the error stays one readable line.
+# A board can announce any bytes as a name; the error must be one readable line.
 _MAX_QUOTED_CHARACTERS = 80
 
 NO_REMAPPINGS: Mapping[str, str] = MappingProxyType({})
@@ -46,7 +46,7 @@ def validate_name(name: str) -> str:
 
 
 def join(namespace: str, name: str) -> str:
-    """Put a relative name into a namespace (`/`, `/ns`, `~` or empty); other names come back as they are."""
+    """Put a relative name into a namespace (`/`, `/ns`, `~` or empty); other names are returned unchanged."""
     if is_global(name) or is_private(name) or not namespace:
         return name
     if namespace == PRIVATE or namespace.endswith(SEPARATOR):
@@ -55,12 +55,12 @@ def join(namespace: str, name: str) -> str:
 
 
 def namespace_of(name: str) -> str:
-    """Return the namespace that holds the name, without a trailing slash: `/a/b` -> `/a`, `/b` -> `/`."""
+    """Return the namespace of the name, without a trailing slash: `/a/b` -> `/a`, `/b` -> `/`."""
     return name.removesuffix(SEPARATOR).rpartition(SEPARATOR)[0] or SEPARATOR
 
 
 def canonical(name: str) -> str:
-    """Return the name without doubled or trailing slashes; `/` stays."""
+    """Return the name without doubled or trailing slashes; `/` is unchanged."""
     cleaned = SEPARATOR.join(part for part in name.split(SEPARATOR) if part)
     return SEPARATOR + cleaned if is_global(name) else cleaned
 
@@ -85,12 +85,12 @@ def resolve_name(
 ) -> str:
     """Return the fully qualified, remapped name.
 
-    `/a` stays, `a` goes into `namespace`, `~a` into `node_name` (fully qualified), the empty name is the
-    namespace itself. `remappings` maps resolved names to resolved names (`resolve_remappings`), as in roscpp
-    and rospy; a result is not remapped again. Raises InvalidNameError.
+    `/a` is unchanged, `a` is put into `namespace`, `~a` into `node_name` (fully qualified), and the empty
+    name is the namespace itself. `remappings` maps resolved names to resolved names (`resolve_remappings`),
+    as in roscpp and rospy; a result is not remapped again. Raises InvalidNameError.
     """
     if not is_legal_name(name):
-        # roscpp forgives doubled slashes in a name and cleans them; anything else illegal has no meaning.
+        # roscpp removes doubled slashes in a name; other illegal names have no meaning.
         validate_name(canonical(name) or name)
     if is_private(name):
         if not is_global(node_name):

@@ -33,7 +33,7 @@ class Arguments:
 
 
 def parse_arguments(argv: Iterable[str]) -> Arguments:
-    """Sort the arguments as rospy does; one with an empty side (`a:=`) is dropped.
+    """Classify the arguments as rospy does; one with an empty side (`a:=`) is dropped.
 
     Raises ConfigError for a value that is not YAML, a target that is not a name, an unknown special key.
     """

@@ -1,7 +1,7 @@
-"""Who may connect to the servers of a ROS graph: the master's, and every node's XML-RPC and TCPROS.
+"""Admits connections to the servers of a ROS graph: the master's, and XML-RPC and TCPROS of every node.
 
-ROS 1 has no passwords, so only the address distinguishes peers. One admission serves all the servers of a
-process, so that a scan of them all is one line in the log.
+ROS 1 has no passwords, so only the address distinguishes peers. All servers of a process share one admission,
+so that a scan of them is one line in the log.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""The settings in the ROS environment variables: the master, the advertised address, where to listen.
+"""The settings in the ROS environment variables: the master, the advertised and the listening addresses.
 
-Listening is on loopback unless ROS_IP or ROS_HOSTNAME names another address: that is the user's consent. An
-address is listened on beside loopback, so that local tools still reach `localhost`; a host name may stand for
-any of the machine's addresses (Debian maps the machine's own to 127.0.1.1), so it opens all of them.
+Servers listen on loopback unless ROS_IP or ROS_HOSTNAME names another address: that is the user's consent.
+They then also listen on loopback, so that local tools still reach `localhost`. A host name may mean any of
+the machine's addresses (Debian maps the machine's own name to 127.0.1.1), so servers listen on all of them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rostether.transports.allow_list import check_networks
 
 DEFAULT_MASTER_PORT = 11311
 DEFAULT_MASTER_URI = f"http://localhost:{DEFAULT_MASTER_PORT}"
-# Advertised by number: peers then need no resolver, and none of them tries ::1 first.
+# As a number: peers then need no resolver, and do not try ::1 first.
 LOOPBACK = "127.0.0.1"
 ALL_ADDRESSES = "0.0.0.0"  # noqa: S104
 
@@ -65,7 +65,7 @@ def is_loopback(host: str) -> bool:
 
 
 def connect_host(host: str) -> str:
-    """Return what to connect to for an advertised host: `localhost` needs no resolver, and no ::1."""
+    """Return the address to connect to for an advertised host; `localhost` needs no resolver."""
     return LOOPBACK if host == "localhost" else host
 
 
@@ -73,10 +73,9 @@ def connect_host(host: str) -> str:
 class RosEnvironment:
     """The ROS 1 environment, validated.
 
-    `master_uri_is_set`: the master was chosen, not the default; `advertised_host` goes into the URIs we
-    register; `listen_hosts` are the addresses our servers bind, `admission` decides who may connect to them,
-    `limits` how much they may bring; `own_names` are names of this machine that the user gave; `namespace` is
-    global.
+    `master_uri_is_set`: the master was chosen, not the default; `advertised_host` is the host in registered
+    URIs; `listen_hosts` are the addresses of servers, `admission` decides who may connect to them, and
+    `limits` limits their data; `own_names` are names of this machine from the user; `namespace` is global.
     """
 
     master_uri: str = DEFAULT_MASTER_URI
@@ -103,7 +102,7 @@ class RosEnvironment:
             master_uri_is_set=bool(master_uri),
             namespace=_read_namespace(variables.get("ROS_NAMESPACE", "")),
         )
-        # rospy and roscpp let ROS_HOSTNAME win over ROS_IP.
+        # In rospy and roscpp, ROS_HOSTNAME overrides ROS_IP.
         for variable in ("ROS_HOSTNAME", "ROS_IP"):
             if host := variables.get(variable, "").strip():
                 _check_host(variable, host)
@@ -127,14 +126,14 @@ class RosEnvironment:
 
     @property
     def listens_on_loopback_only(self) -> bool:
-        """Whether other machines cannot reach us."""
+        """Whether other machines cannot connect."""
         return all(is_loopback(host) for host in self.listen_hosts)
 
     def listening_on(self, address: str) -> RosEnvironment:
         """Return this environment with servers on `address` (`--listen`); `0.0.0.0` is every address.
 
-        The advertised host stays what ROS_IP or ROS_HOSTNAME said, else becomes the address, or this
-        machine's address in its network. Raises ConfigError.
+        The advertised host is that of ROS_IP or ROS_HOSTNAME, or else the address, or this machine's address
+        in its network. Raises ConfigError.
         """
         _check_host("--listen", address)
         advertised = self.advertised_host
@@ -148,7 +147,7 @@ class RosEnvironment:
         )
 
     def allowing(self, networks: Iterable[str]) -> RosEnvironment:
-        """Return this environment with servers for these networks only (`--allow`); none given: as it is.
+        """Return this environment with servers for these networks only (`--allow`; none: unchanged).
 
         Raises ConfigError.
         """
@@ -201,7 +200,7 @@ def _is_ip_address(host: str) -> bool:
 
 
 def _network_address() -> str:
-    # Connecting a datagram socket sends nothing; it only picks the interface that leads outside.
+    # To connect a datagram socket sends nothing; it only selects the interface of the route.
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))

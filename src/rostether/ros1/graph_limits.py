@@ -11,16 +11,16 @@ from rostether.xmlrpc.http_message import MAX_BODY_BYTES
 
 @dataclass(frozen=True, slots=True)
 class GraphLimits:
-    """Of one server, or of one node.
+    """The limits of one server, or of one node.
 
-    `body_bytes`: an XML-RPC request or answer. The largest in the field are whole parameter dumps, of a few
+    `body_bytes`: an XML-RPC request or answer. The largest in practice are whole parameter dumps, of a few
     MB.
     `xmlrpc_connections`: descriptors are commonly limited to 1024 a process, and a graph of hundreds of nodes
     keeps one or two open each. `xmlrpc_connections_per_host`: one machine runs many nodes, but must leave
     room for others'; this one's own programs need no such limit.
-    `xmlrpc_request_s`: the largest request over a slow radio link; one that trickles in is given up then.
-    `parameter_bytes`, `parameters_bytes`: what one call may set in the master, and all parameters together,
-    in memory. A few robot descriptions have some MB; beyond, somebody stores files there.
+    `xmlrpc_request_s`: the time of the largest request over a slow radio link; slower ones are refused.
+    `parameter_bytes`, `parameters_bytes`: the memory for the parameters of one call to the master, and for
+    all parameters together. A few robot descriptions have some MB; larger data belongs into files.
     `message_bytes`: a message, request or answer of a node: four times the largest in practice.
     `header_bytes`: a connection header, which is mostly its message definition: the longest has 20 KB.
     `header_s`: how long a peer may take for it. TCP repeats what a bad radio link lost within 3 s.

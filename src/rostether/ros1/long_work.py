@@ -1,4 +1,4 @@
-"""Long work of a server, done in slices, so that other clients are answered meanwhile."""
+"""Runs long work of a server in slices, so that other clients are answered in the meantime."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SLICE_S = 0.004
 
 
 class LongWork:
-    """Places for `AT_ONCE` pieces of long work; the next in line waits: `async with long_work: ...`."""
+    """Runs `AT_ONCE` pieces of long work at a time, others wait: `async with long_work: ...`."""
 
     def __init__(self) -> None:
         self._places = asyncio.Semaphore(AT_ONCE)
@@ -27,7 +27,7 @@ class LongWork:
 
 
 async def run_in_slices(steps: Iterator[None]) -> None:
-    """Exhaust `steps`, and leave the event loop a turn after each slice."""
+    """Run all `steps`, with a turn of the event loop after each slice."""
     due_s = monotonic() + SLICE_S
     for _ in steps:
         if monotonic() >= due_s:
@@ -36,6 +36,6 @@ async def run_in_slices(steps: Iterator[None]) -> None:
 
 
 def run_at_once(steps: Iterator[None]) -> None:
-    """Exhaust `steps` without a turn for others."""
+    """Run all `steps` without a turn for others."""
     for _ in steps:
         pass

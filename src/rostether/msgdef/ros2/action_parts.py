@@ -1,4 +1,4 @@
-"""The messages and services that an action is made of on a ROS 2 graph.
+"""The messages and services of an action on a ROS 2 graph.
 
     <action>/_action/send_goal     service   Name_SendGoal
     <action>/_action/get_result    service   Name_GetResult
@@ -20,7 +20,7 @@ from rostether.msgdef.ros2.spec import Ros2Action, Ros2Field, Ros2Message, Ros2S
 SEND_GOAL, GET_RESULT, FEEDBACK_MESSAGE = "_SendGoal", "_GetResult", "_FeedbackMessage"
 
 _SERVICES = (SEND_GOAL, GET_RESULT)
-# Longer ones first: `_Goal` ends no name that another one ends.
+# The longer ones first.
 _SUFFIXES = (
     *(service + half for service in _SERVICES for half in (REQUEST_SUFFIX, RESPONSE_SUFFIX)),
     *_SERVICES,
@@ -34,7 +34,7 @@ _GOAL_ID = Ros2Field(Ros2Type("unique_identifier_msgs/msg/UUID"), "goal_id")
 
 @dataclass(frozen=True, slots=True)
 class ActionParts:
-    """What the graph knows of an action."""
+    """The parts of an action on the graph."""
 
     action: Ros2Action
     send_goal: Ros2Service
@@ -43,18 +43,18 @@ class ActionParts:
 
     @property
     def services(self) -> tuple[Ros2Service, ...]:
-        """The services whose types are the action's own."""
+        """The services with types of the action."""
         return (self.send_goal, self.get_result)
 
     def messages(self) -> Iterator[Ros2Message]:
-        """Yield all messages, halves of services too."""
+        """Yield all messages, including halves of services."""
         yield from (*self.action.parts, self.feedback_message)
         for service in self.services:
             yield from service.parts
 
 
 def action_parts(action: Ros2Action) -> ActionParts:
-    """Return what an action is made of."""
+    """Return the parts of an action."""
     goal = Ros2Field(Ros2Type(action.goal.full_name), "goal")
     accepted = [
         Ros2Field(Ros2Type("bool"), "accepted"),
@@ -71,7 +71,7 @@ def action_parts(action: Ros2Action) -> ActionParts:
 
 
 def action_of_part(name: str) -> str:
-    """Return the action that a part belongs to: `Fibonacci_Goal` -> `Fibonacci`; other names stay."""
+    """Return the action of a part: `Fibonacci_Goal` -> `Fibonacci`; other names are unchanged."""
     for suffix in _SUFFIXES:
         if name.endswith(suffix):
             return name.removesuffix(suffix)

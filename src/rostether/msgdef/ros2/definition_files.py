@@ -1,7 +1,7 @@
-"""Where ROS 2 .msg and .srv texts are: installed packages, the user's folders, and those we bring along.
+"""Finds ROS 2 .msg and .srv files: of installed packages, in the user's folders, and the bundled ones.
 
-An installed package PKG keeps them in `PREFIX/share/PKG/msg` and `.../srv`. The bundled ones are those of one
-distribution, with a folder for every other one that holds what differs there.
+An installed package PKG has them in `PREFIX/share/PKG/msg` and `.../srv`. The bundled ones are those of one
+distribution, with a folder of differences for every other one.
 """
 
 from __future__ import annotations
@@ -46,25 +46,25 @@ class Declared(Enum):
 
 
 def named_distro(environ: Mapping[str, str]) -> str:
-    """Return the ROS 2 distribution that the variables name; empty if none, as after sourcing ROS 1."""
+    """Return the ROS 2 distribution of the variables; empty if none, such as with the setup file of ROS 1."""
     name = environ.get("ROS_DISTRO", "").strip() if environ.get("ROS_VERSION", "2") == "2" else ""
     return "" if name in _ROS1_DISTROS else name
 
 
 def install_prefixes(environ: Mapping[str, str]) -> list[Path]:
-    """Return the folders that AMENT_PREFIX_PATH and COLCON_PREFIX_PATH name, in order, each once."""
+    """Return the folders of AMENT_PREFIX_PATH and COLCON_PREFIX_PATH, in order, each once."""
     parts = [part for name in _PREFIX_VARIABLES for part in environ.get(name, "").split(os.pathsep) if part]
     return [Path(part) for part in dict.fromkeys(parts)]
 
 
 def python_prefixes() -> list[Path]:
-    """Return where pip puts the definitions of packages from PyPI, if any are there."""
+    """Return the folders with definitions of packages from PyPI, if there are any."""
     prefix = Path(sys.prefix)
     return [prefix] if (prefix / "share" / "ament_index").is_dir() else []
 
 
 class InstalledPackages:
-    """The definitions below some install prefixes; folders are listed when first asked for."""
+    """The definitions below some install prefixes; folders are listed on demand."""
 
     def __init__(self, prefixes: Iterable[Path]) -> None:
         self.prefixes = list(prefixes)
@@ -80,7 +80,7 @@ class InstalledPackages:
         """Return a package's files of one kind by type name; earlier prefixes win."""
         listing = self._listings.get((package, kind))
         if listing is None:
-            # Kept when it is complete: a search in a thread may do the same.
+            # Stored when it is complete: a search in a thread may do the same.
             listing = {}
             for root in self._all_roots().get(package, ()):
                 for name, file in _listing(root / kind, kind).items():
@@ -99,14 +99,14 @@ class InstalledPackages:
         self._is_searched = True
 
     def has_only_idl(self, package: str, kind: Kind, name: str) -> bool:
-        """Return whether the package was written in IDL, which leaves no .msg text."""
+        """Return whether the package was written in IDL, without .msg texts."""
         return any((root / kind / f"{name}.idl").is_file() for root in self._all_roots().get(package, ()))
 
     def _all_roots(self) -> dict[str, list[Path]]:
         if self._roots is None:
             roots: dict[str, list[Path]] = {}
             for prefix in self.prefixes:
-                # colcon's own prefix holds one further prefix a package, unless it installs them merged.
+                # colcon's own prefix has a prefix for each package, unless it installs them merged.
                 for share in (prefix / "share", *sorted(prefix.glob("*/share"))):
                     for name in _subfolders(share):
                         roots.setdefault(name, []).append(share / name)
@@ -136,9 +136,9 @@ def declared_by(file: Path) -> Declared:
 
 @functools.lru_cache(maxsize=MAX_LISTED_PACKAGES)
 def bundled_names(distro: str, package: str, kind: Kind) -> Mapping[str, Path]:
-    """Return the files of one kind that we bring along for a package by type name.
+    """Return the bundled files of one kind for a package, by type name.
 
-    For a distribution that we do not know, the newest's.
+    For an unknown distribution, those of the newest one.
     """
     files: dict[str, Path] = {}
     for folder in (*_OVERLAYS.get(distro, _OVERLAYS["rolling"]), BUNDLED_DISTRO):
@@ -149,7 +149,7 @@ def bundled_names(distro: str, package: str, kind: Kind) -> Mapping[str, Path]:
 
 
 def bundled_packages() -> frozenset[str]:
-    """Return the names of the packages whose definitions we bring along."""
+    """Return the names of the packages with bundled definitions."""
     return _bundled_packages_of(BUNDLED_DISTRO)
 
 

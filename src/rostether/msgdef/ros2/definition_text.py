@@ -1,4 +1,4 @@
-"""A ROS 2 message as the text of a .msg file, and with the texts of all messages below it as bags carry it.
+"""A ROS 2 message as the text of a .msg file, and as a full text with all messages below it, as in bags.
 
 the message's own text
 ================================================================================
@@ -19,7 +19,7 @@ from rostether.msgdef.ros2.to_ros1 import ros1_name
 
 
 class TextSource(Protocol):
-    """What finds messages and their texts, as `Ros2Definitions` does."""
+    """Finds messages and their texts, like `Ros2Definitions`."""
 
     def message(self, name: str) -> Ros2Message:
         """Return a message by `package/msg/Name`."""
@@ -38,7 +38,7 @@ def message_text(message: Ros2Message) -> str:
 
 
 def full_text(message: Ros2Message, source: TextSource) -> str:
-    """Return the message's text and those of all messages below. Raises UnknownTypeError, DefinitionError."""
+    """Return the texts of the message and of those below it. Raises UnknownTypeError, DefinitionError."""
     texts = [source.text(message.full_name)]
     texts += [
         f"{SEPARATOR}\nMSG: {ros1_name(below.full_name)}\n{source.text(below.full_name)}"

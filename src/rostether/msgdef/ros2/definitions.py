@@ -1,4 +1,4 @@
-"""ROS 2 messages and services by name: from the user's folders, installed packages, and those we bring."""
+"""Finds ROS 2 messages and services by name: in the user's folders, in installed packages, or bundled."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ _SHOWN_FOLDERS = 4
 
 
 class Ros2Definitions:
-    """Finds, parses and caches ROS 2 definitions; nothing is read before it is asked for.
+    """Finds, parses and caches ROS 2 definitions; each is read on demand.
 
     `paths` are folders of packages or of plain definitions (--msg-path), of which those that are ROS 2 texts
     count; `prefixes` are install prefixes as AMENT_PREFIX_PATH names them. Both win over the bundled
-    definitions of `distro`, in the order given: a package replaces the bundled one whole, a plain folder type
-    by type. `last_prefixes` are asked after those.
+    definitions of `distro`, in the order given: a package replaces the whole bundled one, a plain folder
+    replaces single types. `last_prefixes` are searched last.
     """
 
     def __init__(
@@ -59,14 +59,14 @@ class Ros2Definitions:
         self._services: dict[str, Ros2Service] = {}
         self._actions: dict[str, ActionParts] = {}
         self._added: set[str] = set()
-        # Of the user's folders: whether it is a ROS 2 text.
+        # Whether a file in the user's folders is a ROS 2 text.
         self._is_ros2_file: dict[Path, bool] = {}
 
     @classmethod
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Ros2Definitions:
-        """Use --msg-path folders, AMENT_PREFIX_PATH, COLCON_PREFIX_PATH, ROS_DISTRO and what pip installed.
+        """Use --msg-path folders, AMENT_PREFIX_PATH, COLCON_PREFIX_PATH, ROS_DISTRO and packages from pip.
 
         Raises ConfigError for a missing folder.
         """
@@ -81,7 +81,7 @@ class Ros2Definitions:
 
     @property
     def is_searched(self) -> bool:
-        """Whether every type is found without a search of folders."""
+        """Whether all types are found without a search of folders."""
         is_on_path = self._found is not None or not self._paths
         return is_on_path and self._installed.is_searched and self._installed_last.is_searched
 
@@ -93,7 +93,7 @@ class Ros2Definitions:
 
     @property
     def places(self) -> str:
-        """Where definitions are searched, for errors."""
+        """The searched places, for errors."""
         folders = [*(f"--msg-path {path}" for path in self._paths), *map(str, self._installed.prefixes)]
         if len(folders) > _SHOWN_FOLDERS:
             folders = [*folders[:_SHOWN_FOLDERS], f"{len(folders) - _SHOWN_FOLDERS} more folders"]
@@ -104,7 +104,7 @@ class Ros2Definitions:
         return ", ".join(folders)
 
     def add(self, messages: Iterable[Ros2Message]) -> None:
-        """Add definitions from elsewhere, a service by its two halves; those that are known already stay."""
+        """Add other definitions, a service by its two halves; known ones are unchanged."""
         for message in messages:
             if not self.has(message.full_name):
                 self._messages[message.full_name] = message

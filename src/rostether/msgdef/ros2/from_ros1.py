@@ -1,7 +1,7 @@
-"""The ROS 2 form of a type that exists only as ROS 1 text, as a person would port it.
+"""The ROS 2 form of a type that exists only as a ROS 1 text, as in a manual port.
 
-`time` and `duration` become builtin_interfaces' messages, `std_msgs/Header` loses its seq by being ROS 2's,
-field names get small letters (`frameId` -> `frame_id`). The type keeps its name; everything else stays.
+`time` and `duration` become messages of builtin_interfaces, `std_msgs/Header` is that of ROS 2 without seq,
+and field names get small letters (`frameId` -> `frame_id`). The rest, such as the type's name, is unchanged.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _TIME = "builtin_interfaces/msg/Time"
 _DURATION = "builtin_interfaces/msg/Duration"
-# Messages that ROS 2 has under another name; std_msgs/Time and Duration went, their one field stayed.
+# Messages with another name in ROS 2; std_msgs/Time and Duration became the type of their only field.
 _RENAMED = {
     "time": _TIME,
     "duration": _DURATION,
@@ -45,7 +45,7 @@ def derive(spec: MessageSpec, registry: Registry) -> Ros2Message:
 
 
 def ros2_field_name(name: str) -> str:
-    """Return how ROS 2 spells a field of ROS 1: `D` -> `d`, `frameId` -> `frame_id`; legal names stay."""
+    """Return the ROS 2 name of a ROS 1 field: `D` -> `d`, `frameId` -> `frame_id`; legal names stay."""
     if is_field_name(name):
         return name
     words = _BEFORE_CAPITALS.sub("_", name).lower().split("_")

@@ -1,4 +1,4 @@
-"""Reading the values of constants and defaults as rosidl does."""
+"""Reads the values of constants and defaults like rosidl."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Type
 # Keeps an error about a value of any length on one line.
 MAX_LITERAL_CHARACTERS = 80
 
-# Python refuses to read thousands of digits in its own, longer words.
+# Python refuses thousands of digits with a longer error text.
 _MAX_INTEGER_CHARACTERS = 100
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
 
@@ -48,7 +48,7 @@ def read_literal(base: str, text: str, *, string_bound: int | None = None) -> Co
 
 
 def quote(text: str) -> str:
-    """Return the text in quotes, cut to what an error line can hold."""
+    """Return the text in quotes, cut to the length for an error line."""
     return repr(text if len(text) <= MAX_LITERAL_CHARACTERS else text[:MAX_LITERAL_CHARACTERS] + "...")
 
 
@@ -101,7 +101,7 @@ def _split_strings(text: str) -> list[str]:
             start = index + 1
     if mark:
         raise ValueError(f"{quote(text[start:].strip())} has no closing {mark}")
-    # rosidl takes a comma behind the last string.
+    # rosidl accepts a comma after the last string.
     if last := text[start:].strip():
         parts.append(last)
     return parts

@@ -1,7 +1,7 @@
 """Reads ROS 2 .msg, .srv and .action texts: `type name [default]` or `type NAME=value` a line, then `#`.
 
-Accepts and refuses what rosidl does, with two exceptions: indented declarations are read, and types that its
-code generators would refuse (`time`, half a service as a field) are refused here.
+Accepts and refuses the same texts as rosidl, with two exceptions: indented declarations are accepted, and
+types that its code generators would refuse (`time`, half a service as a field) are refused here.
 """
 
 from __future__ import annotations
@@ -31,32 +31,32 @@ RESPONSE_SUFFIX = "_Response"
 
 _LOWER_NAME = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
-# As rosidl's [A-Z]([A-Z0-9_]?[A-Z0-9]+)*, in a form that takes linear time.
+# Equivalent to rosidl's [A-Z]([A-Z0-9_]?[A-Z0-9]+)*, but in linear time.
 _CONSTANT_NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Z][A-Z0-9_]*")
 _TYPE = re.compile(r"([A-Za-z][\w/]*)(?:<=([0-9]+))?(\[(?:(<=)?([0-9]+))?\])?", re.ASCII)
 
-# Any longer number is too large, and need not be read.
+# Any longer number is too large.
 _MAX_COUNT_DIGITS = 19
 _ROS1_TYPES = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
 
 
 def is_package_name(name: str) -> bool:
-    """Return whether a ROS 2 package may be called so; fields follow the same rule."""
+    """Return whether a ROS 2 package may have this name; fields follow the same rule."""
     return _LOWER_NAME.fullmatch(name) is not None
 
 
 def is_field_name(name: str) -> bool:
-    """Return whether a field may be called so."""
+    """Return whether a field may have this name."""
     return _LOWER_NAME.fullmatch(name) is not None
 
 
 def is_type_name(name: str) -> bool:
-    """Return whether a message or service may be called so, without its package."""
+    """Return whether a message or service may have this name, without its package."""
     return _TYPE_NAME.fullmatch(name) is not None
 
 
 def is_constant_name(name: str) -> bool:
-    """Return whether a constant may be called so."""
+    """Return whether a constant may have this name."""
     return _CONSTANT_NAME.fullmatch(name) is not None
 
 
@@ -65,7 +65,7 @@ def parse_message(
 ) -> Ros2Message:
     """Parse a definition. Raises DefinitionError with file, line and column of the first mistake.
 
-    Types without a package are taken from `package`. `first_line` is the number of the text's first line in
+    Types without a package belong to `package`. `first_line` is the number of the text's first line in
     its file.
     """
     file = file or f"{package}/{kind}/{name}"

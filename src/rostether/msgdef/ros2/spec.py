@@ -1,6 +1,6 @@
 """The content of a ROS 2 .msg, .srv or .action text, as values.
 
-Type names are `package/msg/Name` and `package/srv/Name`, as ROS 2 writes them; the halves of a service are
+Type names are `package/msg/Name` and `package/srv/Name`, as in ROS 2; the halves of a service are
 `package/srv/Name_Request` and `package/srv/Name_Response`. The parts of an action are
 `package/action/Name_Goal`, `_Result` and `_Feedback`.
 """
@@ -19,8 +19,8 @@ class Ros2Type:
     """The type of one field.
 
     `base` is a primitive (`bool byte char int8 ... uint64 float32 float64 string wstring`) or a full
-    `package/msg/Name`. `string_bound` is the most characters of a bounded string. An array is fixed when it
-    has a `length`, else a sequence of at most `bound` items (None: any number).
+    `package/msg/Name`. `string_bound` is the maximum number of characters of a bounded string. An array is
+    fixed when it has a `length`, else a sequence of at most `bound` items (None: any number).
     """
 
     base: str
@@ -40,7 +40,7 @@ class Ros2Type:
 
 @dataclass(frozen=True, slots=True)
 class Ros2Field:
-    """One named field; `default` is None where the text gives none."""
+    """One named field; `default` is None if the text has none."""
 
     type: Ros2Type
     name: str

@@ -1,8 +1,8 @@
-"""A ROS 2 definition in ROS 1's words: the same fields, so that ROS 1's codec can hold any ROS 2 message.
+"""A ROS 2 definition in the form of ROS 1: the same fields, for the ROS 1 codec.
 
-`package/msg/Name` is called `package/Name`, and `package/srv/Name_Request` `package/NameRequest`. byte and
-char are uint8, as ROS 2 means them, and wstring is string; bounds and defaults are left out.
-builtin_interfaces' Time and Duration are messages of two numbers, and std_msgs/Header has no seq.
+`package/msg/Name` becomes `package/Name`, and `package/srv/Name_Request` becomes `package/NameRequest`. byte
+and char are uint8, as in ROS 2, and wstring is string; bounds and defaults are left out. builtin_interfaces'
+Time and Duration are messages of two numbers, and std_msgs/Header has no seq.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class MessageSource(Protocol):
 
 
 def express(message: Ros2Message, definitions: MessageSource) -> list[MessageSpec]:
-    """Return the message in ROS 1's words, then all messages below it in the order of first use.
+    """Return the message in the form of ROS 1, then all messages below it in the order of first use.
 
     Raises UnknownTypeError, DefinitionError.
     """
@@ -35,7 +35,7 @@ def express(message: Ros2Message, definitions: MessageSource) -> list[MessageSpe
 
 
 def ros1_name(name: str) -> str:
-    """Return what a ROS 2 message is called here: `sensor_msgs/msg/Imu` -> `sensor_msgs/Imu`."""
+    """Return the ROS 1 form of a ROS 2 name: `sensor_msgs/msg/Imu` -> `sensor_msgs/Imu`."""
     package, _, short_name = name.partition("/")
     kind, _, short_name = short_name.partition("/")
     return f"{package}/{short_name.replace('_', '') if kind == 'srv' else short_name}"
@@ -60,7 +60,7 @@ def _field(field: Ros2Field) -> Field:
 def _constant(constant: Ros2Constant) -> Constant:
     base = _base(constant.type)
     value = constant.value
-    # A constant of ROS 1 ends with its line, and without the blanks around it.
+    # A constant of ROS 1 ends with its line, without surrounding blanks.
     text = " ".join(value.split()) if isinstance(value, str) else _text(value)
     return Constant(base, constant.name, text if isinstance(value, str) else value, text)
 
@@ -74,7 +74,7 @@ def _base(base: str) -> str:
 
 
 def joined_services(messages: Mapping[str, Ros2Message]) -> Iterator[Ros2Service]:
-    """Yield the services of which both halves are among the messages, which are given by full name."""
+    """Yield the services with both halves among the messages, which are given by full name."""
     for name, request in messages.items():
         service = name.removesuffix(REQUEST_SUFFIX)
         response = messages.get(service + RESPONSE_SUFFIX)

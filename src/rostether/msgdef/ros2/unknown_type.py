@@ -24,7 +24,7 @@ _NOUNS = {Kind.MESSAGE: "message", Kind.SERVICE: "service", Kind.ACTION: "action
 
 
 class KnownNames(Protocol):
-    """What knows the names of definitions."""
+    """Lists the names of definitions."""
 
     def packages(self) -> list[str]:
         """Return the names of all packages."""
@@ -58,7 +58,7 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
 
 
 def explain_only_idl(package: str, kind: Kind, short_name: str) -> str:
-    """Return that a type exists, but not in a form that we read."""
+    """Return an explanation for a type that exists only as IDL."""
     return (
         f"{package}/{kind}/{short_name} is installed as .idl only, which rostether does not read;"
         f" write it as {short_name}.{kind} and give its folder with --msg-path DIR"

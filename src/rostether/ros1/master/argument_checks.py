@@ -1,7 +1,7 @@
-"""What the Master API asks of its arguments, with the wording that users of rosmaster know.
+"""Checks the arguments of the Master API, with the error texts of rosmaster.
 
-A check takes (value, caller id) and returns the value to use, names resolved. Like rosmaster, a name may
-hold more than the naming rules allow: old nodes have such names and must not be locked out.
+A check gets (value, caller id) and returns the value to use, with resolved names. As in rosmaster, a name may
+have characters that the naming rules do not allow: old nodes have such names and must not be refused.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ from rostether.xmlrpc.values import XmlRpcValue
 
 Check: TypeAlias = Callable[[XmlRpcValue, str], XmlRpcValue]
 
-# Far longer than any name in the field; a node could otherwise fill the tables with a few registrations.
+# Far longer than any name in practice; without a limit, a node could fill the tables with a few
+# registrations.
 MAX_NAME_LENGTH = 2048
 
 
 class BadArgumentError(ValueError):
-    """An argument that the API refuses; the text goes back to the caller."""
+    """An argument that the API refuses; the caller gets the text."""
 
 
 def resolve(name: str, caller_id: str) -> str:
@@ -44,7 +45,7 @@ def _text(label: str, value: XmlRpcValue) -> str:
     if len(value) > MAX_NAME_LENGTH:
         raise BadArgumentError(f"ERROR: parameter [{label}] is longer than {MAX_NAME_LENGTH} characters")
     if not value.isprintable():
-        # Such a name steers the terminals and fakes lines in the logs of all who list it.
+        # Such a name could control the terminals, and fake log lines, of everyone who lists it.
         raise BadArgumentError(f"ERROR: parameter [{label}] contains illegal chars")
     return value
 

@@ -52,8 +52,8 @@ class _Method(NamedTuple):
 class MasterApi:
     """The methods of one master over its tables; `on_shutdown` is called when a client asks it to stop.
 
-    `work_later` exhausts the steps of long work in slices. `uri` is what getUri answers: set it once the
-    server listens.
+    `work_later` runs the steps of long work in slices. `uri` is the answer of getUri: set it once the server
+    listens.
     """
 
     def __init__(

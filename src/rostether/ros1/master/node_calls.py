@@ -1,9 +1,9 @@
 """The calls of a master to nodes: updates for each node in order; a silent node does not delay the others.
 
-Each node's URI has its own outbox and its own task that empties it. An update of a topic or parameter
+Each node's URI has its own outbox, and its own task that sends it. An update of a topic or parameter
 replaces an older one that was not sent yet. If a node does not answer, its updates are kept and sent again,
-less and less often: it may be stopped in a debugger. If its port refuses connections repeatedly, the node is
-gone, and `on_gone` is called.
+less and less often: it may be stopped in a debugger. If its port refuses connections repeatedly, the node has
+ended, and `on_gone` is called.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ _CALLER = "/master"
 _CALL_TIMEOUT_S = 5.0
 _FIRST_RETRY_S = 1.0
 _MAX_RETRY_S = 30.0
-# Two refusals this far apart are not a restart of a listener: the node is gone.
+# Two refusals in a row are not a restart of a listener: the node has ended.
 _REFUSALS_UNTIL_GONE = 2
-# A node's death is seen at once when its kept connection breaks; this is for those that broke unnoticed.
-# Shorter than the time after which servers drop idle connections.
+# The end of a node is detected at once when its kept connection breaks; pings find connections that broke
+# unnoticed. Shorter than the time after which servers close idle connections.
 PING_INTERVAL_S = 30.0
-# One entry for each topic or parameter a node watches; a node that hangs and watches more loses the oldest.
+# One entry for each topic or parameter that a node watches; a node that hangs loses the oldest beyond this.
 _MAX_PENDING = 4096
-# Each holds a document of up to some MB until the node takes it; small ones do not wait for a place.
+# Each needs a document of up to some MB until the node has received it; small calls are not limited.
 _LARGE_CALLS_AT_ONCE = 16
 # A list of this many URIs has about 4 KB.
 _LARGE_LENGTH = 64
-# Descriptors are commonly limited to 1024 a process, and most are for who calls the master.
+# Descriptors are commonly limited to 1024 per process, and most are for callers of the master.
 _MAX_KEPT_CONNECTIONS = 256
 
 _log = logging.getLogger("rostether.ros1.master")
@@ -43,16 +43,16 @@ _log = logging.getLogger("rostether.ros1.master")
 @dataclass(slots=True)
 class _Outbox:
     client: XmlRpcClient
-    # {(method, key): arguments}, in the order in which they go out.
+    # {(method, key): arguments}, in the order of sending.
     pending: dict[tuple[str, str], tuple[XmlRpcValue, ...]] = field(default_factory=dict)
     task: asyncio.Task[None] | None = None
     refusals: int = 0
 
 
 class NodeCallQueue:
-    """Delivers a master's calls to nodes; calls `on_gone(api)` for a URI where no node listens now.
+    """Delivers a master's calls to nodes; calls `on_gone(api)` for a URI at which no node listens.
 
-    The answers of nodes are ignored: rospy denies watching a parameter that it is about to watch.
+    The answers of nodes are ignored: rospy refuses updates of a parameter that it will watch in a moment.
     """
 
     def __init__(
@@ -84,11 +84,11 @@ class NodeCallQueue:
         self._queue(api, ("shutdown", ""), (reason,))
 
     def ping(self, api: str) -> None:
-        """Queue a call that only finds out whether the node is there."""
+        """Queue a call that only checks whether the node answers."""
         self._queue(api, ("getPid", ""), ())
 
     def retain(self, apis: Collection[str]) -> None:
-        """Forget the nodes that are not among `apis`, but for a request to shut down."""
+        """Forget the nodes that are not among `apis`, except a request to shut down."""
         for api, outbox in list(self._outboxes.items()):
             if api not in apis and ("shutdown", "") not in outbox.pending:
                 del self._outboxes[api]
@@ -97,7 +97,7 @@ class NodeCallQueue:
                     outbox.task.cancel()
 
     async def close(self) -> None:
-        """Drop everything. Idempotent."""
+        """Drop all calls. Idempotent."""
         self._is_closed = True
         tasks = [outbox.task for outbox in self._outboxes.values() if outbox.task is not None]
         for task in tasks:
@@ -118,7 +118,7 @@ class NodeCallQueue:
                 _log.debug("changes cannot be sent to a node: %s", error)
                 return
             outbox = self._outboxes[api] = _Outbox(client)
-        # To the end, even if it waits already: news of a namespace in between must not undo it.
+        # At the end, even if it already waits: an update of a namespace in between must not undo it.
         outbox.pending.pop(what, None)
         outbox.pending[what] = arguments
         if len(outbox.pending) > _MAX_PENDING:
@@ -136,7 +136,7 @@ class NodeCallQueue:
                 await self._call(api, outbox, what, arguments)
             except _NotDeliveredError as error:
                 if what[0] == "shutdown":
-                    # The old node of that name: most often it is dead already.
+                    # The old node of that name has mostly ended already.
                     outbox.pending.clear()
                     continue
                 outbox.refusals = outbox.refusals + 1 if error.is_refused else 0
@@ -148,7 +148,7 @@ class NodeCallQueue:
                 continue
             outbox.refusals = 0
             backoff.reset()
-            # News may have replaced the arguments while the call was in progress.
+            # An update may have replaced the arguments during the call.
             if outbox.pending.get(what) is arguments:
                 del outbox.pending[what]
         outbox.task = None
@@ -173,7 +173,7 @@ class NodeCallQueue:
             if isinstance(cause, OSError) or cause is None:
                 _log.debug("%s", error)
                 raise _NotDeliveredError(is_refused=isinstance(cause, ConnectionRefusedError)) from error
-            # It is there, and answered a fault or nonsense: trying again would not help.
+            # It answered with a fault, or not with XML-RPC: a retry would not help.
             _log.debug("%s", error)
 
 

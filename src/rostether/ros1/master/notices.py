@@ -1,4 +1,4 @@
-"""The notifications of changes from a master to nodes, and their order; without any I/O."""
+"""The notifications of changes from a master to nodes, in their order; without any I/O."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class NodeCalls(Protocol):
         """Send a watcher the new value of a parameter."""
 
     def ping(self, api: str) -> None:
-        """Find out whether a node is there, and keep an eye on it."""
+        """Check whether a node answers, and continue to check it."""
 
     def shut_down(self, api: str, reason: str) -> None:
-        """Ask a node to shut down, and forget what else was queued for it."""
+        """Ask a node to shut down, and forget all other calls to it."""
 
 
 class TopicNotices:
-    """Notifies subscribers of the publishers of their topics; `work_later` exhausts the steps of long
+    """Notifies subscribers of the publishers of their topics; `work_later` runs the steps of long
     work.
     """
 

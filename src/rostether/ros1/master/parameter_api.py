@@ -123,7 +123,7 @@ class ParameterApi:
     def _notify_watchers(self, name: str, value: XmlRpcValue, changed_by: str | None) -> None:
         for update in updates(self._registrations.keys(Kind.PARAM), name, value):
             for watcher, api in self._registrations.members(Kind.PARAM, update.watched).items():
-                # Who sets a parameter knows its value already.
+                # The node that sets a parameter already knows its value.
                 if not (update.is_own_change and watcher == changed_by):
                     self._node_calls.param_update(api, update.key, update.value)
 

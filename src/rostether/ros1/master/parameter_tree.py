@@ -1,7 +1,7 @@
 """The Parameter Server's tree, without any I/O.
 
-Names are resolved (`/a/b`); a dict is a namespace, and setting one replaces everything below it. A node that
-watches a name receives every change at, above and below it.
+Names are resolved (`/a/b`); a dict is a namespace, and a new one replaces everything below it. A node that
+watches a name receives every change of it, above it and below it.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from rostether.ros1.long_work import run_at_once
 from rostether.xmlrpc.document_reader import MAX_VALUES
 from rostether.xmlrpc.values import MAX_NESTING, DateTime, XmlRpcValue
 
-# Answers and notices wrap a value once or twice more; XML-RPC documents end at MAX_NESTING.
+# Answers and notices add one or two levels to a value; XML-RPC documents have at most MAX_NESTING.
 MAX_DEPTH = MAX_NESTING - 10
-# What one XML-RPC document carries, so that `getParam /` can be answered, and some more; namespaces count
-# too. Freeing all of them takes about 20 ms.
+# The limit of one XML-RPC document, so that `getParam /` can be answered, and some more; namespaces also
+# count. To free all of them takes about 20 ms.
 MAX_TREE_VALUES = MAX_VALUES + 1024
-# What a value takes in memory beside its text, roughly.
+# The approximate memory of a value besides its text.
 _BYTES_PER_VALUE = 64
-# What is weighed between two steps, or else one container: about a millisecond's work.
+# The values, or one container, that are measured in one step: about a millisecond.
 _STEP_VALUES = 4096
-# After this number of changes by other clients meanwhile, an old value is weighed in one step.
+# After this number of changes by other clients in the meantime, an old value is measured in one step.
 _WEIGHINGS_IN_STEPS = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """For watchers of `watched`: `key` (with a trailing slash) is now `value`; `{}` means unset."""
+    """A change for watchers of `watched`: `key` (with a trailing slash) is now `value`; `{}` means unset."""
 
     watched: str
     key: str
@@ -45,7 +45,7 @@ class _Weight(NamedTuple):
 
 
 def watch_key(name: str) -> str:
-    """Return the form of a resolved name under which watchers are kept: with a trailing slash."""
+    """Return the key of a resolved name in the table of watchers: with a trailing slash."""
     return "/" + "".join(f"{part}/" for part in _parts(name))
 
 
@@ -94,7 +94,7 @@ class ParameterTree:
         run_at_once(self.set_steps(name, value))
 
     def set_steps(self, name: str, value: XmlRpcValue) -> Iterator[None]:
-        """Check a large value in several steps, and set it with the last one; see `set`."""
+        """Check a large value in several steps, and set it in the last one; see `set`."""
         parts = _parts(name)
         if not parts and not isinstance(value, dict):
             raise GraphError("cannot set root of parameter tree to non-dictionary")
@@ -138,7 +138,7 @@ class ParameterTree:
         return space
 
     def _weigh_replaced_steps(self, parts: list[str]) -> Generator[None, None, _Weight]:
-        """Weigh what a new value at `parts` replaces: the old value, or a plain value above it."""
+        """Measure the old value that a new value at `parts` replaces, or a plain value above it."""
         for _ in range(_WEIGHINGS_IN_STEPS):
             changes = self._changes
             weight = yield from _weigh_steps(self._replaced_by(parts), MAX_DEPTH)
@@ -161,11 +161,11 @@ class ParameterTree:
         run_at_once(self.delete_steps(name))
 
     def delete_steps(self, name: str) -> Iterator[None]:
-        """Weigh what is deleted in several steps, and delete it with the last one; see `delete`."""
+        """Measure the deleted value in several steps, and delete it in the last one; see `delete`."""
         parts = _parts(name)
         self._parent(name, parts)
         weight = yield from self._weigh_replaced_steps(parts)
-        # Another client may have deleted it meanwhile.
+        # Another client may have deleted it in the meantime.
         del self._parent(name, parts)[parts[-1]]
         self._changes += 1
         self._bytes -= weight.byte_count + len(parts[-1])
@@ -180,7 +180,7 @@ class ParameterTree:
     def search(self, namespace: str, key: str) -> str | None:
         """Return the full name of `key` in the nearest namespace, upward, that has its first part.
 
-        Only the first part must be there: a search for `robot/arm` stops at the first `robot`.
+        Only the first part must exist: a search for `robot/arm` stops at the first `robot`.
         """
         if key.startswith("/"):
             return key if self.has(key) else None
@@ -239,7 +239,7 @@ def _weigh(values: list[XmlRpcValue], nesting: int) -> _Weight:
 
 
 def _weigh_steps(outermost: list[XmlRpcValue], nesting: int) -> Generator[None, None, _Weight]:
-    """Return what values take. Raises GraphError for nil, and for more than `nesting` levels."""
+    """Return the size of values. Raises GraphError for nil, and for more than `nesting` levels."""
     # Level by level and without a call for each value: this runs on the event loop, for 262,144 values.
     values, byte_count, visited = 0, 0, 0
     level: list[Any] = [outermost]

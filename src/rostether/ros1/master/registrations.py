@@ -1,7 +1,7 @@
 """The registrations of publishers, subscribers, services and watchers: the master's tables, without any I/O.
 
-A node is known while it has registrations. One that registers under a new URI replaces the old one with all
-its registrations; both facts are returned to the caller, which notifies the nodes.
+A node is known while it has registrations. A node that registers with a new URI replaces the old one with all
+its registrations; the caller gets both results, and notifies the nodes.
 """
 
 from __future__ import annotations
@@ -12,25 +12,25 @@ from enum import Enum
 
 from rostether.errors import GraphError
 
-# A graph of a thousand nodes with a hundred registrations each; more come from a program that registers in a
-# loop.
+# A graph of a thousand nodes with a hundred registrations each; only a program that registers in a loop has
+# more.
 MAX_REGISTRATIONS = 100_000
 # Each change of a topic sends the list of its publishers to every subscriber. /rosout has one of each node.
 MAX_MEMBERS = 4096
 # /rosout has a publisher in each node.
 MAX_NODES = MAX_MEMBERS
-# When a node goes, all its registrations are removed at once, in about 15 ms.
+# When a node leaves, all its registrations are removed at once, in about 15 ms.
 MAX_OF_ONE_NODE = 16_384
-# A change of a whole namespace is sent to all that watch a parameter in it, in about 15 ms. A roscpp node
-# that is refused asks for the value each time instead.
+# A change of a whole namespace is sent to all watchers of its parameters, in about 15 ms. A roscpp node that
+# is refused requests the value each time instead.
 MAX_WATCHES = 4096
-# Types outlive their topics, for tools that ask later; no more of them than there can be topics.
+# Types stay known after their topics, for later requests of tools; at most as many as topics.
 MAX_TOPIC_TYPES = MAX_REGISTRATIONS
 ANY_TYPE = "*"
 
 
 class Kind(Enum):
-    """What a node can be registered for."""
+    """The kinds of registrations."""
 
     PUBLISHER = "publisher"
     SUBSCRIBER = "subscriber"
@@ -42,7 +42,7 @@ class Kind(Enum):
 class Node:
     """One node: its name, its XML-RPC URI, and the keys it is registered for, of every kind.
 
-    `keys` of SERVICE also holds services that another node has taken over since.
+    `keys` of SERVICE also has services that another node provides now.
     """
 
     name: str
@@ -51,13 +51,13 @@ class Node:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is left, so that the node can be forgotten."""
+        """Whether it has no registrations, so that the node can be forgotten."""
         return not any(self.keys.values())
 
 
 @dataclass(frozen=True, slots=True)
 class Removal:
-    """A node that went with all its registrations; `topics` have lost a publisher."""
+    """A node that was removed with all its registrations; `topics` have lost a publisher."""
 
     name: str
     api: str
@@ -88,7 +88,7 @@ class Registrations:
         return list(self.members(kind, key).values())
 
     def state(self, kind: Kind) -> Iterator[list[str | list[str]]]:
-        """Yield one table as getSystemState has it: `[key, [node name, ...]]`; it may change meanwhile."""
+        """Yield one table as in getSystemState: `[key, [node name, ...]]`; it may change meanwhile."""
         for key in self.keys(kind):
             if members := self.members(kind, key):
                 yield [key, list(members)]
@@ -98,7 +98,7 @@ class Registrations:
         return self._service_apis.get(service)
 
     def learn_type(self, topic: str, topic_type: str, *, from_publisher: bool) -> None:
-        """Note a topic's type: a publisher's counts, a subscriber's only while there is none, `*` never."""
+        """Record a topic's type: a publisher's, a subscriber's only without another, `*` never."""
         is_known = topic in self.topic_types
         if topic_type == ANY_TYPE:
             if is_known or not from_publisher:
@@ -114,7 +114,7 @@ class Registrations:
         del self.topic_types[next(topic for topic in self.topic_types if topic not in published)]
 
     def register(self, kind: Kind, key: str, name: str, api: str) -> Removal | None:
-        """Register a node; return what it replaces when its URI is new. Raises GraphError when full."""
+        """Register a node; return the old one if the URI is new. Raises GraphError at the limit."""
         node = self.nodes.get(name)
         if name not in self.members(kind, key):
             self._check_room(kind, key, node)

@@ -1,4 +1,4 @@
-"""A running ROS master: the Master API behind an XML-RPC server, and the calls back to the nodes."""
+"""A running ROS master: the Master API on an XML-RPC server, and the calls to the nodes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rostether.ros1.master.master_api import MasterApi
 from rostether.ros1.master.node_calls import PING_INTERVAL_S, NodeCallQueue
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 
-# What roscore of the last ROS 1 distribution sets; the trailing newlines are part of the values.
+# The values that roscore of the last ROS 1 distribution sets, with their trailing newlines.
 ROS_DISTRO = "noetic\n"
 ROS_VERSION = "1.16.0\n"
 
@@ -23,7 +23,7 @@ _log = logging.getLogger("rostether.ros1.master")
 
 
 class MasterServer:
-    """A ROS master, with the parameters roscore sets; `start` makes one that listens."""
+    """A ROS master with the parameters of roscore; created by `start`."""
 
     def __init__(
         self,
@@ -61,11 +61,11 @@ class MasterServer:
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
         own_names: Iterable[str] = (),
     ) -> MasterServer:
-        """Start a master on one or several addresses; port 0 takes a free one.
+        """Start a master on one or several addresses; port 0 means a free one.
 
-        `advertised_host` goes into its URI, the first address by default; `own_names` are more names by which
-        nodes may call it. Raises GraphError when the port is
-        taken, ConfigError when an address is not this machine's.
+        `advertised_host` is the host in its URI, by default the first address; `own_names` are more names of
+        this machine for requests. Raises GraphError if the port is already in use, ConfigError if an address
+        is not of this machine.
         """
         hosts = (host,) if isinstance(host, str) else tuple(host)
         master = cls(hosts, port, advertised_host or hosts[0], admission, limits, own_names)
@@ -140,6 +140,6 @@ class MasterServer:
 
 
 def _new_run_id() -> str:
-    # A random UUID; the uuid module would cost a tenth of the process's start.
+    # A random UUID; the import of the module uuid would take a tenth of the process's start.
     digits = os.urandom(16).hex()
     return f"{digits[:8]}-{digits[8:12]}-4{digits[13:16]}-a{digits[17:20]}-{digits[20:]}"

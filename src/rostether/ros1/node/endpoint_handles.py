@@ -1,5 +1,6 @@
-"""The endpoints of one node: what it publishes, subscribes to and serves, and the two servers others reach it
-through. Requests in the slave API do not name the node, so each node has its own servers.
+"""The endpoints of one node, and its two servers.
+
+Requests of the slave API do not name the node, so each node has its own servers.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from rostether.xmlrpc.values import XmlRpcValue
 
 
 class Endpoints:
-    """Holds all endpoints of a node and keeps them registered.
+    """All endpoints of a node; keeps them registered.
 
     `report` receives log lines about the node; `on_shutdown` is called when the node is asked to shut down.
     """
@@ -81,27 +82,27 @@ class Endpoints:
         self._is_open = True
 
     def start_watch(self, interval_s: float) -> None:
-        """Begin to register again whenever the master has forgotten us."""
+        """Start to check the registrations, and repeat them if the master has lost them."""
         self._registrations.start_watch(interval_s)
 
     @property
     def node_uri(self) -> str:
-        """The URI of our XML-RPC server."""
+        """The URI of the node's XML-RPC server."""
         return self._server.uri
 
     @property
     def tcpros_address(self) -> tuple[str, int]:
-        """Host and port for TCPROS connections to us."""
+        """Host and port for TCPROS connections to the node."""
         return self._environment.advertised_host, self._listener.port
 
     @property
     def publications(self) -> Iterable[Publication]:
-        """What we publish."""
+        """The publications of the node."""
         return self._publications.values()
 
     @property
     def subscriptions(self) -> Iterable[Subscription]:
-        """What we subscribe to."""
+        """The subscriptions of the node."""
         return [each for topic in self._subscriptions.values() for each in topic]
 
     async def advertise(
@@ -210,12 +211,12 @@ class Endpoints:
         )
 
     def set_publishers(self, topic: str, uris: list[str]) -> None:
-        """Take the master's list of a topic's publishers."""
+        """Apply the master's list of a topic's publishers."""
         for subscription in self._subscriptions.get(topic, ()):
             subscription.set_publishers(uris)
 
     def update_param(self, name: str, value: XmlRpcValue) -> bool:
-        """Take a parameter's new value; False when it is not watched."""
+        """Apply a parameter's new value; return False if it is not watched."""
         return self.watches.update(name, value)
 
     def shut_down(self, reason: str) -> None:

@@ -1,6 +1,6 @@
-"""The whole graph as the master reports it, now and at each change.
+"""Snapshots of the whole graph from the master, now and after each change.
 
-A ROS 1 master has no subscription to changes: it is asked repeatedly.
+A ROS 1 master does not report changes: it is polled.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
-# People who watch a graph do not notice less; two small calls a second do not load a master.
+# Users do not notice a shorter delay; two small calls a second do not load a master.
 POLL_INTERVAL_S = 1.0
 
 
 async def take_snapshot(master: MasterClient) -> Snapshot:
-    """Ask the master for everything. Raises MasterUnreachableError, GraphError."""
+    """Request the whole graph from the master. Raises MasterUnreachableError, GraphError."""
     (publishers, subscribers, services), types = await asyncio.gather(
         master.system_state(), master.topic_types()
     )
@@ -48,7 +48,8 @@ async def watch_changes(
 ) -> AsyncIterator[Snapshot]:
     """Yield a snapshot now and one after each change, until `closed` is set.
 
-    An unreachable master is the problem of a snapshot; only the first one raises MasterUnreachableError.
+    If the master is unreachable later, the snapshot's `problem` says so; only the first request raises
+    MasterUnreachableError.
     """
     latest = await take_snapshot(master)
     yield latest

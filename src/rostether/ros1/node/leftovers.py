@@ -1,4 +1,4 @@
-"""Registrations of nodes that ended without leaving: a ROS 1 master keeps them until they are removed."""
+"""Removes registrations of nodes that ended without unregistering: a ROS 1 master keeps them."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 
-# A node that runs answers within milliseconds; a loaded computer within a second or two.
+# A node answers within milliseconds; on a loaded computer within a second or two.
 ANSWER_TIMEOUT_S = 3.0
 
-# Failures in a row after which a machine that does not answer at all counts as gone; Wi-Fi may pause.
+# The failures in a row after which a machine without any answer counts as disconnected; Wi-Fi may pause.
 PATIENT_FAILURES = 3
 
 
 class Leftovers:
-    """Finds and removes them, in the name of `caller_id`."""
+    """Finds and removes such registrations, in the name of `caller_id`."""
 
     def __init__(self, master_uri: str, caller_id: str) -> None:
         self._master_uri = master_uri
@@ -45,7 +45,7 @@ class Leftovers:
         try:
             await client.call_status("getPid", self._caller_id)
         except GraphError as error:
-            # A port that refuses has lost its server; another program there may answer with nonsense.
+            # A port that refuses has no server any more; another program on it may not speak XML-RPC.
             if isinstance(error.__cause__, ConnectionRefusedError):
                 self._failures.pop(uri, None)
                 return True
@@ -60,7 +60,7 @@ class Leftovers:
 
 async def unregister_node(master_uri: str, name: str, uri: str) -> None:
     """Remove all registrations that a node has under an URI. Raises GraphError."""
-    # Registrations belong to a node: the master takes them back in its name.
+    # Registrations belong to a node: the master removes them only in its name.
     master = MasterClient(master_uri, name)
     try:
         publishers, subscribers, services = await master.system_state()

@@ -1,4 +1,4 @@
-"""The master, seen from a node: its API with our name filled in, and its failures as errors."""
+"""The master's API for one node: adds the node's name to calls, and raises failures as errors."""
 
 from __future__ import annotations
 
@@ -29,27 +29,27 @@ class MasterClient:
         self._connections: _Connections | None = None
 
     async def register_publisher(self, topic: str, type_name: str, node_uri: str) -> list[str]:
-        """Register us; returns the URIs of the topic's subscribers."""
+        """Register the node; return the URIs of the topic's subscribers."""
         return _strings(await self._call("registerPublisher", topic, type_name, node_uri))
 
     async def unregister_publisher(self, topic: str, node_uri: str) -> None:
-        """Take a registration back."""
+        """Remove a registration."""
         await self._call("unregisterPublisher", topic, node_uri)
 
     async def register_subscriber(self, topic: str, type_name: str, node_uri: str) -> list[str]:
-        """Register us; returns the URIs of the topic's publishers."""
+        """Register the node; return the URIs of the topic's publishers."""
         return _strings(await self._call("registerSubscriber", topic, type_name, node_uri))
 
     async def unregister_subscriber(self, topic: str, node_uri: str) -> None:
-        """Take a registration back."""
+        """Remove a registration."""
         await self._call("unregisterSubscriber", topic, node_uri)
 
     async def register_service(self, service: str, service_uri: str, node_uri: str) -> None:
-        """Register us as the provider."""
+        """Register the node as the provider."""
         await self._call("registerService", service, service_uri, node_uri)
 
     async def unregister_service(self, service: str, service_uri: str) -> None:
-        """Take a registration back."""
+        """Remove a registration."""
         await self._call("unregisterService", service, service_uri)
 
     async def lookup_service(self, service: str) -> str:
@@ -94,7 +94,7 @@ class MasterClient:
         return bool(await self._call("hasParam", name))
 
     async def search_param(self, name: str) -> str | None:
-        """Return the full name of the nearest parameter, upward from our own name."""
+        """Return the full name of the nearest parameter, upward from the node's name."""
         try:
             return str(await self._look_up("searchParam", name)) or None
         except UnknownNameError:
@@ -105,15 +105,15 @@ class MasterClient:
         return _strings(await self._call("getParamNames"))
 
     async def subscribe_param(self, name: str, node_uri: str) -> XmlRpcValue:
-        """Subscribe to changes; returns the current value, an empty dict if there is none."""
+        """Subscribe to changes; return the current value, an empty dict if there is none."""
         return await self._call("subscribeParam", node_uri, name)
 
     async def unsubscribe_param(self, name: str, node_uri: str) -> None:
-        """End that."""
+        """End the subscription of `subscribe_param`."""
         await self._call("unsubscribeParam", node_uri, name)
 
     async def get_pid(self) -> int:
-        """Return the master's process id: the cheapest way to see that it answers."""
+        """Return the master's process id: the cheapest check that it answers."""
         pid = await self._call("getPid")
         return pid if isinstance(pid, int) else 0
 
@@ -151,8 +151,8 @@ class _Connections:
     def __init__(self, uri: str, max_body_bytes: int) -> None:
         self._key = uri, max_body_bytes
         self._users = 0
-        # A burst, such as a board announcing fifty topics, goes over the connections that are kept:
-        # opening one for each call takes three times as long.
+        # A burst, such as the fifty topics of a board, uses the kept connections: a new one for each call
+        # would take three times as long.
         self._turns = asyncio.Semaphore(MAX_IDLE_CONNECTIONS)
         self._client = XmlRpcClient(
             uri,
@@ -165,7 +165,7 @@ class _Connections:
 
     @classmethod
     def acquire(cls, uri: str, max_body_bytes: int) -> _Connections:
-        """Return those to `uri`, new ones if there are none. Raises ConfigError for an invalid URI."""
+        """Return the connections to `uri`, or create them. Raises ConfigError for an invalid URI."""
         of_loop = cls._open.setdefault(asyncio.get_running_loop(), {})
         key = uri, max_body_bytes
         if key not in of_loop:
@@ -183,7 +183,7 @@ class _Connections:
     async def call_status(self, method: str, *args: object) -> StatusTriplet:
         """Call a method.
 
-        Raises the same errors as XmlRpcClient, MasterUnreachableError also when no connection becomes free.
+        Raises the same errors as XmlRpcClient, and MasterUnreachableError if no connection becomes free.
         """
         try:
             async with asyncio.timeout(DEFAULT_TIMEOUT_S):

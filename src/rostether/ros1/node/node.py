@@ -44,9 +44,9 @@ async def join_ros1(
     check_interval_s: float = DEFAULT_CHECK_INTERVAL_S,
     on_leave: Callable[[str], None] | None = None,
 ) -> Ros1Graph:
-    """Join the graph of a master as `node_name`; the master shuts down another node that has the name.
+    """Join the graph of a master as `node_name`; the master shuts down another node of that name.
 
-    `master_uri` wins over the environment's, which is read from os.environ by default. Every
+    `master_uri` overrides the environment's, which is read from os.environ by default. Every
     `check_interval_s` the node asks the master whether it is still registered. On a shutdown request it
     leaves at once, or calls `on_leave` with the reason if that is given.
     Raises MasterUnreachableError, InvalidNameError, ConfigError, GraphError.
@@ -66,7 +66,7 @@ async def join_ros1(
 
 
 class Ros1Graph(NodeMembership):
-    """A `graph.ports.Graph`; made by `join_ros1`."""
+    """A `graph.ports.Graph`; created by `join_ros1`."""
 
     def __init__(
         self,
@@ -101,7 +101,7 @@ class Ros1Graph(NodeMembership):
     async def advertise(
         self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> Publisher:
-        """Advertise a topic. `queue_bytes` bounds what waits for each slow subscriber (None: default)."""
+        """Advertise a topic. `queue_bytes` limits the backlog of each slow subscriber (None: default)."""
         self._check_open()
         return await self._endpoints.advertise(
             self.resolve(topic), message_type, latch=latch, queue_bytes=queue_bytes
@@ -272,12 +272,12 @@ class Clock:
 
 
 class RosoutLog:
-    """Publishes logs; latched as roscpp's and rospy's, so that who comes later sees the last one."""
+    """Publishes logs; latched as in roscpp and rospy, so that later subscribers get the last one."""
 
     def __init__(
         self, node_name: str, *, now: Callable[[], Time], published_topics: Callable[[], Iterable[str]]
     ) -> None:
-        # Its own troubles cannot be reported through itself.
+        # Problems of the log topic cannot be logged on it.
         self.publication = Publication(
             ROSOUT, LOG_TYPE, node_name=node_name, report=lambda _level, _text: None, latch=True
         )

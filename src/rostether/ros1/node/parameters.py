@@ -36,7 +36,7 @@ class ParameterWatches:
         return watch
 
     def update(self, key: str, value: XmlRpcValue) -> bool:
-        """Apply a change that the master sent; False if this node does not watch the name.
+        """Apply a change from the master; return False if this node does not watch the name.
 
         Masters do not send a node its own changes, see `changed_by_us`.
         """
@@ -48,7 +48,7 @@ class ParameterWatches:
         return self._fetch_soon(lambda name: _is_below(key, name)) or bool(watches)
 
     def changed_by_us(self, key: str) -> None:
-        """Take notice that this node has set or deleted a parameter."""
+        """Report that this node has set or deleted a parameter."""
         self._fetch_soon(lambda name: name == key or _is_below(key, name) or _is_below(name, key))
 
     def _fetch_soon(self, concerns: Callable[[str], bool]) -> bool:
@@ -60,7 +60,7 @@ class ParameterWatches:
         return bool(names)
 
     async def subscribe_again(self) -> None:
-        """Register all watches with a master that has forgotten them."""
+        """Register all watches with a master that has lost them."""
         for name, watches in list(self._watches.items()):
             value = _unset_as_none(await self._master.subscribe_param(name, self._node_uri))
             for watch in list(watches):
@@ -115,7 +115,7 @@ class ParameterWatch:
         self._is_closed = False
 
     def deliver_first(self, value: ParamValue) -> None:
-        """Hand the first value on."""
+        """Pass the first value on."""
         self._latest = value
         call_contained(f"on_change of parameter {self.name}", self._on_change, value)
 
@@ -136,5 +136,5 @@ def _is_below(name: str, tree: str) -> bool:
 
 
 def _unset_as_none(value: XmlRpcValue) -> ParamValue:
-    # Masters say "unset" with an empty dict.
+    # Masters report an unset parameter as an empty dict.
     return None if value == {} else value

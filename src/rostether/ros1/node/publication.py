@@ -1,4 +1,4 @@
-"""One topic this node publishes: its connections, its latched message, and the handles on it."""
+"""One publication of this node: its connections, its latched message, and its handles."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Publication:
             self.latch()
 
     def latch(self) -> None:
-        """Keep the last message from now on."""
+        """Latch: keep the last message from now on."""
         self._is_latching = True
 
     def publish(self, payloads: Sequence[bytes]) -> bool:
@@ -81,7 +81,7 @@ class Publication:
         await self._flow.drained(timeout_s)
 
     def accept(self, fields: Mapping[str, str], transport: asyncio.Transport) -> SubscriberConnection:
-        """Make a connection of a subscriber's header, and answer it. Raises TypeMismatchError."""
+        """Create the connection of a subscriber's header, and answer it. Raises TypeMismatchError."""
         check_subscriber(fields, self.topic, self.type)
         answer = publisher_fields(self.topic, self.type, caller_id=self._node_name, latch=self._is_latching)
         latched = b"" if self._latched is None else encode_messages([self._latched])
@@ -96,12 +96,12 @@ class Publication:
             on_lost=self._forget,
         )
         self.connections.append(connection)
-        # Soon: a peer that learns of it may send to it after the handshake.
+        # Soon: a callback that reports it may send to it only after the handshake.
         asyncio.get_running_loop().call_soon(self._notify_watchers, connection, True)
         return connection
 
     async def close(self) -> None:
-        """End all connections, after what is queued has left."""
+        """End all connections after their queued data was sent."""
         await asyncio.gather(*(connection.close() for connection in self.connections))
 
     def _forget(self, connection: SubscriberConnection) -> None:
@@ -129,9 +129,9 @@ class Publisher(PublisherHandle[Publication]):
         return list(self.publication.connections)
 
     def latch(self) -> None:
-        """Keep the last message from now on for those who come later."""
+        """Latch: keep the last message from now on for those who come later."""
         self.publication.latch()
 
     def watch_subscribers(self, on_subscriber: OnSubscriber) -> None:
-        """Call back for each subscriber that comes or goes, as long as the topic is advertised."""
+        """Call back for each subscriber that connects or disconnects, while the topic is advertised."""
         self.publication.watchers.append(on_subscriber)

@@ -1,4 +1,4 @@
-"""One publisher we listen to: found through its slave API, read as long as it stays registered."""
+"""The connection to one publisher: found with its slave API, and read while it is registered."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rostether.tcpros.message_framing import MessageDecoder
 # A publisher that restarts its server, or registered before it listens, is reachable again at once.
 FIRST_RETRY_S = 0.1
 
-# Each retry to a publisher that is gone costs one refused connection; longer waits annoy users.
+# Each retry to a publisher that has ended costs one refused connection; longer delays annoy users.
 MAX_RETRY_S = 5.0
 
 # Failures in a row before a report, after 0.7 s: a publisher that ends is unregistered by then.
@@ -26,9 +26,9 @@ _log = logging.getLogger("rostether.ros1")
 
 
 class PublisherConnection(asyncio.Protocol):
-    """Cuts what a publisher sends into messages and hands them on, a chunk at a time.
+    """Cuts a publisher's data into messages, and passes on those of each chunk.
 
-    `node_name` is what the publisher's header calls its node.
+    `node_name` is the node in the publisher's header.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class PublisherConnection(asyncio.Protocol):
         self._held: list[bytes] = []
 
     def data_received(self, data: bytes) -> None:
-        """Hand on what is complete."""
+        """Pass on complete messages."""
         if self._is_paused:
             # Data that was read before the pause took effect, such as a message right after the header.
             self._held.append(data)
@@ -68,7 +68,7 @@ class PublisherConnection(asyncio.Protocol):
             self._on_messages(payloads)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Wake who waits."""
+        """Wake the waiting task."""
         self.lost.set()
 
     def pause(self) -> None:
@@ -95,11 +95,11 @@ class PublisherConnection(asyncio.Protocol):
 
 
 class PublisherLink:
-    """Keeps one publisher connected: asks it where to connect, and again when the connection breaks.
+    """Keeps one publisher connected: requests its address, and again when the connection breaks.
 
-    `accept` makes the connection of its header, as in `HandshakeProtocol`. `report` gets one line for people
-    when the publisher cannot be reached for a while, and when its type does not match; that is not tried
-    again, because a publisher that changes its type registers again.
+    `accept` creates the connection of its header, as in `HandshakeProtocol`. `report` gets one line for users
+    if the publisher is unreachable for some time, or if its type does not match; then there is no retry,
+    because a publisher that changes its type registers again.
     """
 
     def __init__(

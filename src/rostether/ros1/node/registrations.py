@@ -1,8 +1,8 @@
 """This node's registrations with the master; they are repeated after the master has restarted.
 
-A ROS 1 master that restarts knows no nodes and notifies none. So every few seconds we ask it for our own
-address: no answer means that it is away, an unknown name that it has restarted, and another address that
-another node has our name.
+A master that restarts has lost all registrations, and notifies no node. So every few seconds the node
+requests its own address: no answer means that the master is unreachable, an unknown name that it has
+restarted, and another address that another node has taken the name.
 """
 
 from __future__ import annotations
@@ -18,38 +18,38 @@ from zlib import crc32
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.node.master_client import MasterClient
 
-# One small call each; a master that came back has our topics again within about this time.
+# One small call each; a restarted master has the node's topics again within about this time.
 DEFAULT_CHECK_INTERVAL_S = 2.0
 
-# Calls to the master at once while a node leaves, and what one may take. A board of 100 topics that leaves
-# with 100 others must not take 10 KB of memory for each; a master that hangs must not hold the node.
+# The concurrent calls to the master while a node leaves, and their time limit. 100 boards of 100 topics that
+# leave together must not need 10 KB of memory for each topic; a master that hangs must not delay the node.
 UNREGISTERED_AT_ONCE = 2
 UNREGISTER_TIMEOUT_S = 2.0
 
-# A thousand nodes of one process that ask every 2 s would use a sixth of a core, and the master as much.
+# A thousand nodes of one process with a check every 2 s would use a sixth of a core, and the master the same.
 MAX_CHECKS_HZ = 200
 
 _log = logging.getLogger("rostether.ros1")
 
 
 class Kind(Enum):
-    """What can be registered."""
+    """The kinds of registrations."""
 
     PUBLISHER = "publisher"
     SUBSCRIBER = "subscriber"
     SERVICE = "service"
 
 
-# Those of this process that ask a master.
+# The registrations of this process that are checked.
 _watching: WeakSet[Registrations] = WeakSet()
 
 
 class Registrations:
-    """Keeps a table of registrations and the master's in step.
+    """Keeps the master's registrations equal to the node's table.
 
-    All nodes of one process ask the master at most MAX_CHECKS_HZ times a second together.
-    `on_publishers` gets the URIs of publishers of a topic we subscribed to; `register_more` runs after a
-    master has been given the table again; `on_replaced` is called when another node has taken our name.
+    All nodes of one process together make at most MAX_CHECKS_HZ checks a second.
+    `on_publishers` gets the URIs of a subscribed topic's publishers; `register_more` runs after the table was
+    registered again; `on_replaced` is called when another node has taken the name.
     """
 
     def __init__(
@@ -68,20 +68,20 @@ class Registrations:
         self._on_publishers = on_publishers
         self._register_more = register_more
         self._on_replaced = on_replaced
-        # The name of each one's type, empty for a service: the master does not store it.
+        # The type's name of each registration, empty for a service: the master does not store it.
         self._wanted: dict[tuple[Kind, str], str] = {}
-        # No longer wanted, but the master may still have them: a removal was cancelled, or is in progress.
+        # No longer wanted, but perhaps still in the master: a removal was cancelled, or is in progress.
         self._left_over: set[tuple[Kind, str]] = set()
         self._locks: WeakValueDictionary[tuple[Kind, str], asyncio.Lock] = WeakValueDictionary()
         self._is_behind = False
         self._watch: asyncio.Task[None] | None = None
 
     def start_watch(self, interval_s: float) -> None:
-        """Begin to look after the registrations."""
+        """Start to check the registrations."""
         self._watch = asyncio.ensure_future(self._watch_master(interval_s))
 
     async def add(self, kind: Kind, name: str, type_name: str = "") -> None:
-        """Register; a master that is away gets it later. Raises GraphError when it refuses."""
+        """Register; an unreachable master gets it later. Raises GraphError if it refuses."""
         self._wanted[kind, name] = type_name
         try:
             await self._settle(kind, name)
@@ -97,7 +97,7 @@ class Registrations:
             await self._unregister(kind, name)
 
     async def close(self) -> None:
-        """Stop looking, and unregister what is left, until the master does not answer in time."""
+        """Stop the checks, and unregister all that is left, unless the master does not answer in time."""
         if self._watch is not None:
             self._watch.cancel()
             await asyncio.wait((self._watch,))
@@ -117,12 +117,12 @@ class Registrations:
         try:
             await self._settle(kind, name)
         except GraphError as error:
-            # A master that is gone, or has forgotten us, needs no unregistering.
+            # A master that has ended, or has lost the registrations, needs no call.
             _log.debug("%s", error)
         self._left_over.discard((kind, name))
 
     async def _settle(self, kind: Kind, name: str) -> None:
-        """Make the master's entry what we want now; one call at a time, or the last one need not win."""
+        """Update the master's entry to the current table; one call at a time, so that the last one counts."""
         lock = self._locks.setdefault((kind, name), asyncio.Lock())
         async with lock:
             type_name = self._wanted.get((kind, name))
@@ -150,7 +150,7 @@ class Registrations:
     async def _watch_master(self, interval_s: float) -> None:
         _watching.add(self)
         is_away = False
-        # Each node at a different time: a hundred boards that ask at once would delay their messages.
+        # Each node at a different time: a hundred simultaneous checks would delay the boards' messages.
         wait_s = interval_s * crc32(self._master.caller_id.encode()) / 2**32
         while True:
             await asyncio.sleep(wait_s)
@@ -174,7 +174,7 @@ class Registrations:
                 _log.warning("%s: cannot register again: %s", self._master.caller_id, error)
 
     async def _check(self) -> bool:
-        """Look at our own registration; True when everything had to be registered again."""
+        """Check the node's registration; return True if everything had to be registered again."""
         try:
             uri = await self._master.lookup_node(self._master.caller_id)
         except UnknownNameError:

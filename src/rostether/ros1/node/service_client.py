@@ -1,4 +1,4 @@
-"""Calling a service: where it is, a connection to it, one request and one answer."""
+"""Calls a service: finds its server, connects to it, and sends one request for one answer."""
 
 from __future__ import annotations
 
@@ -26,13 +26,15 @@ from rostether.tcpros.handshake import check_server, client_fields, probe_fields
 from rostether.tcpros.message_framing import encode_messages
 from rostether.tcpros.service_framing import AnswerDecoder, ServiceAnswer
 
-# How often to look for a service that is not there yet, as rospy does.
+# How often to check for a missing service, as in rospy.
 POLL_INTERVAL_S = 0.3
 
 
 class ServiceClient:
-    """Calls one service; a persistent client keeps its connection, and looks the server up again only after
-    that has broken. Calls of a persistent client wait for each other, others run side by side."""
+    """Calls one service; a persistent client keeps its connection until it breaks.
+
+    Calls of a persistent client wait for each other, others run concurrently.
+    """
 
     def __init__(
         self,
@@ -111,7 +113,7 @@ class ServiceClient:
             else:
                 connection.close()
         if not answer.ok:
-            # roscpp's servers give none when their callback returns false.
+            # roscpp's servers send no text if their callback returns false.
             reason = answer.error_text or "no reason given; see the log of its node"
             raise ServiceCallError(f"service {self.service} responded with an error: {reason}")
         return answer.payload

@@ -1,4 +1,4 @@
-"""Services this node offers: their connections, and the calls on them."""
+"""The services of this node: their connections, and the calls on them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CALLER_FIELDS: ContextVar[Mapping[str, str]] = ContextVar("CALLER_FIELDS")
 
 
 class ServiceServer:
-    """A `graph.ports.ServiceServer`. Calls of one client run one after the other, of several side by side."""
+    """A `graph.ports.ServiceServer`; it handles the calls of one client in order, of several concurrently."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class ServiceServer:
         self._is_closed = False
 
     def accept(self, fields: Mapping[str, str], transport: asyncio.Transport) -> ServiceConnection:
-        """Make a connection of a client's header. Raises TypeMismatchError."""
+        """Create the connection of a client's header. Raises TypeMismatchError."""
         check_client(fields, self.type)
         connection = ServiceConnection(
             transport,
@@ -118,11 +118,11 @@ class ServiceConnection(asyncio.Protocol):
             self._task.add_done_callback(self._served)
 
     def eof_received(self) -> bool:
-        """Let a client that only closed its sending half have its answer."""
+        """Keep the connection: a client that only closed its sending side still gets its answer."""
         return self._task is not None
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget it, once its handler has finished."""
+        """Forget the connection, after its handler has finished."""
         self._is_lost = True
         self._requests.clear()
         if self._task is None:

@@ -1,4 +1,4 @@
-"""The Slave API: what the master and other nodes may ask a node.
+"""The Slave API: the requests of the master and of other nodes to a node.
 
 Every method returns `[code, status message, value]`: 1 is success, 0 failure, -1 the caller's error.
 Source: https://wiki.ros.org/ROS/Slave_API
@@ -20,11 +20,11 @@ Answer = list[XmlRpcValue]
 
 
 class SlaveNode(Protocol):
-    """What the API needs of its node."""
+    """The methods of a node that the API needs."""
 
     @property
     def node_name(self) -> str:
-        """Its name."""
+        """The node's name."""
 
     @property
     def node_uri(self) -> str:
@@ -40,17 +40,17 @@ class SlaveNode(Protocol):
 
     @property
     def publications(self) -> Iterable[Publication]:
-        """What it publishes."""
+        """The node's publications."""
 
     @property
     def subscriptions(self) -> Iterable[Subscription]:
-        """What it subscribes to."""
+        """The node's subscriptions."""
 
     def set_publishers(self, topic: str, uris: list[str]) -> None:
-        """Take the master's list of a topic's publishers."""
+        """Apply the master's list of a topic's publishers."""
 
     def update_param(self, name: str, value: XmlRpcValue) -> bool:
-        """Take a parameter's new value; False when it is not watched."""
+        """Apply a parameter's new value; return False if it is not watched."""
 
     def shut_down(self, reason: str) -> None:
         """Leave the graph soon."""
@@ -77,7 +77,7 @@ def slave_dispatch(node: SlaveNode) -> Dispatch:
 
 
 class _SlaveApi:
-    # Method names are those of the wire.
+    # The methods have the names of the API.
     # ruff: noqa: N802
     def __init__(self, node: SlaveNode) -> None:
         self._node = node
@@ -91,7 +91,7 @@ class _SlaveApi:
             ]
             for each in self._node.publications
         ]
-        # -1: we do not estimate what a publisher has dropped.
+        # -1: the publisher's dropped messages are unknown.
         subscriptions: list[XmlRpcValue] = [
             [each.topic, [[*_counters(c.record), -1, True] for c in each.connections]]
             for each in self._node.subscriptions

@@ -11,12 +11,12 @@ from rostether.graph.flow_control import PublicationFlow, Reader, SubscriberFlow
 from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, limit_unsent
 from rostether.tcpros.message_framing import measure_oldest
 
-# A subscriber that keeps falling behind and catching up would fill the log; the line has the total of lost
+# A subscriber that is often too slow for a moment would fill the log; the line has the total of lost
 # messages.
 SLOW_REPORT_INTERVAL_S = 10.0
 
-# How much of a queue is joined for one write: more would only wait in the transport, undroppable, and a slow
-# subscriber would take part of it for long before it is seen to take anything.
+# The bytes of a queue that are joined for one write. More bytes would wait in the transport, where they
+# cannot be dropped, and the progress of a slow subscriber would show late.
 _WRITE_BYTES = 64 << 10
 
 
@@ -25,10 +25,10 @@ _readers: WeakValueDictionary[tuple[str, str], Reader] = WeakValueDictionary()
 
 
 class SubscriberConnection(asyncio.Protocol):
-    """Sends encoded batches; what the socket does not take waits here, bounded, oldest message dropped first.
+    """Sends encoded batches; the rest waits in a bounded queue, which drops the oldest messages first.
 
-    `greeting` goes first: our header, and the latched message if there is one. `on_drop` is called when
-    it begins to lose messages, at most every SLOW_REPORT_INTERVAL_S, `on_lost` when the connection ends.
+    `greeting` is sent first: the header, and the latched message if there is one. `on_drop` is called when it
+    begins to lose messages, at most every SLOW_REPORT_INTERVAL_S, and `on_lost` when the connection ends.
     """
 
     def __init__(
@@ -63,13 +63,13 @@ class SubscriberConnection(asyncio.Protocol):
         self._lost = asyncio.Event()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin to send."""
+        """Start to send."""
         limit_unsent(self._transport)
         self._transport.write(self._greeting)
         self._greeting = b""
 
     def send(self, data: bytes, count: int) -> int:
-        """Send a batch of `count` messages; returns how many older ones had to go for it."""
+        """Send a batch of `count` messages; return how many older ones were dropped for it."""
         self.record.byte_count += len(data)
         self.record.message_count += count
         if self._takes_more:
@@ -83,7 +83,7 @@ class SubscriberConnection(asyncio.Protocol):
         return dropped
 
     async def close(self) -> None:
-        """Send what is queued, for at most CLOSE_GRACE_S, then end the connection."""
+        """Send the queued data for at most CLOSE_GRACE_S, then end the connection."""
         self._transport.write(b"".join([data for data, _ in self._queue]))
         self._clear()
         self._transport.close()
@@ -98,7 +98,7 @@ class SubscriberConnection(asyncio.Protocol):
         """Ignore data from a subscriber; the protocol defines none."""
 
     def pause_writing(self) -> None:
-        """Queue from now on: the socket is full."""
+        """Queue messages: the socket is full."""
         self._takes_more = False
         self._flow.update()
 
@@ -119,7 +119,7 @@ class SubscriberConnection(asyncio.Protocol):
         self._flow.note_taken()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget it."""
+        """Forget the connection."""
         self._clear()
         self._flow.end()
         self._lost.set()
