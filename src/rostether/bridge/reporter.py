@@ -7,6 +7,7 @@ from typing import Protocol, TypeAlias
 
 from rostether.errors import RostetherError
 from rostether.graph.ports import Level
+from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import escape_line
 
@@ -38,24 +39,16 @@ class LimitedReporter:
     ) -> None:
         self._reporter = reporter
         self._clock = clock
-        self._count = count
-        self._period_s = period_s
-        self._began_s = clock()
-        self._reported_count = 0
-        self._omitted_count = 0
+        self._budget = LineBudget(count, period_s)
 
     def line(self, level: Level, text: str, *, node: str = "") -> None:
         """Show one line, or count it."""
-        now_s = self._clock()
-        if now_s - self._began_s >= self._period_s:
-            if self._omitted_count:
-                self._reporter.line(Level.WARN, f"{self._omitted_count} lines like the next one were omitted")
-            self._began_s, self._reported_count, self._omitted_count = now_s, 0, 0
-        if self._reported_count < self._count:
-            self._reported_count += 1
-            self._reporter.line(level, shown_line(text), node=node)
-        else:
-            self._omitted_count += 1
+        omitted_count = self._budget.admit(self._clock())
+        if omitted_count is None:
+            return
+        if omitted_count:
+            self._reporter.line(Level.WARN, f"{omitted_count} lines like the next one were omitted")
+        self._reporter.line(level, shown_line(text), node=node)
 
 
 def shown_line(text: str) -> str:

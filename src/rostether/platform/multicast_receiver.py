@@ -14,6 +14,7 @@ from rostether.errors import ConfigError, RemoteProtocolError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.platform.command_frame import Flags
 from rostether.platform.command_link import CommandReceiver, ReceiverSettings
@@ -108,6 +109,7 @@ class _Receiver:
         self._commands: CommandReceiver | None = None
         self._report = report
         self._limiter = RepeatLimiter()
+        self._budget = LineBudget()
         self._last_s = time.monotonic()
         self._watchdog: asyncio.TimerHandle | None = None
         self._sockets = [sock]
@@ -150,7 +152,7 @@ class _Receiver:
             self._last_s = now_s
             host = str(source[0])
             if not self._sources.allows(host):
-                self._refuse("source", f"a datagram from {host}: allow it with _sources:={host}")
+                self._refuse(f"a datagram from {host}: allow it with _sources:={host}")
             elif self._commands is None:
                 self._publish(datagram, host)
             elif not datagram.startswith(STATUS_MAGIC):
@@ -182,7 +184,7 @@ class _Receiver:
         was_moving, refused_count = commands.is_moving, commands.refused_count
         frame = commands.receive(datagram, self._last_s)
         if commands.refused_count > refused_count and "not newer" not in commands.last_refusal:
-            self._refuse("command", f"a command from {host}: {commands.last_refusal}")
+            self._refuse(f"a command from {host}: {commands.last_refusal}")
         self._answer(commands, source)
         if commands.last_frame is not None and Flags.FORWARD in commands.last_frame.flags:
             self._forward(commands.last_frame.payload, host)
@@ -214,7 +216,7 @@ class _Receiver:
         try:
             address, port, query = decode_forward(payload, self._key)
         except RemoteProtocolError as error:
-            self._refuse("query", f"a query from {host}: {error}")
+            self._refuse(f"a query from {host}: {error}")
             return
         # The other robot may have an address of another kind, or one that this machine has no route to.
         with contextlib.suppress(OSError):
@@ -240,11 +242,11 @@ class _Receiver:
         if self._layout.accepts(payload):
             self._publisher.raw.publish_raw([payload])
         else:
-            self._refuse("payload", f"a datagram from {host}: {self._layout.explain(payload)}")
+            self._refuse(f"a datagram from {host}: {self._layout.explain(payload)}")
 
-    def _refuse(self, kind: str, reason: str) -> None:
-        # Not by the reason: it contains what a sender chose, so each datagram could have its own.
-        suppressed = self._limiter.admit(kind, self._last_s)
-        if suppressed is not None:
+    def _refuse(self, reason: str) -> None:
+        suppressed = self._limiter.admit(reason, self._last_s)
+        # A reason contains what a sender chose, so each datagram could have its own.
+        if suppressed is not None and self._budget.admit(self._last_s) is not None:
             also = f" ({suppressed} more since the last report)" if suppressed else ""
             self._report(Level.WARN, f"ignored {reason}{also}")

@@ -5,18 +5,18 @@ from __future__ import annotations
 import json
 import os
 import re
-import tomllib
 from collections.abc import Iterable
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, InvalidNameError
+from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
 
-# A thousand sensors need about 200 KB; a larger file is a mistake.
-MAX_FILE_BYTES = 1024 * 1024
+# The saved state of a thousand sensors has about 400 KB.
+_MAX_STATE_BYTES = 1024 * 1024
 
 _FORMAT = 1
 _REGISTERED_TOPIC = re.compile(r"/sensor_node\d+")
@@ -29,12 +29,9 @@ def read_sensors_toml(path: Path) -> list[Sensor]:
     "/arm/ultrasound" = { name = "Distance", unit = "m" }
     """
     try:
-        with path.open("rb") as file:
-            content = tomllib.loads(file.read(MAX_FILE_BYTES).decode())
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
-        raise ConfigError(f"{path}: not a TOML file: {error}") from None
+        content = parse_toml(read_toml_text(path), str(path))
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: cannot be read: No such file or directory") from None
     if len(content) > MAX_SENSORS:
         raise ConfigError(f"{path}: {len(content)} sensors; at most {MAX_SENSORS} are allowed")
     return [_sensor(path, topic, entry) for topic, entry in content.items()]
@@ -71,7 +68,7 @@ def read_state(path: Path) -> list[Sensor]:
     """Return the sensors of an earlier run; none if the file is missing or damaged."""
     try:
         with path.open("rb") as file:
-            content = json.loads(file.read(MAX_FILE_BYTES))
+            content = json.loads(file.read(_MAX_STATE_BYTES))
     except (OSError, ValueError, RecursionError):
         return []
     if not isinstance(content, dict) or content.get("format") != _FORMAT:

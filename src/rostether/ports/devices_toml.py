@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.port_pattern import is_entry, is_port_pattern, is_usb_id
 from rostether.ports.settings import (
@@ -23,8 +23,6 @@ from rostether.ports.settings import (
 from rostether.ports.toml_table import TomlTable
 from rostether.transports.address_parser import MAX_BAUD
 
-# Settings of a thousand boards have about 200 KB; a larger file is a mistake.
-MAX_FILE_BYTES = 1024 * 1024
 # Queues are also bounded in bytes; this limit catches typing errors.
 MAX_QUEUE_DEPTH = 100_000
 MAX_GRACE_S = 86_400.0
@@ -48,29 +46,17 @@ ACCESS_KEYS = ("publish", "subscribe", "serve", "call", "parameters")
 def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
     """Read a file; a missing file counts as empty unless `is_required`. Raises ConfigError."""
     try:
-        with path.open("rb") as file:
-            data = file.read(MAX_FILE_BYTES + 1)
+        text = read_toml_text(path)
     except FileNotFoundError:
         if is_required:
             raise ConfigError(f"{path}: no such file; create it, or leave out --config") from None
         return DeviceBook()
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
-    if len(data) > MAX_FILE_BYTES:
-        raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; check that it is the right file")
-    try:
-        return parse_devices_toml(data.decode(), file=str(path))
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: not UTF-8 text at byte {error.start}") from None
+    return parse_devices_toml(text, file=str(path))
 
 
 def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:
     """Parse a text; `file` is its name in errors. Raises ConfigError with file and key."""
-    try:
-        content = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # a number may have more digits than Python supports
-        raise ConfigError(f"{file}: not TOML: {error}") from None
-    root = TomlTable(file, "", content, known=("discovery", "defaults", "devices"))
+    root = TomlTable(file, "", parse_toml(text, file), known=("discovery", "defaults", "devices"))
     discovery = _discovery(root.table("discovery", known=DISCOVERY_KEYS))
     defaults = _settings(root.table("defaults", known=SETTING_KEYS), NO_SETTINGS)
     devices = []

@@ -30,7 +30,7 @@ def test_a_line_makes_a_topic_a_sensor(tmp_path: Path, monkeypatch: pytest.Monke
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("x", "not a TOML file"),
+        ("x", "not TOML"),
         ('"a b" = {}', "a b"),
         ('"arm/x" = {}', 'write the topic "arm/x" with a slash'),
         ('"/x" = 1', 'write "/x" = { name ='),

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.toml_text import MAX_FILE_BYTES
 from rostether.ports.board_identity import BoardIdentity
-from rostether.ports.devices_toml import MAX_FILE_BYTES, parse_devices_toml, read_devices_toml
+from rostether.ports.devices_toml import parse_devices_toml, read_devices_toml
 from rostether.ports.settings import Access, DeviceMatch, DeviceSettings, DiscoverySettings, NameRule
 
 FULL = """

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from rostether.cli.shell.failures import TRACEBACK_VARIABLE
 from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
+from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import fold_line
 
@@ -31,11 +32,19 @@ class _Lines(logging.Handler):
         self.show = show
         # asyncio logs the same message for each connection that it cannot accept.
         self._asyncio_lines = RepeatLimiter()
+        # Ours by template, of which there are about fifty; peers choose what is filled in, and how often.
+        self._budgets: dict[str, LineBudget] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
         kind = str(record.msg)[:_KIND_CHARACTERS]
         if record.name == _ASYNCIO.name and self._asyncio_lines.admit(kind, record.created) is None:
             return
+        if record.name != _ASYNCIO.name and record.levelno > logging.DEBUG:
+            omitted_count = self._budgets.setdefault(kind, LineBudget()).admit(record.created)
+            if omitted_count is None:
+                return
+            if omitted_count:
+                self.show(Level.WARN, f"{omitted_count} lines like the next one were omitted")
         text = fold_line(record.getMessage())
         error = record.exc_info[1] if record.exc_info else None
         if error is not None and not os.environ.get(TRACEBACK_VARIABLE):

@@ -5,16 +5,19 @@ from __future__ import annotations
 import os
 import re
 import shlex
-import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 
 # More programs than a robot's computer runs; each is a process.
 MAX_PARTS = 64
+# Each line of a part's output begins with its name.
+MAX_NAME_CHARACTERS = 64
+_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _TOP = {"name", "master", "address", "interface", "environment", "parts"}
 # The network interface of a robot, for its parts that send to groups.
 INTERFACE_VARIABLE = "ROSTETHER_INTERFACE"
@@ -46,11 +49,9 @@ class RobotFile:
 def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
     """Read and check a robot.toml; each part's first argument must be in `commands`. Raises ConfigError."""
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"cannot read {path}: {error}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path} is not TOML: {error}") from None
+        content = parse_toml(read_toml_text(path), str(path))
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: there is no such file") from None
     try:
         return _robot(content, commands)
     except ConfigError as error:
@@ -70,7 +71,7 @@ def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
     if unknown:
         raise ConfigError(f"unknown key {unknown[0]!r}; known keys: {', '.join(sorted(_TOP))}")
     environment = {
-        name: _text(f"environment.{name}", value)
+        _checked_variable(name): _text(f"environment.{name}", value)
         for name, value in _table("environment", content.get("environment", {})).items()
     }
     name = _text("name", content.get("name", ""))
@@ -89,7 +90,17 @@ def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
     return RobotFile(name, environment, parts)
 
 
+def _checked_variable(name: str) -> str:
+    if not _VARIABLE.fullmatch(name):
+        raise ConfigError(f"environment: {name!r:.80} is not the name of a variable, such as ROS_LOG_DIR")
+    return name
+
+
 def _part(name: str, words: Any, commands: Collection[str]) -> Part:
+    if not name or len(name) > MAX_NAME_CHARACTERS or not name.isprintable():
+        raise ConfigError(
+            f"parts: a name has 1 to {MAX_NAME_CHARACTERS} printable characters, not {name!r:.80}"
+        )
     try:
         split = shlex.split(_text(f"parts.{name}", words))
     except ValueError as error:

@@ -128,15 +128,23 @@ class MasterServer:
             yield
 
     def _drop_gone(self, api: str) -> None:
+        self._work_later(self._drop_steps(api))
+
+    def _drop_steps(self, api: str) -> Iterator[None]:
+        """Drop the nodes of a URI; a hostile one has thousands."""
         gone = [node.name for node in self.api.registrations.nodes.values() if node.api == api]
         for name in gone:
-            _log.warning(
-                "removed the registrations of %s at %s (connection refused); if it still runs, its ROS_IP "
-                "or ROS_HOSTNAME is wrong",
-                name,
-                api,
-            )
-            self.api.drop_node(name)
+            node = self.api.registrations.nodes.get(name)
+            # Another node may have taken the name in between.
+            if node is not None and node.api == api:
+                _log.warning(
+                    "removed the registrations of %s at %s (connection refused); if it still runs, its ROS_IP "
+                    "or ROS_HOSTNAME is wrong",
+                    name,
+                    api,
+                )
+                self.api.drop_node(name)
+            yield
 
 
 def _new_run_id() -> str:

@@ -72,7 +72,7 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     assert "parts.a must be a rostether command" in shell.failure("install", "--from", str(wrong), *place)
     assert "parts.a must be a rostether command" in shell.failure("up", str(wrong))
     wrong.write_bytes(b"\xff")
-    assert f"cannot read {wrong}: 'utf-8' codec" in shell.failure("install", "--from", str(wrong), *place)
+    assert f"{wrong}: not UTF-8 text at byte" in shell.failure("install", "--from", str(wrong), *place)
     assert "'wlan0 eth0' is not the name of a network interface" in shell.failure(
         "install", "--machine", "both", "--name", "r", "--interface", "wlan0 eth0", *place
     )

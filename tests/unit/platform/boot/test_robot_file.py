@@ -44,7 +44,7 @@ def test_a_robot(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("name = ", "is not TOML"),
+        ("name = ", "not TOML"),
         ("nmae = 'x'", "unknown key 'nmae'; known keys: address,"),
         ("interface = 'wlan0,eth0'\n[parts]\na = 'core'", "interface: 'wlan0,eth0' is not the name of a"),
         ("interface = '10.0.0.2'\n[parts]\na = 'core'", "is not the name of a network interface"),
@@ -53,6 +53,8 @@ def test_a_robot(tmp_path: Path) -> None:
         ("parts = 3", r"parts must be a table"),
         ("[parts]\na = 'rm -rf x'", "parts.a must be a rostether command"),
         ("[parts]\na = ''", "parts.a must be a rostether command"),
+        ("[parts]\n\"a\\u001b[31m\" = 'core'", "parts: a name has 1 to 64 printable characters"),
+        ("[environment]\n\"A=B\" = '1'\n[parts]\na = 'core'", "'A=B' is not the name of a variable"),
         ('[parts]\na = "serve \'"', "parts.a: No closing quotation"),
         ("[parts]\n" + "".join(f"p{n} = 'core'\n" for n in range(65)), "65 parts; at most 64"),
     ],
@@ -64,7 +66,7 @@ def test_what_is_wrong_is_named_in_one_line(text: str, reason: str, tmp_path: Pa
 
 
 def test_a_missing_file() -> None:
-    with pytest.raises(ConfigError, match="cannot read"):
+    with pytest.raises(ConfigError, match="(there is no such file|not UTF-8|cannot be read)"):
         read_robot_file(Path("/nowhere/robot.toml"), COMMANDS)
 
 

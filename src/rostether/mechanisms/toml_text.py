@@ -1,0 +1,45 @@
+"""Reads TOML files that users write, within limits."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from rostether.errors import ConfigError
+
+# Settings of a thousand boards or sensors have about 200 KB; a larger file is a mistake.
+MAX_FILE_BYTES = 1024 * 1024
+
+# The time for a dotted key grows with the square of its parts: 50,000 take minutes. Files use three.
+MAX_KEY_PARTS = 32
+
+
+def read_toml_text(path: Path) -> str:
+    """Return the text of a file. Raises ConfigError, and FileNotFoundError for a missing file."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_FILE_BYTES + 1)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+    if len(data) > MAX_FILE_BYTES:
+        raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; check that it is the right file")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not UTF-8 text at byte {error.start}") from None
+
+
+def parse_toml(text: str, file: str) -> dict[str, Any]:
+    """Return the content of a TOML text; `file` is its name in errors. Raises ConfigError."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.partition("=")[0].count(".") >= MAX_KEY_PARTS:
+            raise ConfigError(f"{file}: line {number}: a key has more than {MAX_KEY_PARTS} parts")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ConfigError(f"{file}: not TOML: brackets are nested too deeply") from None
+    except ValueError as error:  # a number may have more digits than Python supports
+        raise ConfigError(f"{file}: not TOML: {error}") from None
