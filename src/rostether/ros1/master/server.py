@@ -138,8 +138,8 @@ class MasterServer:
             # Another node may have taken the name in between.
             if node is not None and node.api == api:
                 _log.warning(
-                    "removed the registrations of %s at %s (connection refused); if it still runs, its ROS_IP "
-                    "or ROS_HOSTNAME is wrong",
+                    "removed the registrations of %s at %s (connection refused); if it still runs, its "
+                    "ROS_IP or ROS_HOSTNAME is wrong",
                     name,
                     api,
                 )

@@ -66,7 +66,7 @@ def test_what_is_wrong_is_named_in_one_line(text: str, reason: str, tmp_path: Pa
 
 
 def test_a_missing_file() -> None:
-    with pytest.raises(ConfigError, match="(there is no such file|not UTF-8|cannot be read)"):
+    with pytest.raises(ConfigError, match="there is no such file"):
         read_robot_file(Path("/nowhere/robot.toml"), COMMANDS)
 
 
