@@ -125,7 +125,7 @@ async def test_the_overview_is_arranged_and_keeps_it(robot: Robot, browser: Brow
     await browser.wait_for(page, f"{titles}.includes('/led') && {titles}.includes('/count')")
     await browser.do("click", page=page, selector=".arrange .button")
     for title in ("/led", "/count"):
-        await browser.do("click", page=page, selector=f'.card[aria-label="{title}"] [aria-label="Take away"]')
+        await browser.do("click", page=page, selector=f'.card[aria-label="{title}"] [aria-label="Remove"]')
     await browser.wait_for(page, f"!{titles}.includes('/led') && !{titles}.includes('/count')")
     series = ["/ultrasound.range", "/count.data"]
     script = f"location.hash = '#/plots?s=' + btoa(JSON.stringify({{ series: {series} }}))"

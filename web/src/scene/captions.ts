@@ -10,8 +10,8 @@ const PIXEL_RATIO = 2;
 export class Caption extends Sprite {
   readonly widthPx: number;
 
-  constructor(text: string, color: string) {
-    const map = textTexture(text, HEIGHT_PX * PIXEL_RATIO, color);
+  constructor(text: string, color: string, halo: string) {
+    const map = textTexture(text, HEIGHT_PX * PIXEL_RATIO, color, halo);
     super(new SpriteMaterial({ map, depthTest: false, sizeAttenuation: false }));
     this.widthPx = (map.image as HTMLCanvasElement).width / PIXEL_RATIO;
     this.center.set(0.5, -0.3);

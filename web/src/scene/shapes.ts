@@ -57,8 +57,8 @@ export function label(text: string, heightM: number, color: string): Sprite {
   return sprite;
 }
 
-/** Text as a picture; `lineHeightPx` is its height. */
-export function textTexture(text: string, lineHeightPx: number, color: string): CanvasTexture {
+/** Text as a picture; `lineHeightPx` is its height, `halo` the color around its letters. */
+export function textTexture(text: string, lineHeightPx: number, color: string, halo?: string): CanvasTexture {
   const canvas = document.createElement("canvas");
   const font = `${lineHeightPx * 0.7}px system-ui, sans-serif`;
   const context = canvas.getContext("2d") as CanvasRenderingContext2D;
@@ -68,6 +68,12 @@ export function textTexture(text: string, lineHeightPx: number, color: string): 
   context.font = font;
   context.fillStyle = color;
   context.textBaseline = "middle";
+  if (halo !== undefined) {
+    context.strokeStyle = halo;
+    context.lineJoin = "round";
+    context.lineWidth = 6;
+    context.strokeText(text.slice(0, 200), 4, lineHeightPx / 2);
+  }
   context.fillText(text.slice(0, 200), 4, lineHeightPx / 2);
   const texture = new CanvasTexture(canvas);
   texture.colorSpace = SRGBColorSpace;

@@ -16,14 +16,16 @@ export class TfDisplay implements Display {
   readonly captions: Caption[] = [];
   private readonly tf: TfBuffer;
   private readonly color: string;
+  private readonly background: string;
   private readonly shown = new Map<string, Group>();
   private readonly parents = new Map<string, LineSegments>();
   private version = -1;
   private lengthM = MAX_AXIS_M;
 
-  constructor(tf: TfBuffer, color: string) {
+  constructor(tf: TfBuffer, color: string, background: string) {
     this.tf = tf;
     this.color = color;
+    this.background = background;
   }
 
   update(): void {}
@@ -66,7 +68,7 @@ export class TfDisplay implements Display {
     for (const frame of this.tf.frames().slice(0, MAX_SHOWN)) {
       const group = new Group();
       group.name = frame;
-      const caption = new Caption(frame, this.color);
+      const caption = new Caption(frame, this.color, this.background);
       this.captions.push(caption);
       group.add(axes(this.lengthM), caption);
       this.shown.set(frame, group);

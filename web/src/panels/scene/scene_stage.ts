@@ -13,6 +13,7 @@ import { frameName } from "../../scene/tf_buffer.ts";
 import { TfDisplay } from "../../scene/tf_display.ts";
 import { followTf, likelyFixedFrame } from "../../scene/tf_feed.ts";
 import { SceneView } from "../../scene/view.ts";
+import { color } from "../../shell/theme.ts";
 import { frameTask } from "../../store/frames.ts";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
@@ -232,8 +233,7 @@ export class SceneStage {
     });
     if (!this.isShown(FRAMES)) this.view.remove(FRAMES);
     else if (!this.view.displays.has(FRAMES)) {
-      const color = getComputedStyle(document.documentElement).getPropertyValue("--text") || "#ccc";
-      this.view.add(FRAMES, new TfDisplay(this.tf, color));
+      this.view.add(FRAMES, new TfDisplay(this.tf, color("--text"), color("--scene-background")));
     }
     if (!this.isShown(ROBOT)) this.view.remove(ROBOT);
     else if (this.model !== undefined && !this.view.displays.has(ROBOT))

@@ -17,7 +17,7 @@ interface Drawn {
 }
 
 export function BoardDrawing(props: Drawn) {
-  const { pins, servos, mcu } = props.state;
+  const { pins, servos, board, mcu } = props.state;
   // As printed on boards: digital pins above, from the highest to D0; analog ones below.
   const digital = pins.filter(({ name }) => name.startsWith("D")).reverse();
   const analog = pins.filter(({ name }) => name.startsWith("A"));
@@ -36,6 +36,9 @@ export function BoardDrawing(props: Drawn) {
       <rect class="chip" x="250" y={middle + 62} width="210" height="52" rx="4" />
       <text class="chip-name" x="355" y={middle + 93}>
         {mcu}
+      </text>
+      <text class="board-name" x="96" y={middle + 112}>
+        {board}
       </text>
       {led && <Led level={led.direction === "in" ? 0 : led.level} x={120} y={middle + 40} />}
       {angles.slice(0, 6).map(([pin, degrees], i) => (
@@ -94,7 +97,7 @@ function PinView({ pin, state, isDisabled, drive, x, y }: Drawn & { pin: Pin; x:
         height={(PITCH - 6) * level}
         rx="4"
       />
-      <text x={left + (PITCH - 6) / 2} y={y + PITCH + 6}>
+      <text x={left + (PITCH - 6) / 2} y={y + PITCH + 9}>
         {name.replace(/^D/, "")}
       </text>
     </g>

@@ -182,13 +182,14 @@ function Line({ state, tell }: { state: BoardState; tell: Tell }) {
           ))}
         </select>
       </label>
-      <span class="spring" />
-      <button type="button" class="button" onClick={() => tell("reset")}>
-        {t.reset}
-      </button>
-      <button type="button" class="button" onClick={() => tell(`power ${isOff ? "on" : "off"}`)}>
-        {isOff ? t.powerOn : t.powerOff}
-      </button>
+      <div class="simulation-buttons">
+        <button type="button" class="button" onClick={() => tell("reset")}>
+          {t.reset}
+        </button>
+        <button type="button" class="button" onClick={() => tell(`power ${isOff ? "on" : "off"}`)}>
+          {isOff ? t.powerOn : t.powerOff}
+        </button>
+      </div>
     </div>
   );
 }

@@ -47,7 +47,7 @@ function Branch({ name, path, value, onPlot }: TreeProps) {
   return (
     <div>
       <span class="tree-key">{name}: </span>
-      <span class="tree-value">
+      <span class={typeof value === "number" ? "tree-value number" : "tree-value"}>
         {typeof value === "string"
           ? shownText(value)
           : typeof value === "number"
