@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-# Without typing, which would be most of what the command's first moments take.
+# Without typing, whose import would take most of a command's start.
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Reads YAML from files and command lines within limits: the only place that calls a YAML loader.
 
-A YAML text can be much smaller than what it means. Aliases (`*name`) and merges (`<<`) repeat a part, `1:1:1`
+A YAML text can be much smaller than its value. Aliases (`*name`) and merges (`<<`) repeat a part, `1:1:1`
 is a number to the base 60, and brackets nest without end. So the text's events are counted, with each alias
 counted as what it repeats, before any value is made.
 """

@@ -40,7 +40,7 @@ _NEARLY_FLOAT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 
 
 class _Dumper(yaml.SafeDumper):
-    """YAML of what XML-RPC carries: its dates are texts of a class of their own."""
+    """YAML for values of XML-RPC: its dates are texts of a separate class."""
 
 
 _Dumper.add_multi_representer(str, lambda dumper, text: dumper.represent_str(str(text)))
@@ -87,7 +87,7 @@ def parse_documents(text: str, namespace: str, source: str) -> Iterator[tuple[st
 
 
 def parse_single_document(text: str, source: str) -> Any:
-    """Return what one document holds; None for an empty one. Raises ConfigError naming `source`."""
+    """Return the value of one document; None for an empty one. Raises ConfigError naming `source`."""
     return _guarded(lambda: load(text, _Loader), source)
 
 

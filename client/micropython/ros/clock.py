@@ -3,12 +3,12 @@
 from ros.ticks import ticks_diff
 from ros.times import Time
 
-# Longer than any round trip, and short enough for a clock to stand still.
+# Longer than any round trip, and short enough for a clock to stop.
 _MAX_HOLD_S = 10
 
 
 class Clock:
-    """Never goes back: after an earlier answer it stands still until the host has caught up.
+    """Never goes back: after an earlier answer it stops until the host has caught up.
 
     Only a host whose clock was set back by more than 10 s is followed back.
     """

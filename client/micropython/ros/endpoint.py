@@ -1,4 +1,4 @@
-"""What publishers, subscribers and services have in common."""
+"""The common base of publishers, subscribers and services."""
 
 
 class Endpoint:

@@ -1,4 +1,4 @@
-"""What the generated messages have in common."""
+"""The common base of the generated messages."""
 
 
 class Message:

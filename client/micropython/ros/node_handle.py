@@ -21,20 +21,20 @@ SPIN_ERR = -1
 SPIN_TIMEOUT = -2
 
 _SYNC_PERIOD_MS = 2200
-# With _SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
+# With _SYNC_PERIOD_MS: after 11 s without an answer, the host counts as disconnected.
 _MAX_UNANSWERED = 4
 # A gap of this length within a frame means that the rest was lost: longer than the pauses of a Wi-Fi network.
 _GAP_MS = 500
 # A host that looks for boards sends wrong version bytes, and so does noise; one answer to a burst is enough.
 _ANSWER_PAUSE_MS = 20
-# What came in within this time is handled at once; a line that never pauses must not stop the program.
+# The time for which received bytes are handled at once; a line that never pauses must not stop the program.
 _SPIN_TIMEOUT_MS = 1000
 # A transmitter that accepts no byte for this long is not connected: at 9600 baud one byte takes 1 ms.
 _STALL_MS = 100
 # Callbacks that wait in a spinOnce of their own, within such callbacks: more would fill a board's stack.
 _MAX_DEPTH = 3
 
-# What the host waits for, one bit each.
+# The pending answers to the host, one bit each.
 _PROBED = 1
 _INTRODUCTION_DUE = 2
 _ANSWER_DUE = 4
@@ -333,7 +333,7 @@ class NodeHandle:
         return writer
 
     def _finish(self, topic_id):
-        """Send what was written; return its bytes, -1 if the line did not accept them."""
+        """Send the written bytes; return their number, -1 if the line did not accept them."""
         writer = self._writer
         end = writer.at
         try:

@@ -1,4 +1,4 @@
-"""The bytes that came in and are not yet handled."""
+"""The received bytes that are not handled yet."""
 
 from ros.wire import Reader
 
@@ -26,7 +26,8 @@ class ReceiveWindow:
         self.reader = Reader(self._bytes)
         # Beginnings of frames that did not become a message.
         self.dropped = 0
-        # Whether a Ctrl-C came between two frames. Behind a damaged frame, that byte can be one of the frame.
+        # Whether a Ctrl-C arrived between two frames. After a damaged frame, that byte may belong to the
+        # frame.
         self.interrupted = False
         self._in_step = True
 
@@ -35,7 +36,7 @@ class ReceiveWindow:
         return self._begin == self._end
 
     def fill(self, hardware):
-        """Read what the hardware has, up to the room there is; return the number of bytes."""
+        """Read bytes of the hardware into the free room; return their number."""
         if self._begin == self._end:
             self._begin = self._end = 0
         elif self._end == len(self._bytes):

@@ -30,7 +30,7 @@ class ServiceClient(Endpoint):
         return response
 
     def begin(self, request):
-        """Send a request; return whether it is on its way. Raises TypeError for one of another class."""
+        """Send a request; return whether it was sent. Raises TypeError for one of another class."""
         if not isinstance(request, self._class.Request):
             raise TypeError(self.topic + " has requests of " + self._class.Request._type)
         if not self._nh or self._waits or self._nh.send(self.id + 1, request) <= 0:
@@ -44,7 +44,7 @@ class ServiceClient(Endpoint):
         return self._waits and self._response is None and self._nh.connected()
 
     def end(self):
-        """End the call, and return its response or None; a response that comes later is ignored."""
+        """End the call, and return its response or None; a later response is ignored."""
         self._waits = False
         return self._response
 

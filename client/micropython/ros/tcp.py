@@ -31,7 +31,7 @@ class Tcp:
         return changed
 
     def read(self, view, at):
-        """Read what is there; return the number of bytes."""
+        """Read the available bytes; return their number."""
         # The node learns of a new link before its first byte.
         if self._changed:
             return 0

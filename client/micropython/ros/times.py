@@ -6,7 +6,7 @@ _NSEC = 1_000_000_000
 
 
 class _Seconds:
-    """What Time and Duration have in common."""
+    """The common base of Time and Duration."""
 
     def __init__(self, sec=0, nsec=0):
         self.sec = sec + nsec // _NSEC

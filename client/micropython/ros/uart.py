@@ -9,7 +9,7 @@ class Uart:
         self._has_any = hasattr(uart, "any")
 
     def read(self, view, at):
-        """Read what is there; return the number of bytes."""
+        """Read the available bytes; return their number."""
         uart = self._uart
         count = uart.any() if self._has_any else uart.in_waiting
         if not count:

@@ -33,7 +33,7 @@ class UsbSerial:
         self._byte = memoryview(bytearray(1))
 
     def read(self, view, at):
-        """Read what is there; return the number of bytes."""
+        """Read the available bytes; return their number."""
         begin = at
         poll = self._poll
         byte = self._byte

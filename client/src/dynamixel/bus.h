@@ -20,8 +20,8 @@ namespace dynamixel {
 
 enum Result : uint8_t {
   DONE,       // not OK, which is a macro of the OpenCR's core
-  NO_ANSWER,  // nothing came from the servo in time
-  DAMAGED,    // something came, but no packet without damage
+  NO_ANSWER,  // the servo did not answer in time
+  DAMAGED,    // data arrived, but no undamaged packet
   REFUSED,    // the servo reported an error: `error()`
   TOO_LONG    // the packet does not fit into PACKET_BYTES
 };

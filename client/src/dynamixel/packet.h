@@ -25,7 +25,7 @@ enum Instruction : uint8_t {
   SYNC_WRITE = 0x83
 };
 
-// What a servo reports in the error of a status packet, without ALERT.
+// The errors that a servo reports in a status packet, without ALERT.
 enum ServoError : uint8_t {
   NO_ERROR = 0,
   RESULT_FAIL = 1,

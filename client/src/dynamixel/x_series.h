@@ -1,4 +1,4 @@
-// The control table of DYNAMIXEL X servos: what a wheel uses of it. Source: ROBOTIS e-Manual, XL430-W250.
+// The control table of DYNAMIXEL X servos: the part for wheels. Source: ROBOTIS e-Manual, XL430-W250.
 #ifndef DYNAMIXEL_X_SERIES_H_
 #define DYNAMIXEL_X_SERIES_H_
 

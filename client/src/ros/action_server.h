@@ -1,6 +1,6 @@
-// ros::ActionServer: a task that takes time, with feedback on the way and a result, and that can be canceled.
+// ros::ActionServer: a long task with feedback and a result, which can be canceled.
 //
-// The five topics of actionlib: goal and cancel come in; feedback, result and status go out. Programs with actionlib use it as any
+// The five topics of actionlib: goal and cancel are received; feedback, result and status are sent. Programs with actionlib use it as any
 // action, and with `rostether serve --ros2` it is an action of ROS 2 too.
 #ifndef ROS_ACTION_SERVER_H_
 #define ROS_ACTION_SERVER_H_
@@ -131,7 +131,7 @@ class ActionServer : public Endpoint {
     node.finish();
   }
 
-  // Apart, so that an announcement has no message on the stack.
+  // A separate function, so that an announcement has no message on the stack.
   ROS_NOINLINE void receive(NodeHandleBase_& node, Reader& reader) {
     ActionGoal message;
     WireFormat<ActionGoal>::read(reader, message);

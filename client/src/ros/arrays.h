@@ -1,4 +1,4 @@
-// What generated messages hold for arrays of variable length: a length and a pointer.
+// The form of arrays of variable length in generated messages: a length and a pointer.
 #ifndef ROS_ARRAYS_H_
 #define ROS_ARRAYS_H_
 
@@ -29,7 +29,7 @@ typedef uint64_t unaligned_uint64 __attribute__((aligned(4)));
 
 // A double is a float here: this is the float* of the established library.
 class Float64Pointer {
-  // An array of the sketch may be one of double, which the compiler takes for another type.
+  // An array of the sketch may be one of double, which is another type for the compiler.
   typedef float Element __attribute__((__may_alias__));
 
  public:

@@ -56,7 +56,7 @@ class Clock {
   }
 
  private:
-  // Longer than any round trip, and short enough for a clock to stand still.
+  // Longer than any round trip, and short enough for a clock to stop.
   static const uint32_t MAX_HOLD_S = 10;
 
   Moment moment_;

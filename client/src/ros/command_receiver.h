@@ -55,7 +55,7 @@ class CommandReceiver {
     return was_moving;
   }
 
-  // Returns what a datagram demands, and overwrites its header and tag. After OBEY, `isMoving` says whether to move or to
+  // Returns the request of a datagram, and overwrites its header and tag. After OBEY, `isMoving` says whether to move or to
   // stop; give the address of the sender to `setHolder`.
   uint8_t receive(uint8_t* frame, uint16_t size, uint16_t now_ms) {
     if (!isForMe(frame, size)) return NOTHING;
@@ -103,7 +103,7 @@ class CommandReceiver {
     return demand;
   }
 
-  // Where the frame that is obeyed came from; the first octet of the address is the lowest byte.
+  // The sender of the current command; the first octet of the address is the lowest byte.
   void setHolder(uint32_t ip, uint16_t port) {
     status_.ip = ip;
     status_.port = port;
@@ -134,7 +134,7 @@ class CommandReceiver {
   struct Sender {
     // Of the newest frame: a record of it or of earlier ones has no effect.
     uint8_t place[EPOCH_BYTES + SEQUENCE_BYTES];
-    // How many frames came, and the sequence before the first.
+    // The number of frames, and the sequence before the first.
     uint32_t received;
     uint32_t before;
     // The time of the last status.
@@ -173,7 +173,7 @@ class CommandReceiver {
     return value;
   }
 
-  // Counts a frame, and writes how many came and how many were lost.
+  // Counts a frame, and writes the numbers of received and lost frames.
   static void count(uint8_t* frame, Sender* sender, bool first) {
     memcpy(sender->place, frame + PLACE, sizeof sender->place);
     uint32_t received = sender->received;

@@ -31,7 +31,7 @@ class Endpoint {
   Endpoint* next_;
 };
 
-// What sketches for the established library call a subscriber of any type.
+// The name of a subscriber of any type in sketches for the established library.
 typedef Endpoint Subscriber_;
 
 }  // namespace ros

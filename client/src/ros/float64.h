@@ -54,7 +54,7 @@ inline float narrowFloat(const uint8_t* bytes) {
   f[2] = static_cast<uint8_t>((bytes[5] >> 5 | bytes[6] << 3) & 0x7f);
   f[3] = 0;
   memcpy(&bits, f, 4);
-  // What does not fit: bit 7 is worth half a unit in the last place, the others say whether there is more.
+  // The rest: bit 7 is half a unit in the last place, the others show whether there is more.
   uint8_t rest = static_cast<uint8_t>(bytes[3] << 3);
   if (bytes[2] | bytes[1] | bytes[0]) rest |= 1;
   if (exponent == 2047) {

@@ -16,7 +16,7 @@ namespace ros {
 // Sink that sends a message as a frame: its length is known beforehand, its bytes stream through a small
 // chunk, its checksum is summed up on the way. No buffer for the whole of it.
 //
-// A node sends one frame at a time, so there is one chunk: a frame on the stack would lie there beside all that the line needs.
+// A node sends one frame at a time, so there is one chunk: on the stack it would need room besides the calls of the line.
 class FrameWriter : protected NodeState {
  public:
   using NodeState::CHUNK_BYTES;
@@ -89,7 +89,7 @@ class FrameWriter : protected NodeState {
     byte(static_cast<uint8_t>(word >> 8));
   }
 
-  // Ends the frame; false if the line did not take all of it.
+  // Ends the frame; false if the line did not accept all of it.
   ROS_APART bool finish() {
     byte(static_cast<uint8_t>(255 - sum_));
     flush();
@@ -102,10 +102,10 @@ class FrameWriter : protected NodeState {
   ~FrameWriter() {}
 
  private:
-  // There is always room for a count: to flush first would take more instructions than to do so last.
+  // There is always room for a count: a flush before it would need more instructions than one after it.
   static const uint8_t LEAST_ROOM_BYTES = 4;
 
-  // Apart, so that an AVR has the right register for `to`.
+  // A separate function, so that an AVR has the right register for `to`.
   static ROS_APART void writeHeader(uint8_t* to, uint16_t topic_id, uint16_t length) {
     const uint8_t low = static_cast<uint8_t>(length), high = static_cast<uint8_t>(length >> 8);
     to[0] = FRAME_SYNC;

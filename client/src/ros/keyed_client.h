@@ -1,4 +1,4 @@
-// A network client that proves to the host that it has a key, before ROS says its first word; and has the host prove it.
+// A network client that proves to the host that it has a key, before the first byte of ROS; and checks the host's proof.
 //
 //   #define ROSSERIAL_ARDUINO_TCP
 //   #include <Ethernet.h>
@@ -7,11 +7,11 @@
 //   ...
 //   ros::NodeHandle_<ArduinoTcpHardware<ros::KeyedClient<EthernetClient> > > nh;
 //   ...
-//   nh.getHardware()->client().setKey(F("what is in board.key"));
+//   nh.getHardware()->client().setKey(F("content of board.key"));
 //
 // The host:  rostether serve "tcp://:11411?psk=board.key"
 //
-// It keeps strangers out; it does not hide what is said. Where the board can do TLS, a TLS client can be the inner one.
+// It refuses strangers, but does not encrypt. If the board supports TLS, a TLS client can be the inner one.
 #ifndef ROS_KEYED_CLIENT_H_
 #define ROS_KEYED_CLIENT_H_
 
@@ -38,7 +38,7 @@ class KeyedClient : public NetworkClient {
 
   KeyedClient() : chance_(0), refusal_(NONE) {}
 
-  // The text of the key file, which stays where it is. `chance` is what an attacker cannot know, such as the noise of an
+  // The text of the key file, which is not copied. `chance` is a value that an attacker cannot know, such as the noise of an
   // open analog input: without it, somebody who can make a board start at a chosen microsecond could play the host again.
   void setKey(const char* key, uint32_t chance = 0) { set(KeyText(key), chance); }
   void setKey(const __FlashStringHelper* key, uint32_t chance = 0) { set(KeyText(key), chance); }
@@ -108,7 +108,7 @@ class KeyedClient : public NetworkClient {
   }
   static bool isHex(int byte) { return (byte >= '0' && byte <= '9') || (byte >= 'a' && byte <= 'f'); }
 
-  // A new nonce for each hello: it need not be secret, but must not come twice.
+  // A new nonce for each hello: it need not be secret, but must not repeat.
   void makeNonce(const char* theirs, char* ours) {
     const uint32_t now_us = micros();
     HmacSha256 mac(key_);

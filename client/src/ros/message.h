@@ -1,4 +1,4 @@
-// What every generated message is made of.
+// The headers of every generated message.
 //
 // A generated class lists its fields once, in `_fields` (no field of a definition can be called so; several
 // are called `fields`); the archives below walk that list to measure a message, to write it and to read it.

@@ -1,4 +1,4 @@
-// Commands for one robot of many, from a multicast group: what rostether's multicast bridge and `fleet drive` send.
+// Commands for one robot of many, from a multicast group, as sent by rostether's multicast bridge and `fleet drive`.
 //
 //   #include <Ethernet.h>
 //   #include <EthernetUdp.h>

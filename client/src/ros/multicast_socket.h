@@ -28,7 +28,7 @@ struct AnswersApart<EthernetUDP> {
 template <bool apart>
 struct AnswersApartTag {};
 
-// Network chips stop receiving a group after a while, and switches forget who is in it: a socket that receives nothing is
+// Network chips stop receiving a group after some time, and switches forget its members: a socket that receives nothing is
 // opened again each second, any other once a minute. Classes without multicast receive by unicast only.
 template <class NetworkUdp>
 class MulticastSocket {

@@ -1,4 +1,4 @@
-// The messages of a topic from a multicast group, in bare datagrams: what rostether's multicast bridge sends without
+// The messages of a topic from a multicast group, in bare datagrams, as sent by rostether's multicast bridge without
 // `_framed`, and the reference's bridge always.
 //
 //   ros::MulticastTopic<arduino_control::ArduinoControl, EthernetUDP> commands(&drive, &halt);
@@ -20,7 +20,7 @@
 
 namespace ros {
 
-// M is a generated message of at most PAYLOAD_BYTES. `halt` is called when no message has come for `timeout_ms`.
+// M is a generated message of at most PAYLOAD_BYTES. `halt` is called after `timeout_ms` without a message.
 template <class M, class NetworkUdp, uint16_t PAYLOAD_BYTES = 64>
 class MulticastTopic {
  public:

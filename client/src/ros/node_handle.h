@@ -17,17 +17,17 @@ namespace ros {
 // A node on some Hardware: a class with `void init()`, `int read()` (a byte, or less than 0 if there is none),
 // `void write(uint8_t* bytes, int count)` and `unsigned long time()` (ms).
 //
-// A Hardware that also has `int writable()`, the bytes that write would take at once, is never waited for: while its
-// transmitter is full, the node goes on reading. One that connects again by itself has `bool relinked()`: whether the
+// With a Hardware that also has `int writable()`, the bytes that write accepts at once, the node never waits: while its
+// transmitter is full, the node continues to read. One that connects again by itself has `bool relinked()`: whether the
 // link was lost or replaced since the last call. It lets no byte in or out between the change and that call, after
 // which the node introduces itself again.
 //
-// INPUT_SIZE is the longest message that can come in. There are as many publishers and subscribers as the sketch has,
+// INPUT_SIZE is the longest message that can be received. There are as many publishers and subscribers as the sketch has,
 // and messages go out without a buffer: the other sizes have no effect.
 template <class Hardware, int MAX_SUBSCRIBERS = 25, int MAX_PUBLISHERS = 25, int INPUT_SIZE = 512, int OUTPUT_SIZE = 512>
 class NodeHandle_ : public NodeHandleBase_ {
  public:
-  // A time and an empty TopicInfo request must fit whatever the sketch says.
+  // A time and an empty TopicInfo request must fit, whatever the sketch sets.
   static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
   static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
 
@@ -82,7 +82,7 @@ class NodeHandle_ : public NodeHandleBase_ {
     return false;
   }
 
-  // There was something: apart from spinOnce, which mostly finds nothing, and is quicker without the registers that this needs.
+  // Handles received bytes: separate from spinOnce, which mostly finds none, and is faster without the registers for this.
   ROS_NOINLINE int8_t spinOn() {
     const uint16_t began_ms = milliseconds();
     for (;;) {
@@ -140,7 +140,7 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   uint16_t milliseconds() { return static_cast<uint16_t>(hardware_.time()); }
 
-  // What the last message points to is left alone as long as the sketch may look at it.
+  // The data of the last message is kept as long as the sketch may read it.
   ROS_APART void receive() {
     while (!window_.held() && window_.room()) {
       const int byte = hardware_.read();

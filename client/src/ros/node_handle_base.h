@@ -37,10 +37,10 @@ class NodeHandleBase_ : public FrameWriter {
   // SPIN_TIMEOUT when it ended with bytes left because its time was over.
   virtual int spinOnce() = 0;
 
-  // Whether a host is there and has this node's topics.
+  // Whether a host is connected and has this node's topics.
   bool connected() const { return connected_; }
 
-  // Longest time in ms that spinOnce goes on reading a line that never pauses; 0 for the usual one.
+  // The longest time in ms for which spinOnce reads a line that never pauses; 0 for the default.
   void setSpinTimeout(const uint32_t& timeout_ms) {
     spin_timeout_ms_ = timeout_ms == 0 ? SPIN_TIMEOUT_MS : timeout_ms > 0xffff ? 0xffff : static_cast<uint16_t>(timeout_ms);
   }
@@ -79,7 +79,7 @@ class NodeHandleBase_ : public FrameWriter {
     return add(server, 4) && add(server.cancels_, 1);
   }
 
-  // Tells the host of all topics and services.
+  // Announces all topics and services to the host.
   ROS_APART void negotiateTopics() {
     for (Endpoint* endpoint = endpoints_; endpoint; endpoint = endpoint->next_) endpoint->driver_(*endpoint, *this, nullptr);
     connected_ = true;
@@ -127,7 +127,7 @@ class NodeHandleBase_ : public FrameWriter {
   bool getParam(const char* name, char** values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, char* text, size_t text_bytes, int timeout_ms = 1000);
 
-  // Sends a message. Bytes sent; 0 if no host is there; -1 if it is too long for a frame or the line did not take it.
+  // Sends a message. Returns the bytes sent; 0 without a host; -1 if it is too long for a frame or the line did not accept it.
   template <class M>
   ROS_APART int send(uint16_t id, const M& message) {
     if (!reach()) return 0;
@@ -139,7 +139,7 @@ class NodeHandleBase_ : public FrameWriter {
     return finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
   }
 
-  // The longest message that can come in.
+  // The longest message that can be received.
   uint16_t largestMessage() const { return window_.largestPayload(); }
 
   // For drivers: whether the message read is one, and all of it; if so, what it points to is kept until they return.
@@ -152,7 +152,7 @@ class NodeHandleBase_ : public FrameWriter {
     return true;
   }
 
-  // For drivers: tells the host of an endpoint, or of one half of a service. `role` is the announcement's topic id.
+  // For drivers: announces an endpoint, or one half of a service. `role` is the announcement's topic id.
   template <class Names>
   ROS_APART void announce(const Endpoint& endpoint, uint8_t role, Names names) {
     begin(role, static_cast<uint16_t>(2 + 4 + strlen(endpoint.topic_) + names.length() + 4));
@@ -162,7 +162,7 @@ class NodeHandleBase_ : public FrameWriter {
     if (role & 1) {
       largest = window_.largestPayload();
     } else if (role) {
-      // A service sends on the id behind the one it receives on.
+      // A service sends on the id after the one on which it receives.
       ++id;
     }
     word(id);
@@ -211,7 +211,7 @@ class NodeHandleBase_ : public FrameWriter {
     requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);
   }
 
-  // Milliseconds modulo 65536: enough for what lasts seconds, and half the work for a processor of 8 bits.
+  // Milliseconds modulo 65536: enough for times of seconds, and half the work for a processor of 8 bits.
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
@@ -229,7 +229,7 @@ class NodeHandleBase_ : public FrameWriter {
   // Whether a frame was begun and its rest was lost.
   bool isTorn(uint16_t now_ms) const { return !window_.empty() && since(received_ms_, now_ms) >= GAP_MS; }
 
-  // Does what the host waits for. What it asked several times it is answered once: a sketch that sleeps finds all its
+  // Answers the host's requests. Repeated requests get one answer: a sketch that sleeps finds all its
   // requests at once, and an answer to each would look like one reset after the other. Without a request, asks for the
   // time; a host that answers and does not ask for the topics is there, and has not seen that the board was reset.
   ROS_APART int8_t keepInTouch(uint16_t now_ms) {
@@ -261,16 +261,16 @@ class NodeHandleBase_ : public FrameWriter {
   // One bit each.
   enum Due { NOTHING_DUE = 0, PROBED = 1, INTRODUCTION_DUE = 2, ANSWER_DUE = 4 };
 
-  // With SYNC_PERIOD_MS: 11 s without an answer, and the host is gone.
+  // With SYNC_PERIOD_MS: after 11 s without an answer, the host counts as disconnected.
   static const uint8_t MAX_UNANSWERED = 4;
   // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
   // that after a wrong length the board soon receives again.
   static const uint16_t GAP_MS = 200;
   // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;
-  // Callbacks that wait in a spinOnce of their own, within such callbacks: more would take all of an Uno's stack.
+  // Nested callbacks that wait in a spinOnce: more of them would need all of an Uno's stack.
   static const uint8_t MAX_DEPTH = 3;
-  // What came in within this time is handled in one go; a line that never pauses must not keep loop() from running.
+  // The time for which received bytes are handled in one call; a line that never pauses must not block loop().
   static const uint16_t SPIN_TIMEOUT_MS = 1000;
 
   static FlashText flashText(const __FlashStringHelper* text) {
@@ -294,14 +294,14 @@ class NodeHandleBase_ : public FrameWriter {
     return true;
   }
 
-  // Counts what no frame can hold.
+  // Counts messages that are too long for any frame.
   bool isTooLong(size_t length) {
     if (length <= 0xffff - FRAME_OVERHEAD_BYTES) return false;
     window_.countDropped();
     return true;
   }
 
-  // Whether the host is there. After a reset its answer may wait in the line: a sketch that publishes, spins and sleeps
+  // Whether the host is connected. After a reset its answer may wait in the line: a sketch that publishes, spins and sleeps
   // for a second must not sleep another one before its first message.
   bool reach() {
     if (!connected_) spinOnce();

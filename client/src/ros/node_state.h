@@ -15,10 +15,10 @@ namespace ros {
 
 class Endpoint;
 
-// What a node keeps. Without constructors, so that one loop zeroes it all: an AVR would spend 80 bytes of code on it.
-// What is used most comes first: an AVR reaches 63 bytes from an object's start with short instructions.
+// The state of a node. Without constructors, so that one loop zeroes it all: they would cost an AVR 80 bytes of code.
+// The most used fields are first: an AVR reaches 63 bytes from an object's start with short instructions.
 struct NodeState {
-// The most that goes to the line at once, a chunk. On a network each becomes a packet, and most frames should fit into one.
+// The largest chunk that is written at once. On a network, each becomes a packet, and most frames should fit into one.
 #if defined(ROS_SMALL_MEMORY)
   // The window lends the room of a chunk: that much is left for chunks where it cannot, for a double and a count.
   typedef uint8_t chunk_length;
@@ -41,7 +41,7 @@ struct NodeState {
   uint8_t* chunk_;
   uint8_t sum_;
   bool sending_;
-  // The frame that came in.
+  // The received frame.
   ReceiveWindow window_;
   Reader reader_;
   uint16_t spin_timeout_ms_;

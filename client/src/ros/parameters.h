@@ -10,7 +10,7 @@
 
 namespace ros {
 
-// One question for a parameter, and where its answer goes. Wire: RequestParam, whose response is the lists
+// One request of a parameter, and the destination of its answer. Wire: RequestParam, whose response is the lists
 // int32[] ints, float32[] floats, string[] strings, of which the host fills one, or none if there is no such parameter.
 class ParameterRequest : public Endpoint {
  public:

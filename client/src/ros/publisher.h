@@ -7,7 +7,7 @@
 
 namespace ros {
 
-// Sends messages of one type to a topic. The message given at construction tells the type.
+// Sends messages of one type to a topic. The message in the constructor defines the type.
 class Publisher : public Endpoint {
  public:
   template <class M>
@@ -16,8 +16,8 @@ class Publisher : public Endpoint {
         msg_(static_cast<typename WireFormat<M>::Class*>(message)),
         nh_(nullptr) {}
 
-  // Bytes sent; 0 if the topic is not advertised or no host is there; -1 if the message is of another type than the
-  // topic, too long for a frame, or the line did not take it.
+  // Bytes sent; 0 if the topic is not advertised or there is no host; -1 if the message is of another type than the
+  // topic, too long for a frame, or the line did not accept it.
   template <class M>
   int publish(const M* message) {
     if (!nh_) return 0;

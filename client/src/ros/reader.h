@@ -1,4 +1,4 @@
-// Archive that reads a message out of the bytes it came in, and never looks past them.
+// Archive that reads a message from its bytes, and never beyond them.
 //
 // Nothing is copied that can stay: a string moves down by one byte over its own length prefix to make room
 // for its NUL, an array of numbers stays where it is (moved down by up to three bytes where the processor
@@ -40,7 +40,7 @@ class Reader {
   }
 
   bool ok() const { return ok_; }
-  // Whether the bytes were this message, no fewer and no more.
+  // Whether the bytes were exactly this message.
   bool complete() const { return ok_ && remaining_ == 0; }
   size_t consumed(const uint8_t* buffer) const { return static_cast<size_t>(next_ - buffer); }
   uint8_t* arenaEnd() const { return arena_end_; }

@@ -1,4 +1,4 @@
-// The bytes that came in and are not done with, and the frame at their front.
+// The received bytes that are still needed, and the frame at their front.
 //
 //     start     base        begin                 end             limit      capacity
 //       | frames in callbacks | candidate | backlog |  room to read  | arrays of the frames
@@ -35,7 +35,7 @@ class ReceiveWindow {
   // Whether more is to be read before `examine` can learn something new.
   bool wantsMore() const { return end_ != goal_; }
   void append(uint8_t byte) { *end_++ = byte; }
-  // Appends what the hardware has, up to all that is wanted; whether there was something.
+  // Appends the available bytes, up to the wanted number; returns whether there were any.
   template <class Hardware>
   bool fill(Hardware& hardware) {
     uint8_t* end = end_;
@@ -61,7 +61,7 @@ class ReceiveWindow {
     NOISE = 1,  // bytes that were no frame, and are dropped
     WHOLE = 2   // a whole, undamaged frame is at the front
   };
-  // Looks at what came in.
+  // Examines the received bytes.
   ROS_APART uint8_t examine() {
     uint8_t found = NOTHING;
     while (begin_ != end_) {
@@ -69,7 +69,7 @@ class ReceiveWindow {
       if (wanted <= have()) {
         if (wanted) return WHOLE;
       } else {
-        // Inside a callback there may be less room than the frame needs, and what is waited for there comes behind it.
+        // Inside a callback there may be less room than the frame needs, and the awaited response follows after it.
         if (wanted > space()) compact();
         if (wanted <= space()) {
           goal_ = begin_ + wanted;
@@ -83,7 +83,7 @@ class ReceiveWindow {
     return found;
   }
 
-  // Whether the beginning of a frame of another protocol version was among what was dropped since the last call.
+  // Whether the bytes dropped since the last call had the beginning of a frame of another protocol version.
   bool tookForeign() {
     const bool foreign = is_foreign_;
     is_foreign_ = false;
@@ -94,12 +94,12 @@ class ReceiveWindow {
   ROS_NOINLINE void drop() {
     if (*begin_++ == FRAME_SYNC) countDropped();
   }
-  // Gives up on the frame at the front, of which no more comes.
+  // Gives up the unfinished frame at the front.
   void giveUp() {
     drop();
     goal_ = end_;
   }
-  // Forgets the bytes that are not done with: they came in on another link.
+  // Forgets all bytes: they belong to another link.
   void forget() {
     begin_ = end_ = goal_ = base_;
     if (space() >= FIRST_LOOK_BYTES) goal_ += FIRST_LOOK_BYTES;
@@ -120,15 +120,15 @@ class ReceiveWindow {
   uint8_t* lentRoom() const { return limit_; }
   void takeBack(uint16_t lent) { limit_ += lent; }
 
-  // Keeps what the frame's arrays took of the arena, until the frame is done with.
+  // Keeps the arena of the frame's arrays until the frame is released.
   void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
 
-  // Leaves the last frame's bytes where they are until `release`, also when it is done with.
+  // Keeps the last frame's bytes in place until `release`, also after its callback.
   void hold() { held_ = true; }
   void release() { held_ = false; }
   bool held() const { return held_; }
 
-  // Takes the frame at the front out of the window for as long as the object lives.
+  // Removes the frame at the front from the window during the object's lifetime.
   class Taken {
    public:
     explicit Taken(ReceiveWindow& window) : window_(window), base_(window.base_), limit_(window.limit_) {

@@ -13,8 +13,8 @@ class ServiceClient : public Endpoint {
  public:
   constexpr explicit ServiceClient(const char* service) : Endpoint(service, &drive), nh_(nullptr), response_(nullptr) {}
 
-  // True when the response came. False when no host is there, a call is in progress already, or `timeout_ms` went by
-  // (by default a little less than the time after which a host is taken for gone). Strings and arrays of the response
+  // True when the response has arrived. False without a host, during another call, or after `timeout_ms`
+  // (by default a little less than the time after which a host counts as disconnected). Strings and arrays of the response
   // stay until the next spinOnce.
   bool call(const Request& request, Response& response, uint32_t timeout_ms = 10000) {
     if (!nh_ || response_ || nh_->send(id_ + 1, request) <= 0) return false;

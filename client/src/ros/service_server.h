@@ -24,7 +24,7 @@ class ServiceServer : public Endpoint {
     node.announce(self, ID_SERVICE_SERVER, WireFormat<Response>::names());
     node.announce(self, ID_SERVICE_SERVER + 1, WireFormat<Request>::names());
   }
-  // Apart, so that an announcement has no messages on the stack.
+  // A separate function, so that an announcement has no messages on the stack.
   ROS_NOINLINE void answer(NodeHandleBase_& node, Reader& reader) {
     Request request;
     WireFormat<Request>::read(reader, request);

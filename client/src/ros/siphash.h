@@ -19,7 +19,7 @@ class FleetKey {
  public:
   static const uint8_t BYTES = 32;
 
-  // What SipHash starts with. A text with other characters does not compile.
+  // The initial state of SipHash. A text with other characters does not compile.
   constexpr explicit FleetKey(const char (&hex)[33])
       : start{at(hex, 0), at(hex, 1), at(hex, 2), at(hex, 3), at(hex, 4), at(hex, 5), at(hex, 6), at(hex, 7),
               at(hex, 8), at(hex, 9), at(hex, 10), at(hex, 11), at(hex, 12), at(hex, 13), at(hex, 14), at(hex, 15),

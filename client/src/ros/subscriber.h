@@ -7,7 +7,7 @@
 namespace ros {
 
 // Runs a callback, a function or a member function of an object, for each message of a topic.
-// Strings and arrays of the message point into the receive buffer: copy what is wanted after the callback.
+// Strings and arrays of the message point into the receive buffer: copy data that you need after the callback.
 template <class M, class Object = void>
 class Subscriber : public Endpoint {
  public:
@@ -33,7 +33,7 @@ class Subscriber : public Endpoint {
     if (reader) return static_cast<Subscriber&>(self).receive(node, *reader);
     node.announce(self, ID_SUBSCRIBER, WireFormat<M>::names());
   }
-  // Apart, so that an announcement has no message on the stack.
+  // A separate function, so that an announcement has no message on the stack.
   ROS_NOINLINE void receive(NodeHandleBase_& node, Reader& reader) {
     M message;
     WireFormat<M>::read(reader, message);

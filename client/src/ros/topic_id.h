@@ -1,4 +1,4 @@
-// Topic ids of the protocol and what they carry; user topics count up from FIRST_USER_TOPIC.
+// The topic ids of the protocol and their content; user topics count up from FIRST_USER_TOPIC.
 #ifndef ROS_TOPIC_ID_H_
 #define ROS_TOPIC_ID_H_
 

@@ -52,7 +52,7 @@ def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]
 
 
 def _flush_output(code: int) -> int:
-    """Write what is buffered, because Python would print a traceback at its exit; return the exit code."""
+    """Write buffered output, because Python would print a traceback at its exit; return the exit code."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

@@ -29,10 +29,10 @@ _ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
 
 @dataclass(frozen=True, slots=True)
 class RenderedLibrary:
-    """The files of a library by their paths with slashes, and what to report about them.
+    """The files of a library by their paths with slashes, and reports about them.
 
     `types` are the full names that have a header; `skipped` says a line for each package or include that
-    could not be generated, and why; `warnings` what works here but may not elsewhere.
+    could not be generated, and why; `warnings` are problems on other boards.
     """
 
     files: Mapping[str, bytes]
@@ -60,7 +60,7 @@ def write_library(
 ) -> WrittenLibrary:
     """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
 
-    Takes what `render_library` takes and raises what it raises, and CodegenError if the path is in use or
+    Has the arguments and errors of `render_library`; also raises CodegenError if the path is in use or
     cannot be written.
     """
     directory = directory.expanduser()

@@ -8,7 +8,7 @@ _INT16_MAX = (1 << 15) - 1
 _INT32_MAX = (1 << 31) - 1
 _UINT32_MAX = (1 << 32) - 1
 _INT64_MAX = (1 << 63) - 1
-# What the four-byte double of an AVR can hold; a literal beyond makes its compiler warn.
+# The limit of an AVR's four-byte double; its compiler warns of larger literals.
 _FLOAT_MAX = float.fromhex("0x1.fffffep+127")
 _FLOAT_MIN = float.fromhex("0x1p-149")
 # Halfway to the next value that a float would have: from there on, rounding gives infinity, or zero.

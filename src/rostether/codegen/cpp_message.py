@@ -245,5 +245,5 @@ def sequence_element_type(base: str) -> str:
 
 
 def zero(base: str) -> str:
-    """Return what a single value is initialized with, between braces."""
+    """Return the initial value of a single value, between braces."""
     return "" if is_message(base) else _ZEROS.get(base, "0")

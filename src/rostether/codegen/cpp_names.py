@@ -1,4 +1,4 @@
-"""What packages, messages, fields and constants are called in C++: as in their definition wherever possible.
+"""The names of packages, messages, fields and constants in C++: those of the definition wherever possible.
 
 A name that C++ or a macro takes gets a trailing underscore, and so does one that another member has.
 """
@@ -62,7 +62,7 @@ def constants_class(cpp_class: str) -> str:
 
 
 def include_path(full_name: str) -> str:
-    """Return what sketches include for `package/Name`."""
+    """Return the header that sketches include for `package/Name`."""
     return f"{full_name}.h"
 
 

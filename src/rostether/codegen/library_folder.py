@@ -39,7 +39,7 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     Unchanged files keep their times, so that they are not compiled again. Raises CodegenError if the folder
     exists and is no generated library, or if it cannot be written.
     """
-    # What a link points to is replaced, not the link.
+    # The target of a link is replaced, not the link.
     target = target.resolve()
     replaces = _check_replaceable(target)
     try:

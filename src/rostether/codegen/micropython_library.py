@@ -44,8 +44,8 @@ def write_micropython_library(
 ) -> WrittenLibrary:
     """Write the library to `directory`/ros_lib, replacing an older generated one as a whole.
 
-    Takes and raises what `render_micropython_library` does; raises CodegenError if something else is there or
-    it cannot be written.
+    Has the arguments and errors of `render_micropython_library`; also raises CodegenError if the path is in
+    use or it cannot be written.
     """
     directory = directory.expanduser()
     check_parent(directory, LIBRARY_NAME)

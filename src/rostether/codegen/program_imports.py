@@ -17,7 +17,7 @@ MAX_PROGRAM_BYTES = 1 << 20
 
 
 def types_of_program(index: TypeIndex, program: Path) -> WantedTypes:
-    """Want what a .py file, or the files of a folder, import. Raises ConfigError if one cannot be read."""
+    """Add the imports of a .py file, or of a folder's files. Raises ConfigError if one cannot be read."""
     wanted = WantedTypes()
     files = sorted(program.glob("*.py")) if program.is_dir() else [program]
     if not files:

@@ -1,4 +1,4 @@
-"""What fields, constants and classes are called in MicroPython: as in their definition wherever possible.
+"""The names of fields, constants and classes in MicroPython: those of the definition wherever possible.
 
 A keyword of Python or the name of a method gets a trailing underscore, and another one while a field or
 constant has the result.

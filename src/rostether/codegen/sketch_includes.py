@@ -1,4 +1,4 @@
-"""What a sketch includes, directly and through its own headers and the library's."""
+"""Finds the includes of a sketch, also those in its own headers and the library's."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Include:
 def unresolved_includes(
     sketch: Path | None, *, library_sources: Path, start: Iterable[str] = (), search: Iterable[Path] = ()
 ) -> list[Include]:
-    """Return what a sketch includes and neither it, the library nor the folders `search` have, each once.
+    """Return the includes of a sketch that neither it, the library nor the folders `search` have, each once.
 
     `sketch` is an .ino file, a folder or a C++ file; `start` are headers of the library to begin with as
     well. Raises ConfigError if there is no such sketch.
@@ -89,7 +89,7 @@ def _below(folder: Path) -> Iterator[Path]:
     count = 0
     for path, subfolders, files in os.walk(folder):
         here = Path(path)
-        # A library that was generated into the project is not what the project asks for.
+        # A library that was generated into the project is not one of its requests.
         subfolders[:] = [
             each for each in subfolders if not each.startswith(".") and not is_ros_library(here / each)
         ]

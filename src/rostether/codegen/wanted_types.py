@@ -16,7 +16,7 @@ from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.unknown_type import explain_unknown
 
 _TYPE_HEADER = re.compile(r"([A-Za-z][A-Za-z0-9_-]*)/([A-Za-z][A-Za-z0-9_]*)\.h")
-# What these endings name has messages; folders of other libraries' headers are called otherwise.
+# Folders with these endings have messages; folders of other libraries' headers have other names.
 _MESSAGE_PACKAGE = re.compile(r"\w+_(?:msgs|srvs|interfaces|messages)")
 
 
@@ -58,7 +58,7 @@ def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
 def types_of_sketch(
     index: TypeIndex, sketch: Path | None, *, library_sources: Path, search: Iterable[Path] = ()
 ) -> WantedTypes:
-    """Want what a sketch includes, what that is made of, and what ros.h includes.
+    """Add the messages that a sketch and ros.h include, and the messages inside them.
 
     `search` are further folders of headers. Raises ConfigError if there is no such sketch.
     """
@@ -79,7 +79,7 @@ def types_of_sketch(
 
 
 def add_parts(index: TypeIndex, wanted: WantedTypes) -> None:
-    """Want also the types of the fields of what is wanted."""
+    """Add the types of the fields of all wanted messages."""
     for name in sorted(wanted.names):
         # A definition that is broken, or one below it, is reported when its header is written.
         with contextlib.suppress(DefinitionError):

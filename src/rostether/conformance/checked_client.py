@@ -1,4 +1,4 @@
-"""The host's side of a check: sends bytes to the client under test, and waits for what it must answer.
+"""The host's side of a check: sends bytes to the client under test, and waits for its answers.
 
 It uses the frame and packet codecs, but not the bridge's tolerance: the cases choose every byte. Requests for
 the time are answered, unless a case suppresses the answers.
@@ -170,7 +170,7 @@ class CheckedClient:
         return self._frames[received:]
 
     async def find(self, is_wanted: Callable[[Frame], bool], within_s: float) -> Frame | None:
-        """Return the next frame that meets a condition, and continue after it; None if none comes in time."""
+        """Return the next frame that meets a condition, and continue after it; None after the time limit."""
         deadline_s = self._loop.time() + within_s
         while True:
             while self._position < len(self._frames):
@@ -188,7 +188,7 @@ class CheckedClient:
     async def expect(
         self, is_wanted: Callable[[Frame], bool], what: str, within_s: float = ANSWER_S
     ) -> Frame:
-        """Return the same as `find`; raises Deviation if no frame comes."""
+        """Return the same as `find`; raises Deviation if no frame arrives."""
         frame = await self.find(is_wanted, within_s)
         if frame is None:
             raise Deviation(f"{what} did not come within {within_s:g} s")

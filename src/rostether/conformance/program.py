@@ -1,4 +1,4 @@
-"""The conformance program: what a client under test runs, and the same program as a Python Device.
+"""The conformance program for clients under test, here as a Python Device.
 
     part      client has                                      on a message
     TEXT      subscriber text_in, publisher text_out          sends each std_msgs/String back

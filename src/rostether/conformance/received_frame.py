@@ -20,7 +20,7 @@ class Frame(NamedTuple):
 
 
 class Announcement(NamedTuple):
-    """One announcement: the reserved id it came on, its payload, and its content if its layout is right."""
+    """One announcement: its reserved id, its payload, and its content if its layout is right."""
 
     kind: int
     payload: bytes

@@ -38,7 +38,7 @@ class ParameterRequests:
             self._finish(event.name, value)
 
     def timed_out(self, event: ParameterTimedOut) -> None:
-        """Report to the longest waiting request that no answer came."""
+        """End the oldest request without an answer."""
         self._finish(
             event.name,
             TransportTimeoutError(f"the host did not answer for parameter {event.name}; try again"),

@@ -19,7 +19,7 @@ from typing import Any, Final
 # Two seconds of computing, 100 MB. `any(b > 250 for b in m.data)` takes 2.8 million for a VGA image.
 MAX_STEPS: Final = 10_000_000
 
-# What a double can hold; `9**9**9` would compute for days.
+# The limit of a double; `9**9**9` would compute for days.
 MAX_INTEGER_BITS: Final = 1024
 
 # 170! has 1,019 bits.

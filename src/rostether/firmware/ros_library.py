@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _FACADE = "ros.h"
 _FOLDERS = ("ros/", "tf/")
 _TYPE_HEADER = re.compile(r"(\w+)/(\w+)\.h")
-# What ros.h itself includes.
+# The includes of ros.h itself.
 _ALWAYS = frozenset(("rosserial_msgs", "std_msgs"))
 _SKIPPED = "skipped.txt"
 _PACKAGE = Path(__file__).parents[1]

@@ -139,7 +139,7 @@ class SharedSubscriptions:
 
 
 class _Source:
-    """One topic on the graph and those who share it."""
+    """One topic on the graph, and its sharing subscribers."""
 
     def __init__(
         self, graph: Graph, topic: str, types: LearnedTypes, on_end: Callable[[_Source], None]

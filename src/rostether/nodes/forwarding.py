@@ -23,7 +23,7 @@ MAX_SENT_MESSAGES = 100_000
 
 
 def everything(payloads: Sequence[bytes]) -> Sequence[bytes]:
-    """Select all messages: what a relay does."""
+    """Select all messages, as a relay does."""
     return payloads
 
 

@@ -1,4 +1,4 @@
-"""A new package's files: what catkin_create_pkg writes, so that the package builds with a real ROS too.
+"""A new package's files, as from catkin_create_pkg, so that the package also builds with a real ROS.
 
     NAME/package.xml   NAME/CMakeLists.txt   and, for roscpp: include/NAME/, for roscpp or rospy: src/
 
@@ -22,13 +22,13 @@ _LEGAL_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _VERSION = re.compile(r"\d+\.\d+\.\d+")
 _PERSON = re.compile(r"(.*?)\s*<([^<>\s]+@[^<>\s]+)>")
 
-# What people replace, as catkin_create_pkg writes it.
+# A placeholder for the user's address, as in catkin_create_pkg.
 _UNKNOWN_MAIL = "todo.todo"
 
 
 @dataclass(frozen=True, slots=True)
 class NewPackage:
-    """What a new package is called and needs; `dependencies` are packages, `system_dependencies` others."""
+    """The properties of a new package; `dependencies` are packages, `system_dependencies` others."""
 
     name: str
     dependencies: Sequence[str] = ()

@@ -1,4 +1,4 @@
-"""Finding a package's programs, as rosrun does: what a build made of it, then the package folder itself.
+"""Finds a package's programs, like rosrun: first the results of its build, then the package folder itself.
 
 A package that was built has its programs in `lib/PACKAGE` of the devel or install space; scripts stand
 anywhere below the package's own folder and need no building.
@@ -48,7 +48,7 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
             f"package {package} was not found; put it below this folder, or add its folder to "
             f"ROS_PACKAGE_PATH"
         )
-    # A link and what it leads to are one program.
+    # A link and its target are one program.
     found = list({each.resolve(): each for each in _below(folder, name)}.values())
     runnable = [each for each in found if os.access(each, os.X_OK)] or [
         each for each in found if is_python(each)

@@ -59,7 +59,7 @@ def init_workspace(source: Path) -> Path:
 
 
 def read_workspace(workspace: Path) -> list[PackageContents]:
-    """Look at every package of a workspace, sorted by name. Raises ConfigError when it has no `src`."""
+    """Read all packages of a workspace, sorted by name. Raises ConfigError if it has no `src`."""
     source = workspace / SOURCE_FOLDER
     if not source.is_dir():
         raise ConfigError(f"{workspace} has no folder src for its packages")

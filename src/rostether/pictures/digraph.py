@@ -98,7 +98,7 @@ def draw(graph: Digraph) -> Scene:
     labels: dict[str, str] = {}
     for edge in dict.fromkeys(graph.edges):
         if edge.label:
-            # A label stands on its line, with room of its own.
+            # A label is above its line, in a separate area.
             key = f"\0label {len(labels)}"
             labels[key] = edge.label
             sizes[key] = (text_width(edge.label, _LABEL_SIZE) + 2 * _LABEL_GAP, _LABEL_SIZE + 2)

@@ -1,4 +1,4 @@
-"""What a picture consists of: lines, areas and text, in pixels from the upper left.
+"""The items of a picture: lines, areas and text, in pixels from the upper left.
 
 Text is set in a monospaced face, so that its width is known before anything draws it.
 """

@@ -134,7 +134,7 @@ class FleetSender:
 
 
 def silence_text(settings: FleetSettings) -> str:
-    """Return what to do when no robot answers."""
+    """Return the advice if no robot answers."""
     sender = settings.sender
     who = "no robot" if sender.to_groups else f"robot {sender.target} does not"
     return (

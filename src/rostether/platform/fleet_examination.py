@@ -31,7 +31,7 @@ _CONFIRM_S = 3.0
 
 @dataclass(slots=True)
 class Examination:
-    """What was measured. Robots are identified by id and host.
+    """The measurements. Robots are identified by id and host.
 
     `asks_group` is False for a fleet without multicast. `silent_hosts` are addresses that were given and do
     not answer. `pairs` are robots, and whether the first reaches the second. `hears_querier` is None if this

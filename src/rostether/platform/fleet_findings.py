@@ -26,7 +26,7 @@ _MAX_LISTED = 5
 
 @dataclass(frozen=True, slots=True)
 class FleetFinding:
-    """One line of the report; `what` is what was examined. `is_well` is None if it could not be checked."""
+    """One line of the report; `what` is the examined part. `is_well` is None if it could not be checked."""
 
     is_well: bool | None
     what: str

@@ -1,4 +1,4 @@
-"""What a robot's status reports of its computer: the clock, the free disk space and the Wi-Fi signal."""
+"""The state of a robot's computer in its status: the clock, the free disk space and the Wi-Fi signal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The state of a sensor, from what the registry observes of it; without clock or graph.
+"""The state of a sensor, from the registry's observations; without clock or graph.
 
 init          registered, has not published yet
 ready         publishes, or a camera that waits for a subscriber

@@ -122,7 +122,7 @@ class ChunkedWriter(ABC):
 
     @abstractmethod
     def _write_end(self) -> None:
-        """Write what follows the last chunk."""
+        """Write the part after the last chunk."""
 
     def _append(self, data: bytes) -> None:
         self._file.append(data)

@@ -30,7 +30,7 @@ ACTIVE_SUFFIX = ".active"
 
 @dataclass(slots=True)
 class RecordingProgress:
-    """What was recorded so far, over all files."""
+    """The progress of a recording, over all files."""
 
     message_count: int = 0
     finished_bytes: int = 0

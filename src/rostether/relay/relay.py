@@ -42,14 +42,14 @@ MEET_S = 2.0
 # How long a relay waits for each older one to begin: until the graphs show that it has.
 GIVE_WAY_S = 1.5
 
-# How often other relays are checked: until then, what a killed one offered is missing.
+# How often other relays are checked: until then, the offers of a killed one are missing.
 CHECK_S = 3.0
 
 Report = Callable[[Level, str], None]
 
 
 class Relay:
-    """Relays what is chosen between two sides; `report` gets a line for each start, end and error.
+    """Relays the chosen topics and services; `report` gets a line for each start, end and error.
 
     With `actions`, `first` is ROS 1 and `second` is ROS 2.
     """
@@ -179,7 +179,7 @@ class Relay:
         self._news.set()
 
     def _wishes(self, left_out: dict[str, str]) -> Iterator[Wish]:
-        """Yield what to relay; `left_out` gets what another relay has, with the reason."""
+        """Yield the wished relays; `left_out` gets those of another relay, with the reason."""
         first, second = self._sides
         for wish, there in (
             *self._topics(first, second, Direction.FORTH),

@@ -1,4 +1,4 @@
-"""What a relay carries: names of topics and services, with `*` as a wildcard, and directions."""
+"""The filter of a relay: names of topics and services, with `*` as a wildcard, and directions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PRIVATE_SERVICES = (
     "*/_action/*",
 )
 
-# What an action consists of: in ROS 1 topics, in ROS 2 these and services, all below `_action`.
+# The parts of an action: in ROS 1 topics, in ROS 2 topics and services, all below `_action`.
 ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
 
 
@@ -85,5 +85,5 @@ class RelayFilter:
         return any(fnmatchcase(name, pattern) for pattern in self.actions)
 
     def service(self, name: str) -> Services | None:
-        """Return what was chosen for a service, None if it is not carried."""
+        """Return the choice for a service, None if it is not relayed."""
         return next((each for each in self.services if each.covers(name)), None)

@@ -1,4 +1,4 @@
-"""What a relay is to carry, from one side to the other."""
+"""A topic or service to relay from one side to the other."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class RobotState:
     def moving_transforms(
         self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int
     ) -> list[StampedTransform]:
-        """Return the transforms for a joint state, sorted by joint; none if it comes too early.
+        """Return the transforms for a joint state, sorted by joint; none if it is too early.
 
         Positions of mimicking joints are added. Sets `problem` to one line about an invalid state, or to an
         empty string.

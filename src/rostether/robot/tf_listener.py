@@ -18,7 +18,7 @@ from rostether.serde.codec import Codec
 # The name that tf2 gives to a publisher without one.
 UNKNOWN_AUTHORITY = "unknown_publisher"
 
-# Gets one message's transforms, the node they came from, and whether they are static.
+# Gets one message's transforms, their node, and whether they are static.
 OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
 
 

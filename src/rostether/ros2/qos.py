@@ -1,4 +1,4 @@
-"""Quality of service: what publishers offer and subscribers request."""
+"""Quality of service: the offers of publishers and the requests of subscribers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Reliability(IntEnum):
 
 
 class Durability(IntEnum):
-    """Whether latecomers get what was published before; the numbers are rmw's."""
+    """Whether later subscribers get earlier messages; the numbers are rmw's."""
 
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
@@ -40,7 +40,7 @@ class Qos:
 
     @property
     def is_latching(self) -> bool:
-        """Whether it is what ROS 1 calls latched."""
+        """Whether it means latched, in the words of ROS 1."""
         return self.durability is Durability.TRANSIENT_LOCAL
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 # Package folders found by the program that starts a script, besides those of ROS_PACKAGE_PATH.
 PACKAGES_VARIABLE = "ROSTETHER_PACKAGE_FOLDERS"
 
-# Where this Python has rostether and what our rospy needs, for scripts that name another Python.
+# The folders of rostether and of our rospy's dependencies, for scripts that name another Python.
 IMPORT_VARIABLE = "ROSTETHER_IMPORT_PATH"
 
 _NEEDED = ("rostether", "h11", "yaml")

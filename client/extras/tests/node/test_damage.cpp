@@ -21,7 +21,7 @@ struct Target : Board<PlainHardware, 280> {
     node.subscribe(arrays);
     meet();
   }
-  // Sends what must be dropped, and then what must not.
+  // Sends bytes that must be dropped, then a frame that must not.
   void dropped(const Bytes& bytes, int count = 0) {
     const int before = node.dropped(), heard = numbers_heard;
     line.send(bytes + frame(numbers.id_, Payload().u16(1)));

@@ -41,7 +41,7 @@ class ArduinoHardware : public ros::ArduinoSerial {
   template <class Port>
   ArduinoHardware(Port* io, long baud = 57600) : ros::ArduinoSerial(io, baud), network_(nullptr) {}
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setConnection(const IPAddress& server, int port = 11411) {
     if (!network_) network_ = new ros::NetworkOf<ArduinoTcpHardware<ros::BoardClient> >;
     network_->setConnection(server, port);
@@ -57,7 +57,7 @@ class ArduinoHardware : public ros::ArduinoSerial {
     if (network_) return network_->write(bytes, count);
     ros::ArduinoSerial::write(bytes, count);
   }
-  // A client takes any number of bytes.
+  // A client accepts any number of bytes.
   int writable() { return network_ ? 0x7fff : ros::ArduinoSerial::writable(); }
   bool relinked() { return network_ && network_->relinked(); }
 

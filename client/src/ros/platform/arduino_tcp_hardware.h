@@ -43,7 +43,7 @@ class ArduinoTcpHardware {
   unsigned long time() { return millis(); }
 
  private:
-  // To ask a network chip whether it is still connected takes as long as to read many bytes from it.
+  // To ask a network chip whether it is still connected costs as much time as to read many bytes from it.
   static const uint8_t WATCH_PERIOD_MS = 10;
 
   void watch() {

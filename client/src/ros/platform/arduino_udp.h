@@ -63,16 +63,16 @@ class ArduinoUdpHardware {
   unsigned long time() { return millis(); }
 
  private:
-  // What every network chip can hold, and no network splits. The host takes datagrams for pieces of one stream of bytes.
+  // Fits into every network chip, and is not split by networks. The host treats datagrams as pieces of one stream of bytes.
   static const uint16_t LONGEST_DATAGRAM_BYTES = 1400;
 
   NetworkUdp udp_;
   IPAddress server_;
   uint16_t port_;
   uint16_t local_port_;
-  uint16_t unsent_;  // bytes of the frame that are still to come
+  uint16_t unsent_;  // missing bytes of the frame
   uint16_t packed_;  // bytes in the datagram in progress
-  int unread_;       // bytes left of the datagram that came in
+  int unread_;       // unread bytes of the received datagram
 };
 
 class ArduinoHardware : public ArduinoUdpHardware<ros::BoardUdp> {

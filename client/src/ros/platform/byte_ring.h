@@ -5,7 +5,7 @@
 
 namespace ros {
 
-// Bytes between a program and an interrupt: one of them puts, the other takes, and neither needs to lock.
+// Bytes between a program and an interrupt: one of them writes, the other reads, and neither needs a lock.
 // Empty when all zero, as static memory is: a constructor would have to run before the first interrupt.
 template <uint16_t SIZE>
 class ByteRing {
@@ -15,7 +15,7 @@ class ByteRing {
   uint16_t count() const { return static_cast<uint16_t>(head_ - tail_) & (SIZE - 1); }
   uint16_t room() const { return static_cast<uint16_t>(SIZE - 1 - count()); }
 
-  // Drops the byte if there is no room: its frame's checksum tells.
+  // Drops the byte if there is no room: its frame's checksum shows the loss.
   void put(uint8_t byte) {
     if (!room()) return;
     bytes_[head_] = byte;

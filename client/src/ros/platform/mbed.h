@@ -30,7 +30,7 @@ class MbedHardware {
     timer_.start();
   }
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { baud_ = baud; }
   long getBaud() const { return baud_; }
 
@@ -50,7 +50,7 @@ class MbedHardware {
 
 #else
 
-// Mbed 2 and 5 have no port with a buffer: an interrupt keeps what comes in.
+// Mbed 2 and 5 have no port with a buffer: an interrupt stores received bytes.
 class MbedHardware {
  public:
   MbedHardware() : port_(ROS_MBED_TX, ROS_MBED_RX), received_(), baud_(57600), seen_us_(0), rest_us_(0), time_ms_(0) {
@@ -61,7 +61,7 @@ class MbedHardware {
     timer_.start();
   }
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { baud_ = baud; }
   long getBaud() const { return baud_; }
 

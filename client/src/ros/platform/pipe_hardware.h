@@ -57,7 +57,7 @@ class PipeHardware {
     return input_[next_++];
   }
 
-  // What the system does not take yet is kept; without a link, bytes go nowhere.
+  // Bytes that the system does not accept yet are kept; without a link, bytes are dropped.
   void write(const uint8_t* bytes, int count) {
     if (!link_.isOpen() || count <= 0) return;
     size_t length = static_cast<size_t>(count);
@@ -84,7 +84,7 @@ class PipeHardware {
   // initNode waits for the host; a spinOnce that connects again must not hold up the program.
   static const uint32_t FIRST_WAIT_MS = 1000;
   static const uint32_t LATER_WAIT_MS = 5;
-  // The node looks for what came in meanwhile.
+  // The node looks for bytes received in the meantime.
   static const uint32_t FULL_WAIT_MS = 5;
 
   void attempt(uint32_t wait_ms) {

@@ -40,7 +40,7 @@
 #endif
 
 #if defined(ROS_HARDWARE)
-// The longest message that can come in, by the memory there is.
+// The longest message that can be received, by the available memory.
 #if !defined(ROS_INPUT_SIZE)
 #if defined(__AVR_ATmega8__) || defined(__AVR_ATmega168__) || defined(__AVR_ATmega168P__)
 #define ROS_INPUT_SIZE 150

@@ -1,4 +1,4 @@
-// Linux (Raspberry Pi and other embedded boards), macOS and other Unixes: a serial port or TCP, by what it is called.
+// Linux (Raspberry Pi and other embedded boards), macOS and other Unixes: a serial port or TCP, by its name.
 //
 //   nh.initNode("/dev/ttyUSB0")         a path is a serial port
 //   nh.initNode("192.168.15.149")       anything else a host, with the port 11411
@@ -63,7 +63,7 @@ class EmbeddedLinuxHardware : public ros::PipeHardware<ros::PosixPipe> {
     pipe().setPort(port ? port : DEFAULT_PORT);
   }
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { pipe().tty().setBaud(baud); }
   long getBaud() { return pipe().tty().baud(); }
 

@@ -51,7 +51,7 @@ class TtyPipe {
     line.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS);
 #endif
     line.c_cflag |= CS8 | CLOCAL | CREAD;
-    // So that an empty read means a port that is gone, not one that is quiet.
+    // So that an empty read means a port that has disappeared, not one that is quiet.
     line.c_cc[VMIN] = 1;
     line.c_cc[VTIME] = 0;
     if (!setPosixBaud(fd_, line, baud_)) {
@@ -101,7 +101,7 @@ class PosixTty : public ros::PipeHardware<ros::TtyPipe> {
     pipe().setBaud(baud);
   }
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { pipe().setBaud(baud); }
   long getBaud() { return pipe().baud(); }
 

@@ -5,7 +5,7 @@
 
 namespace ros {
 
-// When to try to connect again, for a hardware that does so by itself, and what to tell the node of it.
+// Decides when a hardware connects again by itself, and reports it to the node.
 class Reconnection {
  public:
   constexpr Reconnection() : tried_ms_(0), pause_ms_(0), connected_(false), changed_(false) {}
@@ -29,7 +29,7 @@ class Reconnection {
     connected_ = changed_ = true;
     pause_ms_ = 0;
   }
-  // The first attempt to connect again comes after the shortest pause: a host that closes is rarely back at once.
+  // The first attempt to connect again follows after the shortest pause: a host that closes rarely returns at once.
   void lost(uint32_t now_ms) {
     connected_ = false;
     changed_ = true;

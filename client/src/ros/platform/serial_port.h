@@ -41,7 +41,7 @@ class SerialPort {
   }
   int read() { return stream_->read(); }
   void write(const uint8_t* bytes, int count) { write<Class>(bytes, static_cast<size_t>(count), 0); }
-  // Bytes that write takes at once: any number where the port does not know, and write waits as long as it must.
+  // Bytes that write accepts at once; any number if the port does not report it: then write waits.
   int writable() { return isOther() ? control_(stream_, 0) : room(port(), 0); }
 
  private:
@@ -55,7 +55,7 @@ class SerialPort {
   bool isOther() const { return sawOtherClass() && control_; }
   Class& port() const { return static_cast<Class&>(*stream_); }
 
-  // Begins at `baud`, or tells the room if that is 0.
+  // Begins at `baud`, or returns the room if that is 0.
   template <class Port>
   static int control(Stream* stream, unsigned long baud) {
     if (!baud) return room(static_cast<Port&>(*stream), 0);

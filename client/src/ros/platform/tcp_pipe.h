@@ -76,7 +76,7 @@ class TcpPipe {
       port = end + 1;
     }
     snprintf(host, sizeof host, "%.*s", static_cast<int>(end - name), name);
-    // As with the established library, what is not a number is the usual port.
+    // As in the established library, a text that is not a number means the default port.
     if (atoi(port) <= 0) port = "11411";
     Sockets::start();
     struct addrinfo hints;

@@ -38,7 +38,7 @@ class TivaCHardware {
  public:
   TivaCHardware() : baud_(ROSSERIAL_BAUDRATE) {}
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { baud_ = static_cast<uint32_t>(baud); }
   long getBaud() const { return static_cast<long>(baud_); }
 
@@ -59,7 +59,7 @@ class TivaCHardware {
                             UART_CONFIG_WLEN_8 | UART_CONFIG_STOP_ONE | UART_CONFIG_PAR_NONE);
     MAP_UARTFIFOEnable(UART0_BASE);
     UARTIntRegister(UART0_BASE, &onUart);
-    // RT: what came in and waits below the FIFO's mark.
+    // RT: received bytes that wait below the FIFO's limit.
     MAP_UARTIntEnable(UART0_BASE, UART_INT_RX | UART_INT_RT | UART_INT_TX);
     MAP_IntEnable(INT_UART0);
     MAP_IntMasterEnable();
@@ -73,7 +73,7 @@ class TivaCHardware {
       }
       state().unsent.put(bytes[i]);
     }
-    // The interrupt takes from the same ring.
+    // The interrupt reads from the same ring.
     MAP_IntDisable(INT_UART0);
     transmit();
     MAP_IntEnable(INT_UART0);

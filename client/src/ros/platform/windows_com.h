@@ -58,7 +58,7 @@ class ComPipe {
       close();
       return PIPE_FAILED;
     }
-    // A read returns what there is; a write ends after a time.
+    // A read returns the available bytes; a write has a time limit.
     COMMTIMEOUTS limits = {MAXDWORD, 0, 0, 0, WRITE_LIMIT_MS};
     SetCommTimeouts(handle_, &limits);
     SetupComm(handle_, 4096, 4096);
@@ -101,7 +101,7 @@ class WindowsCom : public ros::PipeHardware<ros::ComPipe> {
     pipe().setBaud(baud);
   }
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { pipe().setBaud(baud); }
   long getBaud() { return pipe().baud(); }
 

@@ -1,4 +1,4 @@
-// Windows: a serial port or TCP, by what it is called. Link with ws2_32, and include <ros.h> before <windows.h>.
+// Windows: a serial port or TCP, by its name. Link with ws2_32, and include <ros.h> before <windows.h>.
 //
 //   nh.initNode("COM3")                   COM and a number is a serial port
 //   nh.initNode("127.0.0.1:11411")        anything else a host, by default with the port 11411
@@ -64,7 +64,7 @@ class WindowsHardware : public ros::PipeHardware<ros::WindowsPipe> {
     pipe().setPort(port ? port : DEFAULT_PORT);
   }
 
-  // Takes effect with the next initNode.
+  // Has effect from the next initNode.
   void setBaud(long baud) { pipe().com().setBaud(baud); }
   long getBaud() { return pipe().com().baud(); }
 

@@ -5,6 +5,9 @@ It depends only on the events and counters of the link, not on the graph or the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from rostether.bridge.findings.announcements import Announcements
 from rostether.bridge.findings.damage import Damage
 from rostether.bridge.findings.finding import Code, Finding, error, warning
@@ -74,48 +77,33 @@ class LineWatch:
         self._unknown_id: tuple[int, float] | None = None
         self._unknown_count = 0
         self._is_listener = False
+        self._handlers: dict[type[Any], Callable[[Any, float], None]] = {
+            AnnouncementRefused: self._announcement_refused,
+            DeviceReset: self._device_reset,
+            DeviceSilent: self._device_silent,
+            FrameDiscarded: self._discarded,
+            LogReceived: self._log_received,
+            NegotiationSettled: self._settled,
+            ProtocolDetected: self._protocol_detected,
+            ServiceAnnounced: self._service_announced,
+            TimeRequested: self._time_requested,
+            TopicAnnounced: self._topic_announced,
+            UnknownTopicId: self._unknown_topic,
+        }
 
     @property
     def was_alive(self) -> bool:
         """Whether a frame has arrived that only a rosserial board sends."""
         return self._alive_s is not None
 
-    def handle_event(self, event: HostEvent, now_s: float) -> None:  # noqa: C901 - one branch for each kind of event
+    def handle_event(self, event: HostEvent, now_s: float) -> None:
         """Handle an event."""
-        if isinstance(event, FrameDiscarded):
-            self._discarded(event, now_s)
-            return
-        if isinstance(event, DeviceSilent):
-            self._silence_s = event.silence_s
-            return
         if isinstance(event, _SIGNS_OF_LIFE):
             self._silence_s = None
             self.noise.alive()
-        if isinstance(event, TimeRequested):
-            self.loop_speed.request(now_s, self._statistics.topic_requests)
-        elif isinstance(event, TopicAnnounced):
-            # Only rostether's client library sends without a buffer.
-            self.loop_speed.is_ours |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
-            self._is_listener |= event.role is TopicRole.SUBSCRIBER
-        elif isinstance(event, DeviceReset):
-            self._resets.happened(now_s)
-            self.loop_speed.forget()
-        elif isinstance(event, ProtocolDetected):
-            self._version = event.version
-            self._alive_s = now_s
-        elif isinstance(event, ServiceAnnounced):
-            self._is_listener = True
-        elif isinstance(event, NegotiationSettled):
-            self._settled_s = now_s
-            self._settled_starts = self._statistics.time_requests
-        elif isinstance(event, AnnouncementRefused):
-            self._announcements.refused(event)
-        elif isinstance(event, LogReceived) and TOO_LARGE in event.text:
-            self.too_large_s = now_s
-        elif isinstance(event, UnknownTopicId):
-            self._unknown_count += event.count
-            first_s = self._unknown_id[1] if self._unknown_id else now_s
-            self._unknown_id = event.topic_id, first_s
+        handle = self._handlers.get(type(event))
+        if handle is not None:
+            handle(event, now_s)
 
     def find(self, now_s: float) -> list[Finding]:
         """Return the current findings, the worst first. Called about once a second."""
@@ -136,6 +124,44 @@ class LineWatch:
             slow,
         ]
         return [each for each in found if each is not None]
+
+    def _announcement_refused(self, event: AnnouncementRefused, _now_s: float) -> None:
+        self._announcements.refused(event)
+
+    def _device_reset(self, _event: DeviceReset, now_s: float) -> None:
+        self._resets.happened(now_s)
+        self.loop_speed.forget()
+
+    def _device_silent(self, event: DeviceSilent, _now_s: float) -> None:
+        self._silence_s = event.silence_s
+
+    def _log_received(self, event: LogReceived, now_s: float) -> None:
+        if TOO_LARGE in event.text:
+            self.too_large_s = now_s
+
+    def _settled(self, _event: NegotiationSettled, now_s: float) -> None:
+        self._settled_s = now_s
+        self._settled_starts = self._statistics.time_requests
+
+    def _protocol_detected(self, event: ProtocolDetected, now_s: float) -> None:
+        self._version = event.version
+        self._alive_s = now_s
+
+    def _service_announced(self, _event: ServiceAnnounced, _now_s: float) -> None:
+        self._is_listener = True
+
+    def _time_requested(self, _event: TimeRequested, now_s: float) -> None:
+        self.loop_speed.request(now_s, self._statistics.topic_requests)
+
+    def _topic_announced(self, event: TopicAnnounced, _now_s: float) -> None:
+        # Only rostether's client library sends without a buffer.
+        self.loop_speed.is_ours |= event.info.buffer_size >= MAX_PAYLOAD_BYTES
+        self._is_listener |= event.role is TopicRole.SUBSCRIBER
+
+    def _unknown_topic(self, event: UnknownTopicId, now_s: float) -> None:
+        self._unknown_count += event.count
+        first_s = self._unknown_id[1] if self._unknown_id else now_s
+        self._unknown_id = event.topic_id, first_s
 
     def _discarded(self, event: FrameDiscarded, now_s: float) -> None:
         if self.oversizes.handle_discarded(event, self._version, now_s):

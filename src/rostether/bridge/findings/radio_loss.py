@@ -10,7 +10,7 @@ _MUCH_LOSS = 0.1
 
 
 def find_radio_loss(radio: LinkQuality | None) -> list[Finding]:
-    """Return the finding, if the board is on a radio that loses much."""
+    """Return the finding, if the board's radio link loses many packets."""
     loss = radio.recent_loss if radio is not None else None
     if radio is None or loss is None or loss < _MUCH_LOSS:
         return []

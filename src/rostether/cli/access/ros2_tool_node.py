@@ -162,7 +162,7 @@ async def warn_without_router(*, is_error: bool = False) -> None:
 
 
 def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
-    """Run a query of the graph as a whole command. Raises what `tool_node` and the query raise."""
+    """Run a query of the graph as a whole command. Raises the errors of `tool_node` and of the query."""
     from rostether.cli.shell.running import run
 
     async def ask() -> T:

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 def bag_cut(
     sources: tuple[Path, ...], target: Path, start: str, duration: float, topics: tuple[str, ...]
 ) -> None:
-    """Write what was recorded at a time to a new recording.
+    """Write the messages of a period to a new recording.
 
     A RECORDING is a file, a ROS 2 bag, or a folder of them; a file that is being recorded works too.
     """

@@ -92,7 +92,7 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
 
 
 def measure_program(path: Path, board: str) -> ProgramSize | None:
-    """Return what a program takes of a board's memory; None unless it is an ELF file. Reads the disk."""
+    """Return the memory use of a program on a board; None unless it is an ELF file. Reads the disk."""
     from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
 
@@ -106,6 +106,6 @@ def measure_program(path: Path, board: str) -> ProgramSize | None:
     try:
         program = ElfFile.read(path)
     except FirmwareError:
-        # The simulator reports what is wrong with it.
+        # The simulator reports the problem of the file.
         return None
     return ProgramSize(program.flash_bytes, flash_limit_bytes, program.ram_bytes, ram_limit_bytes)

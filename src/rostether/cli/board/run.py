@@ -34,7 +34,7 @@ _SINGLE_WORDS = ("hcsr04", "range", "attitude", "fault", "network", "w5100", "wh
 
 @dataclass(frozen=True, slots=True)
 class BoardOptions:
-    """What the options of `board run` select."""
+    """The options of `board run`."""
 
     board: str
     link_path: Path | None

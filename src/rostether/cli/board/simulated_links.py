@@ -83,7 +83,7 @@ async def simulated(
 async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
 ) -> tuple[SimulatedBoard, ProgramSize | None]:
-    """Start a board that ends with the exit stack; return it, and what its program takes."""
+    """Start a board that ends with the exit stack; return it, and the memory use of its program."""
     from rostether.cli.board.qemu import find_program, measure_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of

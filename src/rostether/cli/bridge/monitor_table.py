@@ -222,5 +222,5 @@ def _cut_middle(name: str, width: int) -> str:
 
 
 def _natural(name: str) -> list[tuple[str, int]]:
-    """Return what sorts board_2 before board_10."""
+    """Return a sort key that puts board_2 before board_10."""
     return [(text, int(number or 0)) for text, number in re.findall(r"(\D*)(\d{0,9})", name)]

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 TOPIC = "/diagnostics"
 TYPE = "diagnostic_msgs/DiagnosticArray"
 
-# After two missing reports the board or its bridge counts as gone.
+# After two missing reports, the board or its bridge counts as disconnected.
 STALE_S = 3.0
 
-# How long a board that is gone stays in the table.
+# How long a disconnected board stays in the table.
 FORGET_S = 15.0
 
 # The longest time that `reported_boards` listens: rates are known after a board's second report.
@@ -48,7 +48,7 @@ class BoardsSeen:
             self._seen[status.name] = self._clock(), status, count + 1
 
     def boards(self) -> list[BoardStatus]:
-        """Return the boards with their current state; a silent one is gone, and is removed later."""
+        """Return the boards with their state; a silent one counts as disconnected, and is removed later."""
         now_s = self._clock()
         for name in [name for name, (at_s, _, _) in self._seen.items() if now_s - at_s > FORGET_S]:
             del self._seen[name]

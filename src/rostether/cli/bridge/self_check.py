@@ -18,7 +18,7 @@ from rostether.cli.shell.verbs import Verb
 from rostether.errors import BoardError, RostetherError
 from rostether.extras import install_command
 
-# Each extra: a module that it installs, the distribution that has it, and what it is for.
+# Each extra: a module that it installs, the distribution of that module, and the purpose.
 _EXTRAS = (
     ("zenoh", "zenoh", "eclipse-zenoh", "ROS 2 over zenoh"),
     ("rclpy", "rclpy", "ros-rclpy", "ROS 2 over an installed rclpy"),
@@ -120,7 +120,7 @@ def _program(name: str, purpose: str, next_step: str) -> Finding:
 
 
 def _checked(part: str, purpose: str, find: Callable[[], str]) -> Finding:
-    """Report what a search finds, or its error, which names the next step."""
+    """Report the result of a search, or its error with the next step."""
     try:
         return Finding(part, purpose, find())
     except (RostetherError, OSError) as error:

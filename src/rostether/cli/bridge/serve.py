@@ -225,7 +225,7 @@ def serve(
 
 @dataclass(frozen=True, slots=True)
 class _Serving:
-    """What to serve, on which graphs, and what to record."""
+    """The links to serve, the graphs, and the recording."""
 
     links: Sequence[Address]
     msg_paths: Sequence[Path]

@@ -1,4 +1,4 @@
-"""The dashboard beside another command: what is asked of it, and serving it if it is asked for.
+"""The dashboard of another command: its options, and its server if it is requested.
 
 Nothing of the dashboard is imported without it, because most bridges start without one.
 """
@@ -28,7 +28,7 @@ class DashboardSettings:
     """Where the dashboard is served, and who may use it.
 
     `place` is [HOST:]PORT; without a port, the next free one after 8765 is taken. Without `has_page` only the
-    gateway is served. `views` are panels whose addresses are printed too. `wider` is what people type, with
+    gateway is served. `views` are panels whose addresses are printed too. `wider` is the command, with
     {port}, to let other machines connect. `boards` are serial ports of the devices that show the page.
     """
 

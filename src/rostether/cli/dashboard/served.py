@@ -48,7 +48,7 @@ _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - what was typed
 
 @dataclass(frozen=True, slots=True)
 class Dashboard:
-    """A dashboard that is served; `url` is what to open, with the token if there is one."""
+    """A running dashboard; `url` is its address, with the token if there is one."""
 
     gateway: FoxgloveGateway
     url: str

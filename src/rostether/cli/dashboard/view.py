@@ -43,7 +43,7 @@ class View:
     files: Mapping[str, bytes] = field(default_factory=dict)
 
     def fragment(self, token: str) -> str:
-        """Return the part of the address behind `#`."""
+        """Return the part of the address after `#`."""
         words = []
         if self.settings:
             packed = json.dumps(self.settings, separators=(",", ":")).encode()

@@ -112,7 +112,7 @@ class RecentLines:
 
 
 class DemoView:
-    """Collects what the demo shows; a payload is decoded only when it is drawn."""
+    """Collects the data that the demo shows; a payload is decoded only when it is drawn."""
 
     def __init__(self, boards: Callable[[], list[BoardView]], clock: Callable[[], float]) -> None:
         self.has_flowed = False

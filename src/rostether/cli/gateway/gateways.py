@@ -162,7 +162,7 @@ async def rosbridge_server(
 
     Raises the same errors as `rosbridge_gateway`.
 
-    `wider` is what people type, with {port}, to let other machines connect.
+    `wider` is the command, with {port}, that admits other machines.
     """
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer

@@ -31,7 +31,7 @@ AUTO = "auto"
 class GatewayOptions:
     """The typed options: the place of each requested gateway (None: not requested), and who may use it.
 
-    `wider` is what people type, with {port}, to let other machines connect.
+    `wider` is the command, with {port}, that admits other machines.
     """
 
     rosbridge: str | None = None
@@ -143,7 +143,7 @@ def _checked(
 
 # Adds --token and --origin; the verb gets a GatewayOptions as `gateways`.
 access_options = option_group("gateways", _checked, _ACCESS_OPTIONS)
-# Adds --view-token as well, for gateways that know clients who only view.
+# Also adds --view-token, for gateways with view-only clients.
 viewer_access_options = option_group("gateways", _checked, (*_ACCESS_OPTIONS, *_VIEW_OPTIONS))
 # Adds an option for each gateway as well.
 gateway_options = option_group("gateways", _checked, (*_PLACE_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS))

@@ -125,7 +125,7 @@ def our_command(*words: str) -> list[str]:
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
-    """Return what replaces an rviz or rqt program that is not installed; None for others."""
+    """Return the replacement of an rviz or rqt program that is not installed; None for others."""
     if package not in _WINDOWS and not package.startswith("rqt_"):
         return None
     if window_program(package, package, environ) is not None:

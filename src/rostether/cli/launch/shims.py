@@ -1,6 +1,6 @@
 """The commands of ROS under their own names: small scripts in a folder that `rostether env` puts on PATH.
 
-    name in the shell -> words behind `rostether`
+    name in the shell -> words after `rostether`
 
 A script uses the Python that wrote it. It never precedes a real ROS on PATH, unless requested.
 """

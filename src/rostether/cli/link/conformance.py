@@ -157,7 +157,7 @@ async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path],
 
 @asynccontextmanager
 async def _connecting(link: Address) -> AsyncIterator[Connect]:
-    """Yield what opens a line to the client: opens the address, or waits for the client to connect."""
+    """Yield a function that connects the client: opens its address, or waits for its connection."""
     from rostether.conformance.checked_client import FIRST_ANSWER_S
     from rostether.errors import TransportTimeoutError
     from rostether.transports.opening import listen, open_transport

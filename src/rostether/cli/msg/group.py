@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class _Kind:
-    """What differs between the two groups."""
+    """The differences between the two groups."""
 
     group: str
     what: str

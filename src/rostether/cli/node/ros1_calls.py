@@ -24,7 +24,7 @@ _CONNECTION = re.compile(r"\w+ connection on port (\d+) to \[(.*) on socket (\d+
 
 @dataclass(frozen=True, slots=True)
 class Registrations:
-    """What one node has registered; topics come with their types."""
+    """The registrations of one node; topics have their types."""
 
     publications: dict[str, str]
     subscriptions: dict[str, str]
@@ -54,7 +54,7 @@ async def node_names(master: MasterClient) -> list[str]:
 
 
 async def registrations(master: MasterClient, name: str) -> Registrations:
-    """Return what a node has registered."""
+    """Return the registrations of a node."""
     publishers, subscribers, services = await master.system_state()
     types = await master.topic_types()
 
@@ -96,7 +96,7 @@ async def node_client(name: str, uri: str) -> AsyncIterator[XmlRpcClient]:
 
 
 async def ask(client: XmlRpcClient, method: str, *arguments: object) -> Any:
-    """Return what a node answers to one call. Raises GraphError."""
+    """Return a node's answer to one call. Raises GraphError."""
     code, text, value = await client.call_status(method, OUR_NAME, *arguments)
     if code != 1:
         raise GraphError(f"{client.peer} refused {method}: {text}")
@@ -132,7 +132,7 @@ async def connections(master: MasterClient, client: XmlRpcClient) -> list[Connec
 
 
 async def _name_of(master: MasterClient, uri: str, members: Iterable[str], names: dict[str, str]) -> str:
-    """Return which of the nodes has the URI, or the URI; `names` keeps what was learned, by URI."""
+    """Return the node with the URI, or the URI; `names` caches the results by URI."""
     for name in members:
         if uri in names:
             break

@@ -78,7 +78,7 @@ async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str
 
 
 def cleanup(environment: RosEnvironment, *, yes: bool) -> None:
-    """Have the master forget nodes that do not answer; `yes` does not ask first."""
+    """Remove nodes that do not answer from the master; with `yes`, without a question."""
     silent = run(_silent(environment))
     if not silent:
         return

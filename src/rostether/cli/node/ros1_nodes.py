@@ -80,7 +80,7 @@ class Ros1Nodes:
         kill(self._environment, names, kill_all=kill_all)
 
     def cleanup(self, *, yes: bool) -> None:
-        """Have the master forget nodes that do not answer; `yes` does not ask first."""
+        """Remove nodes that do not answer from the master; with `yes`, without a question."""
         from rostether.cli.node.ros1_kill import cleanup
 
         cleanup(self._environment, yes=yes)

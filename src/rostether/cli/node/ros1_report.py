@@ -1,4 +1,4 @@
-"""What `rosnode info` prints, and the same as a record for scripts."""
+"""The output of `rosnode info`, and the same as a record for scripts."""
 
 from __future__ import annotations
 

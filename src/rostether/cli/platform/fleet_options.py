@@ -96,7 +96,7 @@ def fleet_settings(
     ttl: int = 1,
     unicast: tuple[str, ...] = (),
 ) -> FleetSettings:
-    """Return what the options mean. Raises ConfigError."""
+    """Return the settings of the options. Raises ConfigError."""
     from rostether.platform.command_frame import ALL_GROUPS, NO_KEY
     from rostether.platform.command_link import SenderSettings
     from rostether.platform.fleet import FleetSettings

@@ -67,7 +67,7 @@ class Parameters:
 
 
 def reporter(graph: TypedGraph) -> Callable[[Level, str], None]:
-    """Return what prints a line and logs it on the graph."""
+    """Return a function that prints a line and logs it on the graph."""
 
     def report(level: Level, text: str) -> None:
         graph.log(level, text)
@@ -78,7 +78,7 @@ def reporter(graph: TypedGraph) -> Callable[[Level, str], None]:
 
 @dataclass(frozen=True, slots=True)
 class SensorKind:
-    """What a node's sensor is before its parameters are read."""
+    """A node's default sensor, before its parameters are read."""
 
     word: str
     sensor_type: str

@@ -141,7 +141,7 @@ async def _value(word: str, graph: TypedGraph, _: Arguments) -> None:
 async def _value_source(
     graph: TypedGraph, parameters: Parameters, word: str
 ) -> tuple[Callable[[], AsyncGenerator[float, None]], str]:
-    """Return what opens the source that the parameters name, and its unit. Raises ConfigError."""
+    """Return a function that opens the source in the parameters, and its unit. Raises ConfigError."""
     from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
     from rostether.platform.sensors.number_file import NumberFile
     from rostether.platform.sensors.value import topic_values

@@ -125,7 +125,7 @@ class PlotSession:
             raise ConfigError(f"{name} contains no numbers; give a field that does")
 
     async def run(self, follow: Follow, groups: Sequence[Group]) -> None:
-        """Follow all values until the time is over. Raises what following one of them raises."""
+        """Follow all values until the time has passed. Raises the first error of one of them."""
         loop = asyncio.get_running_loop()
         names = [name for group in groups for name in group]
         self._curves.expect(*names)

@@ -27,7 +27,7 @@ TRACEBACK_VARIABLE = "ROSTETHER_TRACEBACK"
 
 
 def exit_code_of(command: Callable[[], object]) -> int:
-    """Run a command to its end, print why it failed if it did, and return its exit code; never raises."""
+    """Run a command, print the reason if it fails, and return its exit code; never raises."""
     try:
         code = command()
     except (KeyboardInterrupt, click.Abort):

@@ -27,7 +27,7 @@ _KEY: Final = re.compile(r"^([ \t]*(?:- )?)([A-Za-z_][\w ]*:)(?= |$)", re.MULTIL
 _BETWEEN: Final = re.compile(r"^---$", re.MULTILINE)
 _FRAME: Final = re.compile(r"^([\s│├└─]*)([^\s(]\S*)(.*)$")
 
-# What a line of a diagnosis begins with.
+# The first word of a line of a diagnosis.
 _FINDINGS: Final = {
     "error": "red",
     "PROBLEM": "red",

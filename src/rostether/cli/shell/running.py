@@ -31,7 +31,7 @@ T = TypeVar("T")
 # After a signal, a loop that is busy for this long is interrupted; 50 ms is a defect.
 BUSY_S = 2.0
 
-# What a shell reports for a program that SIGTERM ended.
+# The exit code that a shell reports for a program that SIGTERM ended.
 EXIT_TERMINATED = 143
 
 
@@ -175,7 +175,7 @@ async def reporting(main: Coroutine[Any, Any, T]) -> T:
         notifications.setblocking(False)
 
         def send(state: bytes) -> None:
-            # A manager that is gone or slow must not end its service.
+            # A manager that has ended or is slow must not end its service.
             with suppress(OSError):
                 notifications.sendto(state, address)
 

@@ -1,4 +1,4 @@
-"""Shows what a command waits for, when the wait is long enough to look like a hang."""
+"""Shows the reason for a wait that is long enough to look like a hang."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class Verb(click.Command):
     """A command whose help ends with examples to copy.
 
     `old_options` maps former names of options, which stay accepted, to the present ones; `hints` maps
-    options that users expect to what to type instead.
+    options that users expect to the right spelling.
     """
 
     context_class = _Context

@@ -1,4 +1,4 @@
-"""What hz, bw and delay share: waiting for topics, listening to them, and a report every second."""
+"""The common part of hz, bw and delay: they wait for topics, subscribe to them, and report every second."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class TopicMeter:
         self._report(name)
 
     async def reports(self, count: int | None) -> AsyncIterator[None]:
-        """Yield once a second, `count` times or until the node leaves. Raises what `add` raised."""
+        """Yield once a second, `count` times or until the node leaves. Raises the error of `add`."""
         leaving = asyncio.ensure_future(self.graph.raw.wait_closed())
         loop = asyncio.get_running_loop()
         due_s = loop.time()

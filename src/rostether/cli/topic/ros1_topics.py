@@ -203,7 +203,7 @@ class _Output:
             await self._sleep(max(due_s - time.monotonic(), 0.0))
 
     async def publish_documents(self, messages: AsyncIterator[Message]) -> None:
-        """Publish what a file or pipe holds; a file's only message repeatedly."""
+        """Publish the content of a file or pipe; a file's only message repeatedly."""
         options = self._options
         rate_hz = options.rate_hz or (None if options.once or options.latch else FILE_RATE_HZ)
         await self._publisher.wait_for_subscriber(SUBSCRIBER_TIMEOUT_S)

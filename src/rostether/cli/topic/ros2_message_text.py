@@ -1,6 +1,6 @@
 """Messages of ROS 2 as text: YAML and CSV as `ros2 topic echo` prints them, and as Python's ROS 2 shows them.
 
-What is longer than `truncate_length` (texts, arrays) is cut, with `...` for the rest; None cuts nothing.
+Texts and arrays longer than `truncate_length` are cut, with `...` for the rest; None cuts nothing.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ESCAPED = "\\U000"
 # Columns that no line has: YAML would fold longer ones.
 _WIDE = (1 << 31) - 1
 
-# What IDL calls our primitives.
+# The names of primitives in IDL.
 _IDL_NAMES = {
     "bool": "boolean",
     "byte": "octet",
@@ -32,7 +32,7 @@ _IDL_NAMES = {
 
 @dataclass(frozen=True, slots=True)
 class TextStyle:
-    """What `ros2 topic echo` can leave out."""
+    """The parts that `ros2 topic echo` can leave out."""
 
     truncate_length: int | None = DEFAULT_TRUNCATE_LENGTH
     no_arrays: bool = False

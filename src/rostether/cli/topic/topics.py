@@ -40,7 +40,7 @@ class Topics(Protocol):
     ) -> AbstractAsyncContextManager[TopicMeter]:
         """Join the graph and wait for the topics; `quiet` leaves out the lines about that.
 
-        Only to decode messages, definitions are needed.
+        Definitions are needed only to decode messages.
         """
 
 

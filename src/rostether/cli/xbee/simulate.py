@@ -28,7 +28,7 @@ _KINDS = ("series1", "series3", "digimesh")
 
 @dataclass(frozen=True, slots=True)
 class SimulationOptions:
-    """What to simulate."""
+    """The settings of a simulation."""
 
     boards: int
     link_path: Path | None

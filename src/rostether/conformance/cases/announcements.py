@@ -1,4 +1,4 @@
-"""What a client announces after a request for its topics."""
+"""The announcements of a client after a request for its topics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a client finds frames in the received bytes, and what it drops.
+"""How a client finds frames in the received bytes, and which bytes it drops.
 
 A case that expects no answer sends a valid message after the invalid bytes: only this message may come back.
 So no time limit is needed, and a slow machine cannot change the verdict.

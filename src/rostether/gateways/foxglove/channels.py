@@ -172,7 +172,7 @@ class Channels:
         try:
             learned = Registry(bundled=False)
             learned.add_full_text(actual.name, actual.definition)
-            # Clients decode by this text; a text that differs from the data would show nonsense.
+            # Clients decode with this text; a text that differs from the data would show wrong values.
             return learned.message_type(actual.name).md5sum == actual.md5sum
         except RostetherError:
             return False

@@ -147,7 +147,7 @@ class Client:
             self.status(StatusLevel.ERROR, text)
 
     def channel_ended(self, channel: Channel) -> None:
-        """End the subscription to a channel that is gone."""
+        """End the subscription to a channel that has ended."""
         if subscription := self._by_channel.pop(channel.id, None):
             del self._subscriptions[subscription.id]
             self._gateway.run(subscription.close())

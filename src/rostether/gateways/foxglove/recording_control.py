@@ -40,7 +40,7 @@ class RecordingControl(Protocol):
         """End the playback, if there is one."""
 
     async def state(self) -> Mapping[str, Any]:
-        """Return what is recorded and played, and the finished files, for JSON."""
+        """Return the current recording and playback, and the finished files, for JSON."""
 
 
 class RecordingReports:

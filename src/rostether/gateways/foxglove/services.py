@@ -23,7 +23,7 @@ MAX_SERVICES = 20_000
 
 _ASKED_AT_ONCE = 8
 
-# A node that has just registered may not answer yet; a node that is gone never does.
+# A node that has just registered may not answer yet; a node that has ended never does.
 _RETRY_S = (1.0, 2.0, 5.0, 10.0, 30.0)
 
 

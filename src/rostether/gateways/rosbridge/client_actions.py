@@ -26,7 +26,7 @@ _CANCEL_LIMIT_S = 2.0
 
 
 class ClientActions:
-    """What one client does with actions. Methods raise RostetherError."""
+    """The actions that one client calls or offers. Methods raise RostetherError."""
 
     def __init__(self, context: GatewayContext, send: Send) -> None:
         self._context = context

@@ -20,7 +20,7 @@ _NOTHING: dict[str, Any] = {}
 
 
 class ClientTopics:
-    """What one client does with topics. Every method raises RostetherError."""
+    """The topics that one client subscribes or publishes. Every method raises RostetherError."""
 
     def __init__(
         self,

@@ -80,7 +80,7 @@ class Outbox(Generic[ReceiverT]):
             await self._news.wait()
 
     def next(self) -> Frame | Due[ReceiverT] | None:
-        """Return what to send next; None if there is nothing now, or the client is to be disconnected."""
+        """Return the next message to send; None if there is none, or if the client must be disconnected."""
         if self.is_overflowing:
             return None
         if self._answers:

@@ -15,7 +15,7 @@ LINEAR, ANGULAR, SPEED = "linear", "angular", "speed"
 
 @dataclass(frozen=True, slots=True)
 class DriveLimits:
-    """Limits of what is published; each is also a parameter of the node.
+    """The limits of published commands; each is also a parameter of the node.
 
     `linear` is in m/s, `angular` in rad/s, `speed` in the unit of the command, the others in that unit per
     second. The defaults are a walking pace.

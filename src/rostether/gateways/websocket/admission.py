@@ -136,7 +136,7 @@ def is_same_secret(given: str, wanted: str) -> bool:
 
 
 class Rights(Enum):
-    """What an admitted client may do."""
+    """The rights of an admitted client."""
 
     FULL = "full"
     VIEW = "view"

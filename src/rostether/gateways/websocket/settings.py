@@ -28,7 +28,7 @@ class ConnectionLimits:
 
     ping_period_s: float = 20.0
 
-    # A client that leaves this number of pings unanswered, and reads nothing, is gone.
+    # A client that leaves this number of pings unanswered, and reads nothing, counts as disconnected.
     pings: int = 1
 
 

@@ -10,7 +10,7 @@ from enum import Enum
 
 
 class Kind(Enum):
-    """What a machine is for."""
+    """The purpose of a machine."""
 
     BASE = "base"
     ROBOT = "robot"
@@ -19,7 +19,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """What a robot.toml is made from; `core` is the address of the base station's master.
+    """The settings for a new robot.toml; `core` is the address of the base station's master.
 
     `address` or the network interface `interface` choose by which address others reach this machine.
     """

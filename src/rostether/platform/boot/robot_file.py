@@ -1,4 +1,4 @@
-"""robot.toml: what one machine of a robot runs, in one file."""
+"""robot.toml: all programs of one machine of a robot, in one file."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
 
 
 def check_interface(name: str) -> None:
-    """Raise ConfigError for what cannot be the name of one network interface."""
+    """Raise ConfigError for a text that cannot be the name of a network interface."""
     # 15 bytes is the limit of Linux.
     is_name = re.fullmatch(r"[^\s/,]+", name) is not None and len(os.fsencode(name)) <= 15
     if not is_name or re.fullmatch(r"[\d.]+", name):

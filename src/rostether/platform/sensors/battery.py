@@ -45,9 +45,9 @@ def find_battery(folder: Path = FOLDER) -> Path:
 
 
 def read_battery(supply: Path) -> dict[str, Any]:
-    """Return the fields of sensor_msgs/BatteryState, NaN for what the driver does not measure.
+    """Return the fields of sensor_msgs/BatteryState, NaN for values that the driver does not measure.
 
-    Raises OSError if the battery is gone.
+    Raises OSError if the battery was removed.
     """
     supply.stat()
     voltage = _micro(supply, "voltage_now")

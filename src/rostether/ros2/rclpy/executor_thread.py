@@ -44,7 +44,7 @@ class ExecutorThread:
         return threading.current_thread() is self._thread
 
     async def run(self, function: Callable[[], _Result]) -> _Result:
-        """Run a function in the thread and return what it returns. Raises what it raises, or GraphError."""
+        """Run a function in the thread, and return its result. Raises its error, or GraphError."""
         if self._is_stopping:
             raise GraphError("rclpy has been shut down; open it again")
         future: asyncio.Future[_Result] = self._loop.create_future()

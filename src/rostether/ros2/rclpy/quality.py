@@ -109,7 +109,7 @@ def is_latching(publisher: Any) -> bool:
 def connection_fields(
     publisher: Any, node_name: str, topic: str, message_type: MessageType
 ) -> dict[str, str]:
-    """Return what a ROS 1 publisher's header would have, and the reliability, of an endpoint info."""
+    """Return the fields of a ROS 1 publisher's header for an endpoint info, and its reliability."""
     return {
         "callerid": node_name,
         "topic": topic,

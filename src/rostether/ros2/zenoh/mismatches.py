@@ -21,7 +21,7 @@ class Mismatches:
         self._reported: set[Token] = set()
 
     def report(self, ends: Sequence[Token]) -> None:
-        """Check the current endpoints; forget those that are gone."""
+        """Check the current endpoints; forget those that have ended."""
         wrong = {end for end in ends if not self._matches(end)}
         for end in wrong - self._reported:
             self._report(Level.WARN, self._explain(end))

@@ -1,6 +1,6 @@
 """The puts of one publication while links are full: a thread does them, so that nothing else is delayed.
 
-States and what moves between them:
+States and transitions:
 
     is_idle      the owner puts by itself       -- a batch that was not put to its end -->    busy
                                                 -- a put that held it up long, or two -->     wary
@@ -63,7 +63,7 @@ class Puts:
 
 
 class PutQueue:
-    """Puts what is added in a thread and in order; drops the oldest beyond `limit_bytes`.
+    """Puts added messages in a thread, in order; drops the oldest beyond `limit_bytes`.
 
     `put` is called in a thread, never twice at once; `note` is called in the loop with the result.
     """

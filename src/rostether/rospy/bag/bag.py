@@ -271,7 +271,8 @@ class Bag:
         if self._reader is None:
             if self._writer is None:
                 raise ValueError(_CLOSED)
-            # What was written so far is whole chunks after a flush, and so a bag that was not closed.
+            # After a flush, the written data consists of whole chunks: a bag that was not closed, but can be
+            # read.
             self._writer.flush()
             return self._open(self._writer.path)
         return self._reader

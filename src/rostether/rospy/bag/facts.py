@@ -86,7 +86,7 @@ def compression_of(reader: RecordingReader) -> CompressionTuple:
 
 
 def yaml_text(filename: str, reader: RecordingReader, key: str | None) -> str:
-    """Return what `rosbag info -y` prints, or the value of one key of it."""
+    """Return the output of `rosbag info -y`, or the value of one of its keys."""
     import yaml
 
     facts: dict[str, Any] = {"path": filename, "version": 2.0}

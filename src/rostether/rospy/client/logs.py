@@ -29,7 +29,7 @@ _COLORS = {DEBUG: "\033[32m", WARN: "\033[33m", ERROR: "\033[31m", FATAL: "\033[
 _FORMAT = "[${severity}] [${time}]: ${message}"
 _FILE_FORMAT = "[%(name)s][%(levelname)s] %(asctime)s: %(message)s"
 
-# As rospy: what a node that logs in a loop may leave on the disk, five times.
+# As in rospy: the size of a log file of a node, of which five are kept.
 _BYTES_A_FILE = 50_000_000
 _FILES_KEPT = 4
 
@@ -158,7 +158,7 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
 
 
 def _place() -> tuple[str, int, int]:
-    """Return what identifies a log statement of a program."""
+    """Return the identity of a log statement of a program."""
     frame = sys._getframe(2)
     return frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
 

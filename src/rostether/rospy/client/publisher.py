@@ -20,7 +20,7 @@ from rostether.rospy.client.topic import Topic, topics
 from rostether.tcpros.message_framing import encode_messages
 
 MAX_WAITING_MESSAGES = 100
-# What may wait for the loop's thread before a program that publishes faster must wait.
+# The bytes that may wait for the loop's thread; then a program that publishes faster must wait.
 MAX_WAITING_BYTES = 4 << 20
 
 # How long it waits at most: a graph that shuts down accepts nothing more.

@@ -83,7 +83,7 @@ class _Terminal:
 
 
 class _OwnGraph:
-    """The program's node as the node of a board, which leaves it when the board is gone."""
+    """The program's node as the node of a board, which leaves it when the board has disconnected."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

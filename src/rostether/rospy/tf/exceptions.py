@@ -24,7 +24,7 @@ class InvalidArgumentException(TransformException):
 
 
 class TimeoutException(TransformException):
-    """The answer came too late."""
+    """The answer was too late."""
 
 
 class TypeException(Exception):  # noqa: N818

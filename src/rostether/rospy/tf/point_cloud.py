@@ -91,7 +91,7 @@ def create_cloud_xyz32(header: Any, points: Iterable[Sequence[float]]) -> Any:
 
 
 def struct_format(is_bigendian: bool, fields: Iterable[Any], field_names: Iterable[str] | None = None) -> str:
-    """Return how `struct` reads the wanted fields of a point, and leaves out what lies between them."""
+    """Return the format of `struct` for the wanted fields of a point, without the bytes between them."""
     text = ">" if is_bigendian else "<"
     end = 0
     for field in sorted(fields, key=lambda each: int(each.offset)):

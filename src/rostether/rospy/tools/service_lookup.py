@@ -65,7 +65,7 @@ def get_service_node(service_name: str) -> str | None:
 
 
 def get_service_headers(service_name: str, service_uri: str) -> dict[str, str]:
-    """Return what a service's server says of it. Raises ROSServiceException, ROSServiceIOException."""
+    """Return the header of a service's server. Raises ROSServiceException, ROSServiceIOException."""
     try:
         address = parse_rpc_uri(service_uri, scheme="rosrpc")
     except ConfigError:

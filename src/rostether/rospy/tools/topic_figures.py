@@ -135,7 +135,7 @@ class ROSTopicBandwidth:
 
     @property
     def times(self) -> list[float]:
-        """When messages came."""
+        """The arrival times of messages."""
         return [when for when, _ in self._arrivals]
 
     @property

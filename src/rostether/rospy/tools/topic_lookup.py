@@ -79,7 +79,7 @@ def find_by_type(topic_type: str) -> list[str]:
 
 
 def msgevalgen(pattern: str) -> Evaluate | None:
-    """Return what reads a field of a message, as `/pose/position/x` or `/ranges[1:3]`; None for no field."""
+    """Return a function that reads a field such as `/pose/position/x` or `/ranges[1:3]`, or None."""
     steps: list[tuple[str, int | slice | None]] = []
     for part in filter(None, pattern.split("/")):
         name, bracket, rest = part.partition("[")
@@ -131,7 +131,7 @@ def publish_message(
     once: bool = False,
     verbose: bool = False,
 ) -> None:
-    """Publish what arguments describe: once, at a rate, or until the end. Raises ROSTopicException."""
+    """Publish the message in arguments: once, at a rate, or until the end. Raises ROSTopicException."""
     from rostether.rospy.client.client import spin
 
     message = msg_class()

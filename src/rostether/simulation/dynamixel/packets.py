@@ -21,7 +21,7 @@ _PREFIX_BYTES = len(HEADER) + 3
 
 
 class Instruction(IntEnum):
-    """What a packet requests."""
+    """The instruction of a packet."""
 
     PING = 0x01
     READ = 0x02
@@ -35,7 +35,7 @@ class Instruction(IntEnum):
 
 
 class ServoError(IntEnum):
-    """What a servo reports in the error of a status packet."""
+    """The errors that a servo reports in a status packet."""
 
     NONE = 0
     RESULT_FAIL = 1

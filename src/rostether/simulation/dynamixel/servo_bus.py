@@ -41,7 +41,7 @@ class ServoBus:
             servo.advance(now_s)
 
     def receive(self, data: bytes) -> bytes:
-        """Return what the servos answer to the requests that end in `data`."""
+        """Return the servos' answers to the requests that end in `data`."""
         answer = b""
         for packet in self._reader.feed(data):
             if packet.instruction == Instruction.STATUS:

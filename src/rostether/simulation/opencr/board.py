@@ -87,7 +87,7 @@ class OpenCrBoard:
     ) -> Self:
         """Start a program that `build_for_linux` made, its USB port linked at `link_path`.
 
-        The robot has a full battery and stands still. Raises BoardError if the program does not start,
+        The robot has a full battery and does not move. Raises BoardError if the program does not start,
         TransportOpenError for a `link_path` in use.
         """
         if link_path is not None:

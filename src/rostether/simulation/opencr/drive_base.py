@@ -1,4 +1,4 @@
-"""A robot on two driven wheels: where two simulated servos take it, and what an IMU on it feels."""
+"""A robot with two driven wheels: its pose from two simulated servos, and the values of its IMU."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The air between simulated radios: who receives a packet, how long it takes, and what is lost on the way.
+"""The air between simulated radios: the receivers of a packet, its delay, and lost packets.
 
 802.15.4 at 2.4 GHz: 250 kbit/s for all radios of a channel together. A radio waits for a free channel, sends,
 and expects an acknowledgement; without one it sends again, at most 3 times (more with RR). The packet or its

@@ -1,4 +1,4 @@
-"""The registers of XBee radios: what a factory-fresh one holds, and the largest value it accepts.
+"""The registers of XBee radios: their factory values, and the largest values.
 
 Source: Digi, XBee/XBee-PRO S1 802.15.4 (Legacy) User Guide; XBee 3 802.15.4 and DigiMesh User Guides, "AT
 commands".

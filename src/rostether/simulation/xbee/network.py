@@ -60,7 +60,7 @@ class XbeeNetwork:
     def connect(
         self, radio: SimulatedRadio, transport: Transport, *, host_baud: int | None = None
     ) -> RadioPort:
-        """Connect a radio's serial port, instead of what was connected to it."""
+        """Connect a radio's serial port, instead of its previous connection."""
         if (before := self._ports.get(radio.serial_number)) is not None:
             before.close()
         port = RadioPort(radio, transport, self.air.send_from, host_baud=host_baud)

@@ -64,7 +64,7 @@ class RadioPort:
         """Do nothing, as in `pause_writing`."""
 
     def update(self, baud: int | None = None) -> None:
-        """Send what the radio has for its host and for others, and set its timer.
+        """Send the radio's data for its host and for other radios, and set its timer.
 
         `baud` is the speed for its host, if that has just changed: the answer to ATCN still has the old one.
         """

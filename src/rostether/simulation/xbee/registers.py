@@ -9,7 +9,7 @@ _NO_VALUE: tuple[bool, None] = (True, None)
 
 
 class Registers:
-    """Reads and sets registers as AT commands do; `[]` returns what is in use."""
+    """Reads and sets registers with AT commands; `[]` returns the value in use."""
 
     def __init__(self, model: Model, serial_number: int) -> None:
         self.signal_dbm = 0
@@ -28,7 +28,7 @@ class Registers:
         return self._used[name]
 
     def execute(self, command: str, value: int | None) -> tuple[bool, int | None]:
-        """Run an AT command; return whether it is valid, and what it reads."""
+        """Run an AT command; return whether it is valid, and the value that it reads."""
         match command:
             case "WR":
                 self._stored = dict(self._set)
@@ -44,7 +44,7 @@ class Registers:
         return _NO_VALUE
 
     def apply(self) -> None:
-        """Use what was set."""
+        """Apply the new values."""
         self._used = dict(self._set)
 
     def as_bytes(self, command: str, value: int | None) -> bytes:

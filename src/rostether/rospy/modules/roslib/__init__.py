@@ -1,4 +1,4 @@
-"""roslib: what was needed before catkin, and what turns type names into classes."""
+"""roslib: the functions from before catkin, and those that convert type names to classes."""
 
 # ruff: noqa: F401
 from . import message, names, packages

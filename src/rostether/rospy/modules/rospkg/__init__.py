@@ -1,4 +1,4 @@
-"""rospkg: where packages are, and what is in them."""
+"""rospkg: the folders and contents of packages."""
 
 # ruff: noqa: F401
 from rostether.rospy.tools.ros_packages import (

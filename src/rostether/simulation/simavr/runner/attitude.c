@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * How the board lies, and what its sensors feel of it. Axes: x forward, y left, z up. Roll, pitch and yaw turn about x,
+ * The board's attitude, and the values of its sensors. Axes: x forward, y left, z up. Roll, pitch and yaw turn about x,
  * y and z, right-handed, yaw first (as in ROS); at yaw zero x points to magnetic north.
  */
 #include <math.h>
@@ -49,7 +49,7 @@ void attitude_feel(struct vector *gravity_g, struct vector *turn_rate_dps, struc
     double scale = moving != 0 ? 1 / duration / DEGREE : 0;
     double roll = (to.x - from.x) * scale, pitch = (to.y - from.y) * scale, yaw = (to.z - from.z) * scale;
     double cr = cos(angles.x), sr = sin(angles.x), cp = cos(angles.y), sp = sin(angles.y);
-    /* An accelerometer at rest feels what holds it up. */
+    /* An accelerometer at rest measures the force that holds it. */
     *gravity_g = to_board((struct vector){0, 0, 1}, angles);
     *turn_rate_dps = (struct vector){roll - yaw * sp, pitch * cr + yaw * cp * sr, yaw * cp * cr - pitch * sr};
     *field_ut = to_board((struct vector){FIELD_NORTH_UT, 0, -FIELD_DOWN_UT}, angles);

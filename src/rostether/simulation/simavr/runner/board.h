@@ -46,7 +46,7 @@ const struct pin_place *pin_place_named(const struct board_kind *kind, const cha
 struct board {
     avr_t *avr;
     const struct board_kind *kind;
-    bool fast;          /* as fast as it goes instead of real time */
+    bool fast;          /* as fast as possible instead of in real time */
     bool powered;
     bool running;       /* false while paused, and after the end of `run` */
     bool quitting;
@@ -56,7 +56,7 @@ struct board {
 };
 extern struct board board;
 
-/* core.c: instructions up to a cycle, with what must be watched between two of them. */
+/* core.c: instructions up to a cycle, with the checks between two of them. */
 void core_run_until(cycles_t target);
 void core_reset(void);
 
@@ -66,7 +66,7 @@ void power_off(void);
 void power_reset(const char *cause);
 void power_seed(uint64_t seed);
 
-/* pacing.c: real time, slices, what happens between them. */
+/* pacing.c: real time, slices, and the work between them. */
 int pacing_loop(void);
 void pacing_rebase(void);
 
@@ -88,7 +88,7 @@ size_t uart_room(void);
 void uart_receive(uint8_t byte, bool delayed);
 void uart_look(void);
 
-/* faults.c: what a bad line does to bytes. */
+/* faults.c: the damage of a bad line to bytes. */
 enum direction { TO_BOARD, FROM_BOARD };
 struct faulty_byte {
     uint8_t byte;
@@ -127,7 +127,7 @@ void pin_release(struct pin *pin);
 bool pin_watch(struct pin *pin, bool on);
 void pins_reset(void);
 
-/* timers.c: what the timers do to pins. */
+/* timers.c: the effect of timers on pins. */
 struct pwm {
     bool active;
     double duty;
@@ -143,7 +143,7 @@ const char *pulses_watch_servo(struct pin *pin, bool on);
 bool pulses_report_servo(const struct pin *pin);
 void pulses_look(void);
 
-/* wheels.c: two motors, and where they take the robot. */
+/* wheels.c: two motors, and the robot's pose. */
 void wheels_start(void);
 void wheels_move(void);
 void wheels_tell(void);
@@ -212,7 +212,7 @@ int canaries_free_stack(void);
 bool canaries_place(const char *text, uint32_t *from, uint32_t *end);
 void canaries_tell_restart(uint32_t from);
 
-/* commands.c: what the words do; NULL, or what is wrong with them. */
+/* commands.c: performs commands; returns NULL, or the error. */
 const char *command_perform(char *line);
 
 /* lines.c: words of stdin and of the command line. */

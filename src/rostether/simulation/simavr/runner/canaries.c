@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Signs that a program goes wrong: how near its stack came to its variables, a start over without a reset, accesses
+ * Signs of a faulty program: how near its stack came to its variables, a restart without a reset, accesses
  * where no memory is, opcodes that are none, and writes into guarded memory.
  *
  * The stack's depth is read from the noise that was in RAM at power-up: what is untouched was never used. So it is found
@@ -16,7 +16,7 @@
 #include <sim_core.h>
 
 #define MOST_GUARDS 16
-/* A program that goes wrong does so again and again; the first few tell where. */
+/* A faulty program repeats its fault; the first few reports show the place. */
 #define MOST_REPORTS 100
 #define SCARCE_BYTES 64
 
@@ -141,7 +141,7 @@ void canaries_check_interrupt(void) {
     check(_avr_sp_get(board.avr) + 1u, board.avr->address_size);
 }
 
-/* The instruction that comes next: where does it store? */
+/* Where does the next instruction store? */
 void canaries_check_store(void) {
     avr_t *avr = board.avr;
     const uint8_t *code = avr->flash + avr->pc, *r = avr->data;

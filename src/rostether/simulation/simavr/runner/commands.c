@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Words: what one may tell the board, at its start and while it runs. One that makes no sense changes nothing.
+ * The commands for the board, at its start and while it runs. An invalid one changes nothing.
  */
 #include <math.h>
 #include <stdio.h>

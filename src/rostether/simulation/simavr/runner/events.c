@@ -110,7 +110,7 @@ static void drain(size_t keep) {
         ssize_t result = write(output, pending + written, count < CHUNK ? count : CHUNK);
         if (result < 0 && errno == EINTR) continue;
         if (result < 0) {
-            /* Whoever started us is gone. */
+            /* The program that started this one has ended. */
             board.quitting = true;
             pending_count = 0;
             return;

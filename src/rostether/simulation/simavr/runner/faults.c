@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A bad line, seeded: bytes that flip a bit, go missing or come late, in either direction, at rates per byte. */
+/* A bad line with a seed: bytes with a flipped bit, lost or late bytes, in either direction, at rates per byte. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

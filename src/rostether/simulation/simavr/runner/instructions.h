@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What decode.c makes and instructions.c runs. */
+/* The operations that decode.c creates and instructions.c runs. */
 #ifndef INSTRUCTIONS_H
 #define INSTRUCTIONS_H
 
@@ -34,7 +34,7 @@ void instructions_decode(void);
  */
 bool instructions_run(uint64_t limit);
 
-/* Where the jump to address 0 came from. */
+/* The origin of the jump to address 0. */
 extern uint32_t instructions_jumped_from;
 
 #endif

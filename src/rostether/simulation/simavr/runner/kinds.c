@@ -18,7 +18,7 @@
 
 static const struct pin_place uno_pins[] = {STANDARD_PINS};
 
-/* Its chip has eight analog inputs; the last two are no digital pins. */
+/* Its chip has eight analog inputs; the last two are not digital pins. */
 static const struct pin_place nano_pins[] = {STANDARD_PINS, ANALOG("A6", 0, -1, 6), ANALOG("A7", 0, -1, 7)};
 
 static const struct pin_place mega_pins[] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * The host's end of the UART: a pseudo-terminal, a TCP port on loopback, or only events and the word `send`.
- * As on a real cable, what the board sends while nobody listens is gone. A host that sends faster than the line waits.
+ * As on a real cable, bytes are lost if no host listens. A host that sends faster than the line waits.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -79,7 +79,7 @@ static bool is_listening(void) {
     return kind == TCP ? connection >= 0 : kind == PTY && (terminal_watch < 0 || openers > 0);
 }
 
-/* What one host has not read is not for the next. */
+/* The unread bytes of one host are not for the next. */
 static void forget_output(void) {
     output_count = 0;
     if (kind == PTY) tcflush(terminal_slave, TCIFLUSH);
@@ -169,7 +169,7 @@ void link_send(uint8_t byte) {
     output[last].due = due;
 }
 
-/* Writes what is due; false when the host takes no more now. */
+/* Writes the waiting bytes; false if the host accepts no more now. */
 static bool write_due(void) {
     uint8_t bytes[1024];
     size_t count = 0;

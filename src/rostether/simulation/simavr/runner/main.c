@@ -31,7 +31,7 @@ static int fail(const char *text) {
     return 1;
 }
 
-/* The simulator prints to stdout what it likes; events have a descriptor of their own. */
+/* The simulator also prints to stdout; events have a separate descriptor. */
 static void keep_output_for_events(void) {
     int events = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3), nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     events_open(events);
@@ -42,7 +42,7 @@ static void end_with_parent(void) {
     pid_t parent = getppid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
-    signal(SIGINT, SIG_IGN); /* Ctrl-C reaches the whole terminal; who started us ends us */
+    signal(SIGINT, SIG_IGN); /* Ctrl-C reaches the whole terminal; the starting program ends this one */
     signal(SIGPIPE, SIG_IGN);
 }
 

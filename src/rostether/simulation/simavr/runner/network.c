@@ -26,7 +26,7 @@
 #define CONNECTED 0x01
 #define WAITING 0x02
 #define ROOM 0x04
-/* What a network chip of that kind has. */
+/* The sockets of such a network chip. */
 #define BUFFER 2048
 #define CONNECT_MS 3000
 #define ADDRESS_BYTES 6

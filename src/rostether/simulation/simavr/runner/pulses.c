@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Pulses: PWM as the timers are set, and servo pulses, by software or by a timer, on any pin.
- * A servo's angle is what the usual library makes of it: 544 us is 0 degrees, 2400 us is 180.
+ * A servo's angle as in the usual library: 544 us is 0 degrees, 2400 us is 180.
  */
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the timers do to pins: PWM, read from their registers. The simulator counts time for compare matches and overflows
+ * The effect of timers on pins: PWM, read from their registers. The simulator counts time for compare matches and overflows
  * but lacks some of the modes that count up and down (among them the one Arduino sets timers 1 and 2 to); they are
  * filled in here as modes that count up only: right in period, not in the phase of their interrupts.
  */

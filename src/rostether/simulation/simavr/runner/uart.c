@@ -62,7 +62,7 @@ static void withdraw(avr_int_vector_t *vector) {
     if (queue->read == queue->write && board.avr->interrupt_state > 0) board.avr->interrupt_state = 0;
 }
 
-/* RXC and UDRE ask for their interrupt as long as they stand. */
+/* RXC and UDRE request their interrupt as long as they are set. */
 static void set_level(avr_int_vector_t *vector, bool stands) {
     uint8_t *flags = &board.avr->data[vector->raised.reg];
     uint8_t mask = (uint8_t)(1 << vector->raised.bit);
@@ -126,7 +126,7 @@ static void receive_next(cycles_t from) {
 
 /* Between slices. */
 void uart_look(void) {
-    /* One event a tenth of a second says as much as a hundred. */
+    /* One event every tenth of a second shows as much as a hundred. */
     if (!overruns || board.avr->cycle < overrun_told) return;
     event_begin("overrun");
     event_int("lost_bytes", (long long)overruns);

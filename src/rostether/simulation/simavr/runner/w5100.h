@@ -18,7 +18,7 @@ struct w5100_place {
 /* w5100.c: a datagram arrived for a socket; false if the socket does not receive it, or has no room. */
 bool w5100_deliver(int s, const struct w5100_place *from, const uint8_t *bytes, size_t count);
 
-/* w5100_network.c: NULL, or what is wrong; `group` is NULL for a socket without. */
+/* w5100_network.c: returns NULL, or the error; `group` is NULL for a socket without a group. */
 const char *network_udp_open(int s, uint16_t port, const uint8_t *group);
 void network_udp_close(int s);
 /* False if no machine has the address. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Two motors with a wheel each, and where they take the robot: a driver with a PWM and a direction pin for each motor, as
+ * Two motors with a wheel each, and the robot's pose: a driver with a PWM and a direction pin for each motor, as
  * Arduino's motor shields have; direction high is backwards. A wheel turns as fast as the duty says, at once.
  */
 #include <math.h>

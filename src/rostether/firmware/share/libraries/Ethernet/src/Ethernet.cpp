@@ -7,7 +7,7 @@ const uint8_t kStop = 2;
 const uint8_t kIsConnected = 1;
 const uint8_t kHasByte = 2;
 const uint8_t kHasRoom = 4;
-// As long as Arduino's library waits; the sketch stands still meanwhile.
+// As long as Arduino's library waits; the sketch stops during this time.
 const unsigned long kTimeoutMs = 1000;
 
 // A byte that was looked at, but not taken: the chip cannot take it back.

@@ -87,7 +87,7 @@ void EthernetUDP::take(uint8_t* bytes, uint16_t count) {
 }
 
 int EthernetUDP::parsePacket() {
-  // What was not read of the last one.
+  // The unread bytes of the last one.
   while (remaining_) read();
   if (socket_ == kNone || !W5100.getRXReceivedSize(socket_)) return 0;
   uint8_t header[8];

@@ -1,4 +1,4 @@
-// What of `Ethernet` needs the W5100: apart, so that sketches without UDP do without its code.
+// The part of `Ethernet` that needs the W5100: separate, so that sketches without UDP do not contain its code.
 #include "Ethernet.h"
 #include "utility/w5100.h"
 
