@@ -62,7 +62,7 @@ def parse_address(text: str) -> Address:
     if not text.strip().isprintable():
         raise ConfigError(f"link address {text!r} has invisible characters; type it again")
     place, _, query = text.strip().partition("?")
-    scheme, place = _split_scheme(text, place)
+    scheme, place = _split_scheme(place)
     options = _parse_options(text, scheme, query)
     name, ns = options.pop("name", None), options.pop("ns", None)
     reader = _Options(text, options)
@@ -152,7 +152,7 @@ class _Options:
         return int(value)
 
 
-def _split_scheme(text: str, place: str) -> tuple[str, str]:
+def _split_scheme(place: str) -> tuple[str, str]:
     match = _SCHEME.fullmatch(place)
     if match and match[1].lower() in _KNOWN_OPTIONS:
         return match[1].lower(), match[2]
@@ -161,12 +161,12 @@ def _split_scheme(text: str, place: str) -> tuple[str, str]:
     if not place:
         raise ConfigError("empty link address; write for instance /dev/ttyACM0 or tcp://:11411")
     if place.lower() in _KNOWN_OPTIONS:
-        raise ConfigError(f"not a link address: {text!r}; see `rostether serve --help` for {place.lower()}:")
+        raise ConfigError(f"not a link address: {place!r}; see `rostether serve --help` for {place.lower()}:")
     if (advice := address_advice(place)) is not None:
-        raise ConfigError(f"not a link address: {text!r}; {advice}")
+        raise ConfigError(f"not a link address: {place!r}; {advice}")
     kind = match[1] if match else place
     raise ConfigError(
-        f"unknown kind of link {kind!r} in address {text!r}; known: a serial port's path, "
+        f"unknown kind of link {kind!r} in address {place!r}; known: a serial port's path, "
         f"{', '.join(f'{known}:' for known in _KNOWN_OPTIONS)}"
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import stat
 import sys
+import unicodedata
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Protocol
@@ -36,6 +37,11 @@ def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]
             ) from None
         if (meant := baud_option(path) or _meant(path)) is not None:
             raise ConfigError(f"no serial port {path}; did you mean {meant}?") from None
+        # Names of ports have ASCII characters only; a copied text may have others that look alike.
+        strange = next((each for each in path if not each.isascii()), None)
+        if strange is not None and path.startswith("/dev/"):
+            name = unicodedata.name(strange, "not a letter")
+            raise ConfigError(f"no serial port {path}; {strange!r} is {name}; type it again") from None
         return
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
         if path.endswith(".ino") or any(Path(path).glob("*.ino")):

@@ -43,6 +43,8 @@ def test_files_folders_and_names_of_windows_are_no_ports(tmp_path: Path) -> None
     assert f"{tmp_path} is a folder, not a serial port" in _refused(str(tmp_path))
     (tmp_path / "blink.ino").touch()
     assert f"{tmp_path} is a sketch, not a serial port; write sim:{tmp_path}" in _refused(str(tmp_path))
+    cyrillic = "/dev/ttyACM\N{CYRILLIC SMALL LETTER O}"
+    assert "is CYRILLIC SMALL LETTER O; type it again" in _refused(cyrillic)
     assert _refused("COM3") == "COM3 is a port's name on Windows; here it is /dev/ttyACM7"
 
 
@@ -65,6 +67,8 @@ def test_what_may_be_plugged_in_later_is_waited_for(address: str) -> None:
 def test_a_number_is_a_tcp_port() -> None:
     with pytest.raises(ConfigError, match=re.escape("to listen on that TCP port, write tcp://:11411")):
         parse_address("11411?name=x")
+    with pytest.raises(ConfigError, match=re.escape("not a link address: 'ttyACM0'; ")):
+        parse_address("ttyACM0?name=x")
     with pytest.raises(ConfigError, match=re.escape("write it after the port: /dev/ttyACM0?baud=115200")):
         parse_address("115200")
 

@@ -193,7 +193,11 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
     known = [argument for argument in rest if argument]
     if len(known) > 2:
         raise ConfigError(f"unexpected argument {known[2]!r}; write PORT, or tcp and its port")
-    place = known[0] if known else str(parameters.get("port", DEFAULT_SERIAL_PORT))
+    wanted = parameters.get("port", DEFAULT_SERIAL_PORT)
+    if not known and not isinstance(wanted, str | int):
+        # As in ROS, a value is read as YAML: `tcp:` is a mapping.
+        raise ConfigError(f"port must be a serial port or tcp, not {wanted!r}; write _port:=tcp or a path")
+    place = known[0] if known else str(wanted)
     base_name = node_name.removeprefix(namespace.rstrip("/") + "/")
     options = f"name={base_name}" + (f"&ns={namespace}" if namespace != "/" else "")
     if place == "tcp":

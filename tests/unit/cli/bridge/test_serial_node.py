@@ -46,6 +46,11 @@ def test_baud_that_is_no_number(baud: object) -> None:
         _link(baud=baud)
 
 
+def test_a_port_that_yaml_reads_as_a_mapping() -> None:
+    with pytest.raises(ConfigError, match=r"not \{'tcp': None\}; write _port:=tcp"):
+        _link(port={"tcp": None})
+
+
 def test_too_many_arguments() -> None:
     with pytest.raises(ConfigError, match="unexpected argument"):
         _link("/dev/ttyACM0", "57600", "more")
