@@ -35,6 +35,7 @@ export const texts = {
     neverConnected:
       "The robot does not answer, or it wants a token: open the address that it printed. This page tries again by itself.",
     lostDetail: "The values on this page are old. The page reconnects by itself.",
+    refused: "The robot refuses this page. If its token has changed, open the address that it prints now",
     graphProblemDetail:
       "Nodes that are connected stay connected; new topics do not appear. The robot tries again by itself.",
     dark: "Use dark colors",

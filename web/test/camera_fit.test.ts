@@ -1,8 +1,20 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Box3, MathUtils, PerspectiveCamera, Sprite, Vector2, Vector3 } from "three";
+import {
+  Box3,
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  MathUtils,
+  PerspectiveCamera,
+  Points,
+  Sprite,
+  Vector2,
+  Vector3,
+} from "three";
 import { distanceToFit } from "../src/scene/camera_fit.ts";
 import { arrangeCaptions, type Caption } from "../src/scene/captions.ts";
+import { expandByContent } from "../src/scene/content_bounds.ts";
 import { cellFor } from "../src/scene/ground.ts";
 
 const BOXES = {
@@ -47,4 +59,18 @@ test("the ground's cells are 1, 2 or 5 times a power of ten", () => {
     [0.3, 0.5, 1, 2.4, 26, 50].map((size) => cellFor(size)),
     [0.05, 0.1, 0.2, 0.2, 5, 10],
   );
+});
+
+test("what is drawn is looked at, not the room of its buffers or a stray point", () => {
+  const geometry = new BufferGeometry();
+  const points = new Float32Array([1, 2, 3, -4, 5, 6, Number.NaN, 0, 0, 1e6, 0, 0, 100, 100, 100]);
+  geometry.setAttribute("position", new BufferAttribute(points, 3));
+  geometry.setDrawRange(0, 4);
+  const cloud = new Points(geometry);
+  cloud.position.z = 10;
+  const hidden = new Points(geometry.clone().translate(50, 0, 0));
+  hidden.visible = false;
+  const box = new Box3();
+  expandByContent(box, new Group().add(cloud, hidden));
+  assert.deepEqual([...box.min.toArray(), ...box.max.toArray()], [-4, 2, 13, 1, 5, 16]);
 });

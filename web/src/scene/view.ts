@@ -17,6 +17,7 @@ import { type FrameTask, frameTask } from "../store/frames.ts";
 import { texts } from "../texts.ts";
 import { distanceToFit } from "./camera_fit.ts";
 import { arrangeCaptions } from "./captions.ts";
+import { expandByContent } from "./content_bounds.ts";
 import type { Display, Placed } from "./display.ts";
 import { cellFor, Ground } from "./ground.ts";
 import type { Transform, Vec3 } from "./rigid.ts";
@@ -174,6 +175,13 @@ export class SceneView {
   boundsOf(key: string): Box3 {
     const box = new Box3();
     for (const object of this.drawn.get(key) ?? []) box.expandByObject(object);
+    return box;
+  }
+
+  /** The box around what is drawn of displays, in the fixed frame. */
+  contentBounds(keys: Iterable<string>): Box3 {
+    const box = new Box3();
+    for (const key of keys) for (const object of this.drawn.get(key) ?? []) expandByContent(box, object);
     return box;
   }
 

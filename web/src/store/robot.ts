@@ -2,6 +2,7 @@
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { Gateway } from "../connection/gateway.ts";
 import type { GraphUpdate, Recordings, ServerInfo, Service, Status } from "../connection/protocol.ts";
+import { texts } from "../texts.ts";
 import { Feed, type Listener } from "./feed.ts";
 import { frameTask } from "./frames.ts";
 import { Parameters } from "./parameters.ts";
@@ -72,6 +73,8 @@ export class Robot {
   private readonly bySubscription = new Map<number, Feed>();
   private readonly changed = new Set<Feed>();
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
+  /** How often the page could be loaded since the connection was lost: once may be a robot that just came back. */
+  private refusedBefore = 0;
   private awaitsServices = false;
   private awaitsGraph = false;
   private nextSubscriptionId = 1;
@@ -190,9 +193,11 @@ export class Robot {
         this.connection.value = "lost";
         this.lostReason.value = reason;
       });
+      if (reason === "") void this.explainLoss();
       return;
     }
     batch(() => {
+      this.refusedBefore = 0;
       this.connection.value = "open";
       this.lostReason.value = "";
       this.info.value = info;
@@ -202,6 +207,13 @@ export class Robot {
       this.channels.clear();
       this.awaitsServices = this.awaitsGraph = true;
     });
+  }
+
+  /** A robot that serves its page, and does not let it connect, refuses it; browsers do not say so. */
+  private async explainLoss(): Promise<void> {
+    const answer = await fetch(location.pathname, { cache: "no-store" }).catch(() => undefined);
+    if (answer?.ok && this.connection.value === "lost" && this.refusedBefore++ > 0)
+      this.lostReason.value = texts.shell.refused;
   }
 
   private onChannels(added: Topic[], removedIds: number[]): void {

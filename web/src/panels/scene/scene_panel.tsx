@@ -55,7 +55,7 @@ function SideBar({ stage }: { stage: SceneStage }) {
   return (
     <>
       <div class="scene-tools">
-        <button type="button" class="button" onClick={() => stage.fit()}>
+        <button type="button" class="button" onClick={() => stage.fit(true)}>
           {texts.scene.fit}
         </button>
         <button type="button" class="button" onClick={() => stage.view.lookFrom("top")}>

@@ -21,6 +21,14 @@ import type { PanelContext } from "../panel.ts";
 export const ROBOT = "robot";
 export const FRAMES = "frames";
 const MARKER_TYPES = ["visualization_msgs/Marker", "visualization_msgs/MarkerArray"];
+/** Types that show what is around a robot. */
+const SURROUNDINGS = [
+  ...MARKER_TYPES,
+  "nav_msgs/OccupancyGrid",
+  "nav_msgs/Path",
+  "sensor_msgs/LaserScan",
+  "sensor_msgs/PointCloud2",
+];
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
 /** The first transforms come one after another: the camera fits itself for so many half seconds. */
 const FIT_TICKS = 3;
@@ -96,6 +104,8 @@ export class SceneStage {
   private readonly endings: (() => void)[] = [];
   private readonly subscriptions = new Map<string, () => void>();
   private readonly reports = new Map<string, string>();
+  /** Topics with something to draw, and whether it shows the surroundings. */
+  private readonly contents = new Map<string, boolean>();
   private readonly pending = new Map<string, () => void>();
   private readonly updates = frameTask(() => this.runPending());
   private model: RobotModel | undefined;
@@ -173,9 +183,13 @@ export class SceneStage {
     return !hidden.includes(key) && (only?.includes(key) ?? true);
   }
 
-  /** Move the camera so that everything is in the picture. */
-  fit(): void {
+  /** Move the camera so that the robot is in the picture, or `all` that is drawn. */
+  fit(all = false): void {
     const box = this.extent();
+    const hasRobot = this.view.displays.has(ROBOT);
+    // Without a robot, what its sensors see is what there is to look at.
+    const keys = [...this.contents].filter(([, isSurroundings]) => all || (isSurroundings && !hasRobot));
+    box.union(this.view.contentBounds(keys.map(([key]) => key)));
     this.cellM.value = this.view.fit(box);
     const { x, y, z } = box.getSize(new Vector3());
     const frames = this.view.displays.get(FRAMES);
@@ -226,6 +240,7 @@ export class SceneStage {
       this.subscriptions.delete(key);
       this.view.remove(key);
       this.reports.delete(key);
+      this.contents.delete(key);
     }
     topics.forEach((topic, i) => {
       if (wanted.has(topic) && !this.subscriptions.has(topic))
@@ -254,6 +269,10 @@ export class SceneStage {
       try {
         if (message instanceof Error) throw message;
         display.update(message);
+        if (!this.contents.has(topic)) {
+          this.contents.set(topic, SURROUNDINGS.includes(type));
+          this.ticksToFit = FIT_TICKS;
+        }
       } catch (error) {
         this.reports.set(topic, texts.scene.undecodable((error as Error).message));
       }

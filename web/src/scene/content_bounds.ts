@@ -1,0 +1,50 @@
+// Where what a display draws is, for a camera that shows all of it.
+import {
+  type Box3,
+  type BufferGeometry,
+  InstancedMesh,
+  Matrix4,
+  type Object3D,
+  Sprite,
+  Vector3,
+} from "three";
+
+/** Of one object; so many of its points show well enough where it is. */
+const MAX_LOOKED_AT = 1000;
+/** A few wrong points far away must not make the rest a dot. */
+const MAX_DISTANCE_M = 200;
+
+/** Expands a box by the points that an object draws, in the frame of the whole picture. */
+export function expandByContent(box: Box3, root: Object3D): void {
+  root.updateWorldMatrix(true, true);
+  const point = new Vector3();
+  const add = () => {
+    // False for NaN too.
+    if (point.length() <= MAX_DISTANCE_M) box.expandByPoint(point);
+  };
+  root.traverseVisible((object) => {
+    const { geometry } = object as { geometry?: BufferGeometry };
+    if (geometry === undefined || object instanceof Sprite) return;
+    if (object instanceof InstancedMesh) {
+      const place = new Matrix4();
+      for (let i = 0; i < object.count; i += stepOf(object.count)) {
+        object.getMatrixAt(i, place);
+        point.setFromMatrixPosition(place).applyMatrix4(object.matrixWorld);
+        add();
+      }
+      return;
+    }
+    const positions = geometry.getAttribute("position");
+    if (positions === undefined) return;
+    // Buffers have room for more than is drawn.
+    const count = Math.min(geometry.drawRange.count, positions.count);
+    for (let i = 0; i < count; i += stepOf(count)) {
+      point.fromBufferAttribute(positions, i).applyMatrix4(object.matrixWorld);
+      add();
+    }
+  });
+}
+
+function stepOf(count: number): number {
+  return Math.ceil(count / MAX_LOOKED_AT);
+}
