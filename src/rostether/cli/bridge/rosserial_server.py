@@ -1,8 +1,11 @@
 """The nodes of rosserial_server as roles: their names and parameters, with our bridge.
 
-serial_node        ~port /dev/ttyACM0, ~baud 57600
-socket_node        ~port 11411
-udp_socket_node    ~server_port 11411; the boards' addresses are learned, not set by ~client_*
+serial_node             ~port /dev/ttyACM0, ~baud 57600
+socket_node             ~port 11411, ~listen
+udp_socket_node         ~server_port 11411, ~listen; the boards' addresses are learned, not set by ~client_*
+message_info_service    for programs that ask: our bridge has no need of it
+
+~listen, which is ours, is the address for boards on the network.
 """
 
 from __future__ import annotations
@@ -12,8 +15,10 @@ from collections.abc import Mapping
 import click
 
 from rostether.cli.bridge.serial_node import HostRole, run_host, whole
-from rostether.cli.role.node import node_arguments
+from rostether.cli.role.node import node_arguments, run_role
 from rostether.cli.shell.verbs import Verb
+from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
 from rostether.transports.address import DEFAULT_PORT
 
 _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
@@ -45,7 +50,8 @@ def serial(arguments: tuple[str, ...]) -> None:
 @_arguments
 def socket(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that connect to the TCP port ~port."""
-    _run(HostRole("rosserial_server_socket_node", "rosserial server", ("port",), _socket_link), arguments)
+    known = ("port", "listen")
+    _run(HostRole("rosserial_server_socket_node", "rosserial server", known, _socket_link), arguments)
 
 
 @click.command(
@@ -57,8 +63,27 @@ def socket(arguments: tuple[str, ...]) -> None:
 @_arguments
 def udp(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that send to the UDP port ~server_port."""
-    known = ("server_port", "client_port", "client_addr")
+    known = ("server_port", "client_port", "client_addr", "listen")
     _run(HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link), arguments)
+
+
+@click.command(
+    "message-info-service",
+    cls=Verb,
+    context_settings=_SETTINGS,
+    examples="rostether role message-info-service",
+)
+@_arguments
+def message_info(arguments: tuple[str, ...]) -> None:
+    """Tell the md5sum and the text of definitions: services message_info and service_info."""
+
+    async def main(graph: TypedGraph, _: Arguments) -> None:
+        from rostether.msgdef.registry import Registry
+        from rostether.nodes.message_info import serve_message_info
+
+        await serve_message_info(graph, Registry.from_environment())
+
+    run_role("message_info_service", arguments, main)
 
 
 def _run(host: HostRole, arguments: tuple[str, ...]) -> None:
@@ -72,12 +97,15 @@ def _serial_link(rest: list[str], parameters: Mapping[str, object], *, node_name
 
 
 def _socket_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
-    return f"tcp://:{whole(parameters.get('port', DEFAULT_PORT), 'port')}?{_options(node_name, namespace)}"
+    host = parameters.get("listen", "")
+    return (
+        f"tcp://{host}:{whole(parameters.get('port', DEFAULT_PORT), 'port')}?{_options(node_name, namespace)}"
+    )
 
 
 def _udp_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
     port = whole(parameters.get("server_port", DEFAULT_PORT), "server_port")
-    return f"udp://:{port}?{_options(node_name, namespace)}"
+    return f"udp://{parameters.get('listen', '')}:{port}?{_options(node_name, namespace)}"
 
 
 def _options(node_name: str, namespace: str) -> str:

@@ -148,7 +148,8 @@ async def _serve(
         links = read_links(link, hosts, allowed)
         if isinstance(links[0], SimAddress):
             raise ConfigError(f"serial-node does not serve simulated boards; use `rostether serve {link}`")
-        for line in loopback_lines(used.environment, links):
+        consent = "listen:=0.0.0.0" if "listen" in host.parameters else "--listen 0.0.0.0"
+        for line in loopback_lines(used.environment, links, consent=consent):
             reporter.line(Level.INFO, line)
         if isinstance(links[0], TcpAddress):
             reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")

@@ -66,15 +66,17 @@ def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) 
     return WebBoards()
 
 
-def loopback_lines(environment: RosEnvironment | None, links: Sequence[Address]) -> list[str]:
+def loopback_lines(
+    environment: RosEnvironment | None, links: Sequence[Address], *, consent: str = "--listen 0.0.0.0"
+) -> list[str]:
     """Return a line for each listener on loopback that other machines would need.
 
-    `environment` is that of ROS 1, None if there is none.
+    `environment` is that of ROS 1, None if there is none; `consent` is what to add for boards on the network.
     """
     listeners = [link for link in links if isinstance(link, TcpAddress | UdpAddress) and link.listens]
     wide = {(type(link), link.port) for link in listeners if not is_loopback(link.host)}
     lines = [
-        f"{link} accepts boards on this machine only; add --listen 0.0.0.0 for boards on the network"
+        f"{link} accepts boards on this machine only; add {consent} for boards on the network"
         for link in listeners
         if (type(link), link.port) not in wide
     ]

@@ -29,6 +29,9 @@ ROLES = {
     "rosserial-server-udp": VerbEntry(
         f"{_SERVERS}:udp", "Bridge a board over UDP, like rosserial_server's udp_socket_node."
     ),
+    "message-info-service": VerbEntry(
+        f"{_SERVERS}:message_info", "Tell the md5sums of types, like message_info_service.py."
+    ),
     "xbee-network": VerbEntry(
         "rostether.cli.xbee.network:xbee_network", "Bridge boards on XBee radios, like xbee_network.py."
     ),

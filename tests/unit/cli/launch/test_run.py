@@ -87,7 +87,7 @@ def test_what_is_not_there_is_reported_with_what_is_near(arm: Path, shell: Shell
     assert "did you mean move.py?" in shell.failure("run", "arm", "mov.py")
     assert "no package arn; did you mean arm?" in shell.failure("run", "arn", "move.py")
     assert "did you mean rosserial_python" in shell.failure("run", "rosserial_pyton", "serial_node.py")
-    assert "the built-in ones are serial_node, serial_node.py" in shell.failure(
+    assert "message_info_service.py, serial_node, serial_node.py" in shell.failure(
         "run", "rosserial_python", "x"
     )
     assert "`rostether pkg list`" in shell.failure("run", "xyzzyx", "x")

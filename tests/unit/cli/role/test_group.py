@@ -122,6 +122,19 @@ async def test_a_board_at_rosserial_server(master: MasterServer, graph: TypedGra
             assert "/board" in (await graph.snapshot()).topics["/chatter"].publishers
 
 
+async def test_boards_at_the_launch_file_of_rosserial_server(
+    master: MasterServer, graph: TypedGraph, tmp_path: Path
+) -> None:
+    port = free_port()
+    environ = {"ROS_MASTER_URI": master.uri, "ROS_LOG_DIR": str(tmp_path)}
+    async with started("launch", "rosserial_server", "socket.launch", f"port:={port}", **environ) as launched:
+        await launched.wait_for("add listen:=0.0.0.0 for boards on the network")
+        await launched.wait_for(f"Waiting for boards on tcp://127.0.0.1:{port}")
+        async with Device(f"tcp://127.0.0.1:{port}") as device:
+            device.publisher("chatter", "std_msgs/String")
+            await launched.wait_for("Setup publisher on chatter")
+
+
 def test_the_links_of_rosserial_server() -> None:
     names = {"node_name": "/lab/board", "namespace": "/lab"}
     assert _serial_link([], {}, **names) == "/dev/ttyACM0?name=board&ns=/lab"
@@ -130,6 +143,9 @@ def test_the_links_of_rosserial_server() -> None:
     )
     assert _socket_link([], {}, node_name="/b", namespace="/") == "tcp://:11411?name=b"
     assert _udp_link([], {"server_port": 5}, node_name="/b", namespace="/") == "udp://:5?name=b"
+    wide = {"listen": "0.0.0.0"}
+    assert _socket_link([], wide, node_name="/b", namespace="/") == "tcp://0.0.0.0:11411?name=b"
+    assert _udp_link([], wide, node_name="/b", namespace="/") == "udp://0.0.0.0:11411?name=b"
 
 
 @pytest.mark.parametrize(
