@@ -8,6 +8,6 @@ import { Robot } from "./store/robot.ts";
 keepToken();
 releaseWhenHidden();
 const robot = new Robot();
-// For tests and for those who look into a page: `rostether.subscriptionCount`.
+// For tests and for developers: `rostether.subscriptionCount`.
 Object.assign(globalThis, { rostether: robot });
 render(<App robot={robot} />, document.getElementById("app")!);

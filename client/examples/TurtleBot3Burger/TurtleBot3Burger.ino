@@ -146,7 +146,7 @@ void setDiagonal(Number* covariance, float variance) {
   covariance[0] = covariance[4] = covariance[8] = variance;
 }
 
-// What never changes in the messages.
+// The constant parts of the messages.
 void fillMessages() {
   odom.header.frame_id = transform.header.frame_id = frames.odom;
   odom.child_frame_id = transform.child_frame_id = frames.base_footprint;

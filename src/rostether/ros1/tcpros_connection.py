@@ -130,7 +130,7 @@ class HandshakeProtocol(asyncio.Protocol):
             self.outcome.exception()
         if self._transport is not None:
             self._transport.close()
-            # Who does not read our refusal is not waited for.
+            # Do not wait for a peer that does not read the refusal.
             asyncio.get_running_loop().call_later(CLOSE_GRACE_S, self._transport.abort)
 
 

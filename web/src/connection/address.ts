@@ -41,7 +41,7 @@ export function gatewayUrl(): string {
   url.protocol = url.protocol === "https:" || url.protocol === "wss:" ? "wss:" : "ws:";
   url.hash = "";
   const token = sessionStorage.getItem(TOKEN_KEY);
-  // A token is for the server that the page came from, never for one that a link names.
+  // A token is only for the server of the page, never for a server in a link.
   if (token && (!given || url.hostname === location.hostname)) url.searchParams.set("token", token);
   return url.href;
 }

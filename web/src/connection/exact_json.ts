@@ -1,6 +1,6 @@
 // JSON whose integers keep all digits: a parameter may have 64 bits, a number of JavaScript exact ones only to 2^53.
 
-/** What browsers of 2025 have; older ones round such integers. */
+/** Supported by browsers since 2025; older ones round such integers. */
 interface Source {
   readonly source?: string;
 }

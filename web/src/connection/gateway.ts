@@ -40,7 +40,7 @@ interface Waiting<T> {
   reject(error: Error): void;
 }
 
-// An answer that never comes must not be kept for ever; the gateway itself waits 60 s for a service.
+// A request without an answer must not be kept forever; the gateway itself waits 60 s for a service.
 const ANSWER_TIMEOUT_MS = 65_000;
 
 /** A request that the gateway refused, or that it did not answer. */
@@ -285,7 +285,7 @@ export class Gateway {
         this.handlers.onParameters(message.parameters);
         break;
       case "status":
-        // Those with an id come on the view connection as well; the others answer what this one sent.
+        // Statuses with an id also arrive on the view connection; the others answer requests of this one.
         if (message.id === undefined) this.handlers.onRefusal(message.message);
         break;
     }

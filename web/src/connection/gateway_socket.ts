@@ -7,7 +7,7 @@ import { ReconnectingSocket } from "./socket.ts";
 const PARAMETERS = '{"op":"parameterValues"';
 
 export interface GatewaySocketHandlers {
-  /** The server's first message came: the connection can be used. */
+  /** The server's first message has arrived: the connection can be used. */
   onOpen(): void;
   onText(message: ServerText): void;
   onBinary(message: ServerBinary): void;

@@ -49,7 +49,7 @@ export interface ServerInfo {
 /** Who drives a command topic: nobody, this page, or another client (an extension of our gateway). */
 export interface Lease {
   state: "free" | "driving" | "taken";
-  /** The name of who drives; empty when nobody does. */
+  /** The driver's name; empty without a driver. */
   driver: string;
 }
 /** A topic that the page publishes. */
@@ -67,12 +67,12 @@ export interface Playing {
   paused: boolean;
   prefix: string;
 }
-/** What the gateway records and has recorded (an extension of our gateway). */
+/** The current and the finished recordings of the gateway (an extension of our gateway). */
 export interface Recordings {
   folder: string;
   active: { name: string; seconds: number; messages: number; topics: number; bytes: number } | null;
   files: { name: string; bytes: number; time: number }[];
-  /** What is played: where it is, of how many seconds; the prefix of its topics. */
+  /** The current playback: its position and length in seconds, and the prefix of its topics. */
   playing?: Playing | null;
   /** Why the last recording failed. */
   error?: string;
@@ -100,7 +100,7 @@ export type ServerBinary =
 
 const text = new TextDecoder();
 
-/** Parses a binary message; undefined when it is none that the page knows. */
+/** Parses a binary message; undefined for unknown kinds. */
 export function parseBinary(data: ArrayBuffer): ServerBinary | undefined {
   const view = new DataView(data);
   const opcode = data.byteLength > 0 ? view.getUint8(0) : 0;

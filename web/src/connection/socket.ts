@@ -90,7 +90,7 @@ export class ReconnectingSocket {
   }
 
   private retryLater(reason: string): void {
-    // A crowd of pages does not come back at the same moment.
+    // Many pages must not connect again at the same moment.
     const wait = this.retryMs * (0.75 + Math.random() / 2);
     this.retryMs = Math.min(this.retryMs * 2, MAX_RETRY_MS);
     this.timer = setTimeout(() => this.connect(), wait);

@@ -5,7 +5,7 @@ import type { Field, Node, Primitive, StructNode } from "../wire/schema.ts";
 import { typeName } from "../wire/schema.ts";
 import { parseList, parseNumber } from "./numbers.ts";
 
-/** What the form edits: fields that are missing are zero. */
+/** The edited value: missing fields are zero. */
 export type Draft = Record<string, unknown>;
 
 interface FieldProps {
@@ -113,7 +113,7 @@ function StructList(props: {
   );
 }
 
-/** The field of one value that is no structure. What cannot be read keeps its text and is marked. */
+/** The field of one value that is not a structure. An invalid text is kept and marked. */
 export function ValueField({ node, value, label, onChange }: FieldProps) {
   switch (node.kind) {
     case "primitive":

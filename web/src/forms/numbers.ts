@@ -1,4 +1,4 @@
-// Reads what people type into fields.
+// Reads the input of fields.
 
 import { texts } from "../texts.ts";
 import type { Node, Primitive } from "../wire/schema.ts";
@@ -20,7 +20,7 @@ export function limitsOf(type: Primitive): readonly [number, number] | undefined
   return limits && [Number(limits[0]), Number(limits[1])];
 }
 
-/** Reads one number; a string is the sentence that says why it is none. An empty field is 0. */
+/** Reads one number; a string is the error text. An empty field is 0. */
 export function parseNumber(type: Primitive, text: string): number | bigint | string {
   const trimmed = text.trim().replace(",", ".");
   const limits = LIMITS[type];
@@ -39,7 +39,7 @@ export function parseNumber(type: Primitive, text: string): number | bigint | st
   return type.endsWith("64") ? whole : Number(whole);
 }
 
-/** Reads a list of values that commas separate; a string says what is wrong. */
+/** Reads a list of values separated by commas; a string is the error text. */
 export function parseList(element: Node, text: string): unknown[] | string {
   const parts =
     text.trim() === ""

@@ -4,7 +4,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Feed, Listener } from "../store/feed.ts";
 import type { PanelContext } from "./panel.ts";
 
-/** Subscribes while the panel is visible; the component is drawn again when messages come, at most once a frame. */
+/** Subscribes while the panel is visible; the component is drawn again for new messages, at most once a frame. */
 export function useFeed(context: PanelContext, topicName: string, listener?: Listener): Feed {
   const feed = useMemo(() => context.robot.feed(topicName), [topicName]);
   useEffect(() => {

@@ -12,7 +12,7 @@ const RETRY_MS = 1000;
 // A late card does not wait longer than this for a pause.
 const MAX_WAIT_MS = 1500;
 
-/** Mounts `panel` in `host`; returns what removes it. */
+/** Mounts `panel` in `host`; returns a function that removes it. */
 export function mountPanel(
   panel: Panel,
   host: HTMLElement,
@@ -82,7 +82,7 @@ export function mountPanel(
   };
 }
 
-/** Calls `run` when the browser has nothing else to do; returns what prevents it. */
+/** Calls `run` when the browser is idle; returns a function that cancels it. */
 function inPause(run: () => void): () => void {
   // Safari has no idle callbacks.
   if (!("requestIdleCallback" in globalThis)) {

@@ -1,4 +1,4 @@
-// What people look at first in messages of a type: for cards, and for a message in one line.
+// The most important fields of a type: for cards, and for a message in one line.
 
 const XYZ = (path: string) => ["x", "y", "z"].map((axis) => `${path}.${axis}`);
 export const MAIN_FIELDS: Record<string, string[]> = {

@@ -1,4 +1,4 @@
-// The contract between a panel and the page. README.md says how to add one.
+// The contract between a panel and the page. README.md explains how to add one.
 import type { ReadonlySignal, Signal } from "@preact/signals";
 import type { IconName } from "../shell/icons.tsx";
 import type { Feed, Listener } from "../store/feed.ts";
@@ -13,7 +13,7 @@ export type Settings = Record<string, unknown>;
 export interface Suggestion {
   /** Stable, so that the card keeps its place: `/ultrasound`. */
   key: string;
-  /** What the card's head shows. */
+  /** The content of the card's head. */
   title: string;
   settings: Settings;
   /** Columns of the overview's grid on a wide screen, 1 to 3. */
@@ -48,9 +48,9 @@ export interface PanelContext {
   open(panelId: string, settings?: Settings): void;
 }
 
-/** What a panel's module exports as `default`. */
+/** The `default` export of a panel's module. */
 export interface PanelModule {
-  /** Builds the panel in `host`; returns what removes it and frees all it holds. */
+  /** Builds the panel in `host`; returns a function that removes it and frees its resources. */
   mount(host: HTMLElement, context: PanelContext): () => void;
 }
 
@@ -59,9 +59,9 @@ export interface Panel {
   id: string;
   title: keyof typeof texts.panels;
   icon: IconName;
-  /** Whether it is among the four of the phone's tab bar; the others are behind "More". */
+  /** Whether it is one of the four in the phone's tab bar; the others are under "More". */
   onTabBar?: boolean;
-  /** Whether its page takes the whole window, without a scroll bar. */
+  /** Whether its page fills the whole window, without a scroll bar. */
   fillsPage?: boolean;
   /** Whether its code is large: as a card it is loaded when the others have drawn. */
   loadsLate?: boolean;

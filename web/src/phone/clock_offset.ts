@@ -25,7 +25,7 @@ export class ClockOffset {
     if (this.samples.length > KEPT) this.samples.shift();
   }
 
-  /** The quickest answer's: it waited least on its way. Undefined without an answer. */
+  /** The offset of the fastest answer, which had the least delay. Undefined without an answer. */
   get best(): Sample | undefined {
     return this.samples.reduce<Sample | undefined>(
       (best, each) => (best && best.roundTripMs <= each.roundTripMs ? best : each),

@@ -6,7 +6,7 @@ const DENIED = 1;
 const STATUS_FIX = 0;
 const SERVICE_GPS = 1;
 const APPROXIMATED = 1;
-// A phone that does not move has one position for long; those who subscribe later need it, too.
+// A phone that does not move keeps its position for long; later subscribers need it too.
 const REPEAT_MS = 1000;
 // Accuracies are of 95 %, covariances of one standard deviation.
 const DEVIATIONS = 1.96;
@@ -39,7 +39,7 @@ export const gps: Sensor = {
         clearInterval(timer);
         timer = setInterval(publish, REPEAT_MS);
       },
-      // Without satellites for a while, the last position is repeated; its stamp says how old it is.
+      // Without satellites for a while, the last position is repeated; its stamp shows its age.
       ({ code }) => {
         if (publish === undefined || code === DENIED) output.fail(code === DENIED ? "denied" : "unavailable");
       },

@@ -1,4 +1,4 @@
-// A phone's own connection to the robot: its pictures never delay a stop, which uses another one.
+// A separate connection for the phone's sensors: its pictures never delay a stop, which uses another one.
 import { type Signal, signal } from "@preact/signals";
 import { gatewayUrl } from "../connection/address.ts";
 import { gatewaySocket } from "../connection/gateway_socket.ts";
@@ -19,7 +19,7 @@ export class PhoneLink {
   readonly isOpen = signal(false);
   /** The offset of the robot's clock and the time of the answer, in milliseconds. */
   readonly offset: Signal<{ offsetMs: number; roundTripMs: number } | undefined> = signal(undefined);
-  /** What the robot refused. */
+  /** An error of the robot. */
   readonly problem = signal("");
   private readonly socket: ReconnectingSocket;
   private readonly topics = new Map<number, { topic: string; schemaName: string }>();
@@ -80,7 +80,7 @@ export class PhoneLink {
     return this.isOpen.peek() && this.socket.waitingBytes < MAX_WAITING_BYTES;
   }
 
-  /** Publishes a message; false, and nothing is sent later, when the connection is slow or gone. */
+  /** Publishes a message; returns false, and drops it, when the connection is slow or lost. */
   publish(id: number, payload: Uint8Array): boolean {
     return this.hasRoom && this.socket.send(messageData(id, payload));
   }

@@ -22,7 +22,7 @@ export class SensorError extends Error {
 }
 
 export interface SensorSettings {
-  /** Messages a second, at most; 0 means as they come. */
+  /** The limit of messages a second; 0 means no limit. */
   hertz: number;
   /** Pixels, of the camera. */
   width: number;
@@ -37,7 +37,7 @@ export interface SensorOutput {
   hasRoom(): boolean;
   /** Publishes the fields beside the header, measured at a time of the page in milliseconds. */
   publish(fields: Record<string, unknown>, measuredMs: number): void;
-  /** Reports what ends the sensor later. */
+  /** Reports the error that ends the sensor later. */
   fail(problem: Problem): void;
 }
 
@@ -46,7 +46,7 @@ export interface Sensor {
   type: PhoneType;
   /** The topic below the phone's name. */
   topic: string;
-  /** Begins to publish; resolves with what ends it. Rejects with SensorError. */
+  /** Starts to publish; resolves with a function that ends it. Rejects with SensorError. */
   start(output: SensorOutput): Promise<() => void>;
 }
 

@@ -1,4 +1,4 @@
-// Thins series to what a screen shows: the least and the greatest value of each pixel column.
+// Thins series to the resolution of the screen: the least and the greatest value of each pixel column.
 import type { SeriesBuffer } from "./series_buffer.ts";
 
 /** `undefined` is joined by a line, `null` breaks it. */
@@ -32,7 +32,7 @@ export function gridTimes(grid: Grid): number[] {
 // uPlot has no axis for more, and one such value must not hide the others.
 const MAX_DRAWN = 1e30;
 
-/** What a chart draws of a value: NaN and infinite ones break the line (REP 117: nothing within range). */
+/** The drawn form of a value: NaN and infinite ones break the line (REP 117: nothing within range). */
 export function drawable(value: number): number {
   return Number.isFinite(value) ? Math.max(-MAX_DRAWN, Math.min(MAX_DRAWN, value)) : Number.NaN;
 }

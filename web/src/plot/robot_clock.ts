@@ -14,7 +14,7 @@ export class RobotClock {
     this.simulatedNs = simulatedNs;
   }
 
-  /** Notes a message's time on the robot and when it came here. */
+  /** Records a message's time on the robot and its arrival time. */
   note(timeS: number, receivedMs: number): void {
     const offset = timeS - receivedMs / 1000;
     if (!(Math.abs(offset - this.offsetS) < SET_S)) this.offsetS = offset;

@@ -1,13 +1,13 @@
 // The last five minutes of one number, in typed arrays. A gap in the data is a NaN.
 
-/** How far back a plot always goes. */
+/** The minimum history of a plot. */
 export const KEPT_S = 300;
 const FIRST_POINTS = 1024;
-// Five minutes at 1.7 kHz; what is faster keeps less.
+// Five minutes at 1.7 kHz; faster series keep less.
 const MAX_POINTS = 1 << 19;
-// A clock that goes back by more was set: what came before is of another time.
+// A clock that goes back by more was set: earlier values belong to another time.
 const SET_BACK_S = 1;
-// A pause this many times longer than usual is a gap, for what usually comes at 2 Hz or faster.
+// A pause longer than usual by this factor is a gap, for series of 2 Hz or faster.
 const GAP_PERIODS = 4;
 const MIN_GAP_S = 1;
 const REGULAR_PERIOD_S = 0.5;

@@ -1,4 +1,4 @@
-// How far the camera stands from a box that it shows whole.
+// The camera's distance from a box that it shows completely.
 import { type Box3, Vector3 } from "three";
 
 /** The part of the picture's width and height that the box fills. */

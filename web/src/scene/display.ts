@@ -1,4 +1,4 @@
-// What draws the messages of one topic.
+// Draws the messages of one topic.
 import { type BufferGeometry, type Material, type Mesh, Object3D, Sprite } from "three";
 import type { Caption } from "./captions.ts";
 import type { Xyz, Xyzw } from "./messages.ts";
@@ -15,9 +15,9 @@ export interface Placed {
 export interface Display {
   /** Draw a decoded message. */
   update(message: unknown): void;
-  /** What to keep in place. Most displays have one thing, markers many. */
+  /** The placed things. Most displays have one, markers many. */
   placed(): Iterable<Placed>;
-  /** Names in what is placed, the most important first. */
+  /** The names in placed things, the most important first. */
   readonly captions?: readonly Caption[];
   dispose(): void;
 }
@@ -66,7 +66,7 @@ export abstract class HeaderDisplay<Message> implements Display {
   protected abstract draw(message: Message): void;
 }
 
-/** Release what an object holds on the graphics card. */
+/** Release the resources of an object on the graphics card. */
 export function disposeTree(root: Object3D): void {
   root.removeFromParent();
   root.traverse((object) => {

@@ -106,7 +106,7 @@ export class PathDisplay extends HeaderDisplay<{ poses: { pose: Pose }[] }> {
   }
 }
 
-/** nav_msgs/Odometry: an arrow at the pose, and the way it came. */
+/** nav_msgs/Odometry: an arrow at the pose, and its path. */
 export class OdometryDisplay extends HeaderDisplay<{ pose: { pose: Pose } }> {
   private readonly pointer = new Group();
   private readonly trail = new Polyline(this.context.color);
@@ -145,7 +145,7 @@ const CELL_COLORS = new Uint32Array(
     return cell <= 100 ? 205 - 1.8 * cell : ([105, 120, 110][channel] as number);
   }).buffer,
 );
-/** A side of a picture that every graphics card takes. */
+/** The side of a picture that every graphics card supports. */
 const MAX_SIDE = 4096;
 
 /** nav_msgs/OccupancyGrid. */
@@ -179,7 +179,7 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
     setPose(this.holder, origin.position, origin.orientation);
   }
 
-  /** The plane of one metre with the cells on it; maps that grow take a new picture. */
+  /** The plane of one metre with the cells on it; maps that grow need a new picture. */
   private paint(cells: Int8Array, width: number, height: number): Mesh {
     const step = Math.ceil(Math.max(width, height) / MAX_SIDE);
     const [columns, rows] = [Math.ceil(width / step), Math.ceil(height / step)];

@@ -10,7 +10,7 @@ type FetchAsset = (uri: string) => Promise<Uint8Array>;
  * Load a mesh.
  *
  * @param uri package:// or file://
- * @param material replaces the file's own; undefined keeps what the file says.
+ * @param material replaces the file's own; undefined keeps the file's.
  * @throws Error with a sentence for the user.
  */
 export async function loadMesh(uri: string, fetchAsset: FetchAsset, material?: Material): Promise<Object3D> {

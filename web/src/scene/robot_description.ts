@@ -17,7 +17,7 @@ export function followRobotDescription(context: PanelContext, onText: (urdf: str
     const message = feed.lastMessage();
     if (message !== undefined && !(message instanceof Error)) offer(message.data);
   });
-  // A latched description came to the panel before, with which this one shares the subscription.
+  // The panel that shares the subscription has already received a latched description.
   const last = feed.lastMessage();
   if (last !== undefined && !(last instanceof Error)) offer(last.data);
   const endRead = effect(() => {

@@ -1,4 +1,4 @@
-// Reads what a .rviz file says about the fixed frame and its displays.
+// Reads the fixed frame and the displays of a .rviz file.
 export interface RvizDisplay {
   /** Such as `rviz/LaserScan` or `rviz_default_plugins/LaserScan`, without the package. */
   readonly kind: string;

@@ -22,7 +22,7 @@ import type { Imu, LaserScan, PointCloud2, PointField, Range } from "./messages.
 import { normalized } from "./rigid.ts";
 import { arrow, axes, resizePoints } from "./shapes.ts";
 
-/** A sensor that says more than this has a corrupt message; 2 million points are 48 MB of buffers. */
+/** A message with more points is damaged; 2 million points are 48 MB of buffers. */
 const MAX_POINTS = 2_000_000;
 
 abstract class PointsDisplay<Message> extends HeaderDisplay<Message> {
@@ -137,7 +137,7 @@ export class ImuDisplay extends HeaderDisplay<Imu> {
 
   protected draw(imu: Imu): void {
     const { orientation: q, linear_acceleration: a } = imu;
-    // sensor_msgs/Imu: a first covariance of -1 says that there is no orientation.
+    // sensor_msgs/Imu: a first covariance of -1 means no orientation.
     const oriented = (imu.orientation_covariance[0] as number) !== -1;
     this.body.quaternion.set(...(oriented ? normalized([q.x, q.y, q.z, q.w]) : ([0, 0, 0, 1] as const)));
     const vector = new Vector3(a.x, a.y, a.z);
@@ -186,7 +186,7 @@ export class PointCloudDisplay extends PointsDisplay<PointCloud2> {
 
   protected draw(cloud: PointCloud2): void {
     const { data, point_step: step, row_step: row, width, height, fields } = cloud;
-    // What does not fit, or has no points, must not leave the points of the message before.
+    // An invalid message, or one without points, must remove the points of the previous one.
     this.geometry.setDrawRange(0, 0);
     if (width * height === 0) {
       this.context.report("");

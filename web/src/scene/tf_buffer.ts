@@ -53,7 +53,7 @@ export class TfBuffer {
     const name = frameName(child);
     const above = frameName(parent);
     if (name === "" || above === "" || name === above) return;
-    // As tf2: a sensor without a measurement must not take all views with it.
+    // As in tf2: a sensor without a measurement must not break all views.
     if (![...transform.translation, ...transform.rotation].every(Number.isFinite)) return;
     let edge = this.edges.get(name);
     if (edge === undefined) {
@@ -73,7 +73,7 @@ export class TfBuffer {
     else insertSample(edge, { timeS, transform });
   }
 
-  /** Forget all that moves: the clock went back, and what was is of another run. As tf2. */
+  /** Forget all moving frames, as in tf2: the clock went back, so earlier transforms belong to another run. */
   clearHistory(): void {
     for (const edge of this.edges.values()) if (!edge.isStatic) edge.samples = [];
   }
@@ -96,8 +96,8 @@ export class TfBuffer {
   /**
    * Where `source` is in `target`.
    *
-   * @param atS the time in seconds; null takes the newest that all transforms between the two have.
-   * @returns the transform, or a sentence that says why there is none.
+   * @param atS the time in seconds; null means the newest time that all transforms between the two have.
+   * @returns the transform, or a sentence with the reason.
    */
   lookup(target: string, source: string, atS: number | null = null): Found | string {
     const to = frameName(target);

@@ -8,7 +8,7 @@ import { MAX_FRAMES, TfBuffer } from "./tf_buffer.ts";
 export const TF_TYPES = ["tf2_msgs/TFMessage", "tf/tfMessage"];
 const STATIC_TOPIC = "/tf_static";
 
-// A static transform comes once for each subscription, and panels share one: each starts with those that came before.
+// A static transform arrives once for each subscription, and panels share one: each starts with the earlier ones.
 const staticTransforms = new WeakMap<Feed, Map<string, Received>>();
 
 interface Received {

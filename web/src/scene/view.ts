@@ -41,7 +41,7 @@ export interface Placement {
 
 export class SceneView {
   readonly displays = new Map<string, Display>();
-  /** Sentences about what cannot be drawn as it should, by key of the display. */
+  /** Sentences about problems of displays, by their keys. */
   readonly problems = new Map<string, string>();
   fixedFrame = "";
   /** The camera moves with this frame; empty for none. */
@@ -103,7 +103,7 @@ export class SceneView {
     this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 0.5)));
   }
 
-  /** Take the colours from the page's style again, after dark and light were switched. */
+  /** Read the colours from the page's style again, after a switch between dark and light. */
   applyTheme(): void {
     const style = getComputedStyle(this.host);
     const color = (name: string, fallback: string) =>
@@ -113,7 +113,7 @@ export class SceneView {
     this.markDirty();
   }
 
-  /** Look at what the camera looks at from another side. */
+  /** Turn the camera to another side of the same point. */
   lookFrom(direction: keyof typeof DIRECTIONS): void {
     this.standAt(direction, this.camera.position.distanceTo(this.controls.target));
   }
@@ -171,7 +171,7 @@ export class SceneView {
     this.frame.markDirty();
   }
 
-  /** The box around what a display draws, in the fixed frame; empty when there is nothing. */
+  /** The box around a display, in the fixed frame; empty without content. */
   boundsOf(key: string): Box3 {
     const box = new Box3();
     for (const object of this.drawn.get(key) ?? []) box.expandByObject(object);
@@ -205,7 +205,7 @@ export class SceneView {
     this.renderer.domElement.remove();
   }
 
-  /** Where a thing is in the fixed frame. What no transform connects is drawn at the origin, and said. */
+  /** The pose of a thing in the fixed frame. Without a transform it is drawn at the origin, with a notice. */
   place(frame: string, stampS: number | null): Placement {
     const from = frameName(frame);
     if (from === "" || from === frameName(this.fixedFrame)) return { transform: undefined, problem: "" };

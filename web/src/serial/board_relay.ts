@@ -133,7 +133,7 @@ export class BoardRelay {
 
   private relay(data: Uint8Array<ArrayBuffer>): Promise<void> | undefined {
     this.receivedBytes += data.byteLength;
-    // What comes before is lost, as before a serial port is opened.
+    // Earlier bytes are lost, as before a serial port is opened.
     if (!this.isConnected) return;
     this.socket?.send(data);
     if (this.hasRoom()) return;

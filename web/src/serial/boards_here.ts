@@ -10,7 +10,7 @@ export const BAUDS = [9600, 19200, 38400, 57600, 115200, 230400, 250000, 500000,
 const DEFAULT_BAUD = 57600;
 const NAME = /^[A-Za-z][A-Za-z0-9_]{0,39}$/;
 
-/** What is remembered of a kind of board on this device. */
+/** The settings of a kind of board on this device. */
 export interface BoardSettings {
   name: string;
   baud: number;

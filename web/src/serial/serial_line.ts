@@ -7,7 +7,7 @@ const BUFFER_BYTES = 16 * 1024;
 const RESET_MS = 100;
 
 export interface LineHandlers {
-  /** Bytes of the board; reading goes on when the promise resolves. */
+  /** Bytes of the board; reading continues when the promise resolves. */
   onData(data: Uint8Array<ArrayBuffer>): Promise<void> | undefined;
   /** The board was unplugged, or the port failed. */
   onLost(): void;
@@ -35,7 +35,7 @@ export class SerialLine {
     this.reading = this.read();
   }
 
-  /** Writes after what was written before; `onWritten` is called when the port has accepted it. */
+  /** Writes after earlier bytes; `onWritten` is called when the port has accepted them. */
   write(data: Uint8Array<ArrayBuffer>, onWritten: () => void): void {
     this.writing = this.writing.then(async () => {
       try {

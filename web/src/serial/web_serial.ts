@@ -20,7 +20,7 @@ export interface Serial extends EventTarget {
   requestPort(): Promise<SerialPort>;
 }
 
-/** The browser's serial ports; undefined where it has none, or the page is neither on https nor on localhost. */
+/** The browser's serial ports; undefined without support, or if the page is neither on https nor on localhost. */
 export function serialPorts(): Serial | undefined {
   return (navigator as Navigator & { serial?: Serial }).serial;
 }

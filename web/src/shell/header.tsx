@@ -7,7 +7,7 @@ import { theme, toggleTheme } from "./theme.ts";
 
 /** The status of the server that the graph cannot be read. */
 const GRAPH_STATUS_ID = "graph";
-// The robot repeats in it what a page sent.
+// The robot repeats the text of a page in it.
 const MAX_REASON = 500;
 
 export function Header({ robot }: { robot: Robot }) {

@@ -1,4 +1,4 @@
-// How the overview differs from what is made automatically: order, widths, hidden cards, added ones.
+// The user's changes of the automatic overview: order, widths, hidden and added cards.
 import type { Settings } from "../panels/panel.ts";
 
 export type Width = 1 | 2 | 3;
@@ -22,7 +22,7 @@ export const NO_LAYOUT: Layout = { order: [], hidden: [], widths: {}, added: [] 
 // Links and storage may hold anything.
 const MAX_ITEMS = 200;
 
-/** Reads a layout of a link or of the storage; what is wrong in it is left out. */
+/** Reads a layout of a link or of the storage; invalid parts are left out. */
 export function readLayout(value: Settings | undefined): Layout {
   if (!value) return NO_LAYOUT;
   const widths: Record<string, Width> = {};
@@ -70,7 +70,7 @@ export function withCard(layout: Layout, card: AddedCard): Layout {
   };
 }
 
-/** Takes a card away: an added one for good, another until the layout is reset. */
+/** Removes a card: an added one permanently, another until the layout is reset. */
 export function withoutCard(layout: Layout, id: string): Layout {
   const added = layout.added.filter((each) => `${each.panelId} ${each.key}` !== id);
   if (added.length < layout.added.length) return { ...layout, added };

@@ -1,4 +1,4 @@
-// The overview's layout of now: of the link that was opened, else of the last visit.
+// The overview's current layout: of the opened link, or else of the last visit.
 import { effect, signal } from "@preact/signals";
 import { loadSetting, saveSetting } from "../store/storage.ts";
 import { type AddedCard, type Layout, NO_LAYOUT, readLayout, withCard } from "./layout.ts";

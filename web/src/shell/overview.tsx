@@ -1,4 +1,4 @@
-// The first screen: a card for each thing that the graph has, with no configuration; and what the user made of it.
+// The first screen: a card for each thing that the graph has, without configuration; and the user's changes.
 import { computed, signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
@@ -23,7 +23,7 @@ interface Card extends Suggestion {
 // More than fits anybody's attention; each card costs a subscription.
 const MAX_CARDS = 40;
 
-// On a wide screen, wide cards come next after the boards: then narrow ones fill the columns beside them.
+// On a wide screen, wide cards follow the boards: then narrow ones fill the columns beside them.
 const WIDE_CARD_ORDER = 1;
 const wideScreen = matchMedia("(min-width: 1000px)");
 const isWide = signal(wideScreen.matches);
@@ -158,7 +158,7 @@ function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange:
 /** The height of the grid's rows: `grid-auto-rows` in shell.css. */
 const ROW_PX = 4;
 
-/** Lets a card span the rows that it needs; returns what ends that. */
+/** Lets a card span the rows that it needs; returns a function that ends this. */
 function followHeight(card: HTMLElement): () => void {
   const observer = new ResizeObserver(() => {
     const marginPx = Number.parseFloat(getComputedStyle(card).marginBottom);

@@ -1,4 +1,4 @@
-// One panel as a whole page. Its settings come from the link, else from what was saved.
+// One panel as a whole page. Its settings are those of the link, or else the saved ones.
 import { effect, type Signal, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { mountPanel } from "../panels/host.ts";
@@ -18,7 +18,7 @@ export function PanelPage({ panel, robot }: { panel: Panel; robot: Robot }) {
     const stopSaving = effect(() => {
       if (settings.value !== first) saveSetting(key, settings.value);
     });
-    // A link to the same panel brings other settings.
+    // A link to the same panel has other settings.
     const stopFollowing = effect(() => {
       const given = route.value.panelId === panel.id ? route.value.settings : undefined;
       if (given) settings.value = { ...settings.peek(), ...given };

@@ -5,7 +5,7 @@ import { texts } from "../texts.ts";
 import { copyText } from "./copy_text.ts";
 import { Icon, type IconName } from "./icons.tsx";
 
-/** What a panel shows when it has nothing to show: what is missing, and the command that brings it. */
+/** The content of an empty panel: the missing data, and the command that provides it. */
 export function EmptyState(props: { icon: IconName; title: string; text?: string; command?: string }) {
   return (
     <div class="empty">

@@ -1,4 +1,4 @@
-// The address of what is shown: `#/PANEL`, with the panel's settings in a shared link: `#/PANEL?s=...`.
+// The address of the current view: `#/PANEL`, with the panel's settings in a shared link: `#/PANEL?s=...`.
 import { signal } from "@preact/signals";
 import type { Settings } from "../panels/panel.ts";
 

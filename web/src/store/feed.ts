@@ -4,10 +4,10 @@ import { decoder, type Message } from "../wire/decode.ts";
 import { RateMeter } from "./rate.ts";
 import type { Topic } from "./topics.ts";
 
-/** A message as it came; `payload` is valid as long as it is referenced. */
+/** A received message; `payload` is valid as long as it is referenced. */
 export interface Arrival {
   payload: Uint8Array;
-  /** When it came here, `performance.now()`. */
+  /** Its arrival time, `performance.now()`. */
   receivedMs: number;
   /** The gateway's clock, nanoseconds since 1970. */
   timeNs: bigint;
@@ -30,12 +30,12 @@ export class Feed {
     this.topicName = topicName;
   }
 
-  /** Counts frames in which messages came; a component that reads it is drawn again, at most once a frame. */
+  /** Counts frames in which messages arrived; a component that reads it is drawn again, at most once a frame. */
   get version(): ReadonlySignal<number> {
     return this.versionSignal;
   }
 
-  /** The last message decoded, once however many panels ask; an Error when it cannot be. */
+  /** The last message, decoded once for all panels; an Error if it cannot be decoded. */
   lastMessage(): Message | Error | undefined {
     const arrival = this.last;
     if (!arrival) return undefined;
@@ -69,7 +69,7 @@ export class Feed {
     for (const each of this.listeners) each(arrival);
   }
 
-  /** Draws again what shows this feed; the store calls it once a frame. */
+  /** Draws the views of this feed again; the store calls it once a frame. */
   bump(): void {
     this.versionSignal.value++;
   }

@@ -1,4 +1,4 @@
-// One requestAnimationFrame loop for the whole page. What is not marked dirty is not drawn.
+// One requestAnimationFrame loop for the whole page. Only views marked dirty are drawn.
 
 export interface FrameTask {
   /** Draws in the next frame; many marks before it are one. */

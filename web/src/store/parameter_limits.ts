@@ -1,4 +1,4 @@
-// What ROS 2's nodes say of their parameters: read-only, and the range of numbers. ROS 1 has no such thing.
+// The descriptions of parameters by ROS 2 nodes: read-only, and the range of numbers. ROS 1 has none.
 import type { Gateway } from "../connection/gateway.ts";
 import type { Service } from "../connection/protocol.ts";
 import { decoder, type Message } from "../wire/decode.ts";

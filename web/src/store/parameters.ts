@@ -3,7 +3,7 @@ import { type Signal, signal } from "@preact/signals";
 import type { Gateway } from "../connection/gateway.ts";
 import type { Parameter } from "../connection/protocol.ts";
 
-// What the gateway lets one client watch.
+// The gateway's limit for one client.
 const MAX_WATCHED = 1000;
 
 export class Parameters {

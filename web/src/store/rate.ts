@@ -1,10 +1,10 @@
 // The rate of a topic: messages and bytes a second over the last seconds, and when its values are stale.
 
 const KEPT = 64;
-// Counted in parts, so that messages that waited for a busy page, and then come at once, are not a rate of their own.
+// Counted in parts, so that messages that waited for a busy page, and then arrive together, are not a high rate.
 const PART_MS = 100;
 const PARTS = 50;
-// Two latched messages come together: that is no rate either.
+// Two latched messages arrive together: that is not a rate either.
 const MIN_SPAN_MS = 500;
 // Without a known period, a value is stale after this.
 const FIRST_STALE_MS = 3000;
@@ -16,15 +16,15 @@ export class RateMeter {
   private readonly times = new Float64Array(KEPT);
   private count = 0;
   private startMs = Number.NEGATIVE_INFINITY;
-  /** Of each part of the last seconds: its number, its messages, their bytes, and when the first came. */
+  /** Of each part of the last seconds: its number, its messages, their bytes, and the arrival time of the first. */
   private readonly numbers = new Float64Array(PARTS).fill(Number.NEGATIVE_INFINITY);
   private readonly messages = new Float64Array(PARTS);
   private readonly sizes = new Float64Array(PARTS);
   private readonly firsts = new Float64Array(PARTS);
-  /** When the last message came. */
+  /** The arrival time of the last message. */
   lastMs = Number.NEGATIVE_INFINITY;
 
-  /** Messages come from now on, perhaps after a pause that says nothing about their rate. */
+  /** Messages arrive from now on, perhaps after a pause that does not count for their rate. */
   start(nowMs: number): void {
     this.count = 0;
     this.startMs = nowMs;

@@ -1,4 +1,4 @@
-// What the page knows of the robot, as signals, and the subscriptions that its panels share.
+// The page's data of the robot, as signals, and the subscriptions that its panels share.
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { Gateway } from "../connection/gateway.ts";
 import type { GraphUpdate, Recordings, ServerInfo, Service, Status } from "../connection/protocol.ts";
@@ -15,7 +15,7 @@ const UNSUBSCRIBE_DELAY_MS = 300;
 const MAX_STATUSES = 50;
 // Long enough to read a sentence twice.
 const REFUSAL_MS = 10_000;
-// The offers of a large graph come in parts; panels are laid out when they are in.
+// The offers of a large graph arrive in parts; panels are laid out after all of them.
 const NONE: ReadonlyMap<string, readonly string[]> = new Map();
 
 interface Use {
@@ -42,7 +42,7 @@ export class Robot {
   readonly info: Signal<ServerInfo | undefined> = signal(undefined);
   /**
    * Topics by name, also those that only have subscribers (`isPublished` is false).
-   * After a lost connection they stay until the new one says what there is.
+   * After a lost connection they stay until the new one has announced its own.
    */
   readonly topics: Signal<ReadonlyMap<string, Topic>> = signal(new Map());
   readonly services: Signal<ReadonlyMap<string, Service>> = signal(new Map());
@@ -58,7 +58,7 @@ export class Robot {
     return [...names].sort();
   });
   readonly statuses: Signal<readonly Status[]> = signal([]);
-  /** Why the robot did not do what this page asked for last; empty after a while. */
+  /** Why the robot refused the page's last request; empty after some time. */
   readonly refusal = signal("");
   /** The robot's simulated clock in nanoseconds, undefined while it runs in real time. */
   readonly simulatedTimeNs: Signal<bigint | undefined> = signal(undefined);
@@ -203,7 +203,7 @@ export class Robot {
       this.info.value = info;
       this.simulatedTimeNs.value = undefined;
       this.statuses.value = [];
-      // What there was stays until this connection's offers replace it, so that the page does not flicker.
+      // The old offers stay until this connection's offers replace them, so that the page does not flicker.
       this.channels.clear();
       this.awaitsServices = this.awaitsGraph = true;
     });
@@ -231,7 +231,7 @@ export class Robot {
     });
   }
 
-  /** Gives a feed its topic of now; one that came back with another channel is subscribed again. */
+  /** Gives a feed its current topic; a topic that returned with another channel is subscribed again. */
   private follow(feed: Feed, topic: Topic | undefined): void {
     if (topic === feed.topic.peek()) return;
     feed.topic.value = topic;

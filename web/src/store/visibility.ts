@@ -1,4 +1,4 @@
-// What is seen: a panel is visible while a part of it is on the screen and the page is not hidden.
+// Visibility: a panel is visible while a part of it is on the screen and the page is not hidden.
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 
 export const pageHidden = signal(document.hidden);
@@ -11,7 +11,7 @@ const observer = new IntersectionObserver(
   (entries) => {
     for (const each of entries) onScreen.get(each.target)?.(each.isIntersecting);
   },
-  // What is about to be scrolled into view begins before it is seen.
+  // Panels just outside of the screen start before they are visible.
   { rootMargin: "100px" },
 );
 

@@ -32,7 +32,7 @@ export interface Message {
 /** A message that does not fit its definition. */
 export class DecodeError extends Error {}
 
-// Elements without content take no bytes, so the payload's length does not bound their number.
+// Elements without content have no bytes, so the payload's length does not limit their number.
 const MAX_EMPTY_ELEMENTS = 256;
 
 /** Reads through one payload; every read is checked against its end. */
@@ -55,7 +55,7 @@ export class Cursor {
     this.offset = start + size;
     return start;
   }
-  /** Reads the length of a variable array; `smallest` is the least that an element takes. */
+  /** Reads the length of a variable array; `smallest` is the minimum size of an element. */
   count(smallest: number): number {
     const count = this.view.getUint32(this.skip(4), true);
     const most = smallest > 0 ? (this.bytes.length - this.offset) / smallest : MAX_EMPTY_ELEMENTS;
@@ -177,7 +177,7 @@ export function decoder(type: StructNode): (payload: Uint8Array) => Message {
   };
 }
 
-/** Compiles what moves a cursor over a node without decoding it. */
+/** Compiles a function that moves a cursor over a node without decoding it. */
 export function skipper(node: Node): (cursor: Cursor) => void {
   const size = fixedSize(node);
   if (size !== undefined) return (cursor) => void cursor.skip(size);

@@ -13,7 +13,7 @@ const PRIMITIVES: Record<string, Node> = {
   string: { kind: "string" },
   time: { kind: "time" },
   duration: { kind: "duration" },
-  // What ROS 1 calls them by their older names.
+  // Their older names in ROS 1.
   byte: { kind: "primitive", type: "int8" },
   char: { kind: "primitive", type: "uint8" },
 };
@@ -38,7 +38,7 @@ interface RawType {
   constants: Constant[];
 }
 
-/** Returns the tree of the type `name`; throws DefinitionError that says what is wrong. */
+/** Returns the tree of the type `name`; throws DefinitionError with the reason. */
 export function parseDefinition(name: string, text: string): StructNode {
   if (text.length > MAX_CHARACTERS) {
     throw new DefinitionError(

@@ -10,7 +10,7 @@ import {
   smallestSize,
 } from "./schema.ts";
 
-/** A path that the type does not have; the text says what is wrong. */
+/** A path that the type does not have; the text has the reason. */
 export class PathError extends Error {}
 
 export interface PathReader {

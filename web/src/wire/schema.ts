@@ -26,7 +26,7 @@ export interface StampNode {
 export interface ArrayNode {
   kind: "array";
   element: Node;
-  /** Undefined when the message says how many there are. */
+  /** Undefined when the message has the number. */
   length: number | undefined;
 }
 export interface StructNode {

@@ -1,4 +1,4 @@
-// One board: its state, findings with what to do, the line, the clock, its topics.
+// One board: its state, findings with the next step, the line, the clock, its topics.
 import type { ComponentChildren } from "preact";
 import { formatBandwidth, formatBytes, formatDuration, formatRate } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
@@ -65,7 +65,7 @@ export function BoardCard({ board, nowMs, robot }: { board: Board; nowMs: number
   );
 }
 
-/** What its sketch takes of its memory, where the robot knows the sketch. */
+/** The memory use of its sketch, if the robot knows the sketch. */
 function ProgramSize({ board }: { board: Board }) {
   const bytes = (key: string) => numberOf(board.status.values, key);
   const [flash, ram] = [bytes("flash [bytes]"), bytes("RAM [bytes]")];
@@ -229,7 +229,7 @@ function bufferUse({ bufferBytes }: Endpoint, lastBytes: number | undefined): st
   return lastBytes === undefined ? formatBytes(bufferBytes) : t.sizeOf(lastBytes, formatBytes(bufferBytes));
 }
 
-/** Shows what is between backticks as code. */
+/** Shows text between backticks as code. */
 function withCode(text: string): ComponentChildren {
   // A text never changes its parts' order, so that the index is a key.
   return text.split("`").map((part, index) => (index % 2 ? <code key={`${index}`}>{part}</code> : part));

@@ -1,4 +1,4 @@
-// A board's status, from what its node publishes on /diagnostics once a second.
+// A board's status, from its node's messages on /diagnostics once a second.
 import type { Message } from "../../wire/decode.ts";
 
 // How the bridge ends the name of a board's status.
@@ -17,9 +17,9 @@ export interface Endpoint {
 
 export interface Finding {
   code: string;
-  /** What was seen, in words. */
+  /** The observation, as text. */
   seen: string;
-  /** What to do about it. */
+  /** The next step. */
   action: string;
 }
 

@@ -52,7 +52,7 @@ function BoardsPanel({ context }: { context: PanelContext }) {
   );
 }
 
-/** A board on the overview: what a look from afar should tell. */
+/** A board on the overview: its most important values. */
 function BoardRow({ board, nowMs }: { board: Board; nowMs: number }) {
   const { values, findings, level, name } = board.status;
   const roundTrip = numberOf(values, "round trip [ms]");
@@ -81,7 +81,7 @@ function BoardRow({ board, nowMs }: { board: Board; nowMs: number }) {
   );
 }
 
-/** How long it is connected, and what it lost. */
+/** The time since it connected, and its losses. */
 function summary({ status }: Board): string {
   const connected = numberOf(status.values, "connected [s]");
   const dropped = status.endpoints.reduce((sum, each) => sum + each.dropped, 0);

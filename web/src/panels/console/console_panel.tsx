@@ -1,4 +1,4 @@
-// What nodes and boards log: /rosout with level, node and search.
+// The log of nodes and boards: /rosout with level, node and search.
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
@@ -14,10 +14,10 @@ interface ConsoleSettings {
   search?: string;
 }
 
-// Made once: a new one for each line would take most of the time of a flood. "h23": midnight is 00, not 24.
+// Made once: one for each line would use most of the time in a flood. "h23": midnight is 00, not 24.
 const CLOCK = new Intl.DateTimeFormat([], { timeStyle: "medium", hourCycle: "h23" });
 
-// What a person scrolls through; more lines would make the page slow.
+// Enough to scroll through; more lines would make the page slow.
 const MAX_SHOWN = 500;
 
 function ConsolePanel({ context }: { context: PanelContext }) {

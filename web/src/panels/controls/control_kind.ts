@@ -1,4 +1,4 @@
-// Which control fits a topic: chosen from its type, and its name where that says more.
+// Chooses the control for a topic, from its type and its name.
 import { limitsOf } from "../../forms/numbers.ts";
 import type { Primitive, StructNode } from "../../wire/schema.ts";
 import { DRIVE_TYPES } from "../drive/commands.ts";
@@ -32,10 +32,10 @@ export function controlKind(topic: string, type: StructNode): ControlKind {
 /** Where a slider begins and ends at first; the user can change both. */
 function sliderRange(topic: string, type: Primitive): { min: number; max: number; step: number } {
   const isFloat = FLOATS.includes(type);
-  // Hobby servos turn by 180 degrees, and Arduino's Servo.write() takes degrees.
+  // Hobby servos turn by 180 degrees, and Arduino's Servo.write() expects degrees.
   if (/servo|angle/i.test(topic)) return { min: 0, max: 180, step: isFloat ? 0.5 : 1 };
   if (isFloat) return { min: -1, max: 1, step: 0.01 };
   const [low, high] = limitsOf(type) as readonly [number, number];
-  // analogWrite() takes 0 to 255; a slider over all of int32 could not be set.
+  // analogWrite() accepts 0 to 255; a slider over all of int32 would be unusable.
   return { min: Math.max(low, 0), max: Math.min(high, 255), step: 1 };
 }

@@ -1,4 +1,4 @@
-// Drive a robot: stick, keys or gamepad. The gateway stops it when this page is gone.
+// Drive a robot: stick, keys or gamepad. The gateway stops it when this page is closed.
 import { type Signal, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { EmptyState } from "../../shell/parts.tsx";

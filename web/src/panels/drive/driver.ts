@@ -104,7 +104,7 @@ export class Driver {
   }
 }
 
-/** What others see as the driver. */
+/** The driver's name for other users. */
 function nameOfDevice(): string {
   const { userAgent } = navigator;
   const kind = /Android|iPhone|iPad/.exec(userAgent)?.[0] ?? /Windows|Mac OS|CrOS|Linux/.exec(userAgent)?.[0];

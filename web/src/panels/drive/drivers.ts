@@ -15,7 +15,7 @@ export function drivableTopics(robot: Robot): string[] {
   return names.sort();
 }
 
-/** The driver of a topic; the same for all who ask. Undefined when the topic is gone or its type is not readable. */
+/** The driver of a topic, shared by all callers. Undefined when the topic has ended or its type is not readable. */
 export function driverOf(robot: Robot, topicName: string): Driver | undefined {
   const topic = robot.topics.peek().get(topicName);
   const known = drivers.get(topicName);

@@ -1,4 +1,4 @@
-// The robots of a fleet: a card each with what it does, how it hears the base, and a stop.
+// The robots of a fleet: a card for each with its state, its connection to the base, and a stop button.
 import { useComputed, useSignal } from "@preact/signals";
 import { compareNames, formatDuration } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";

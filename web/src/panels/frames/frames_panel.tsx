@@ -118,7 +118,7 @@ function FrameRow({ edge, depth }: { edge: Edge; depth: number }) {
   );
 }
 
-/** A number with fixed digits: 0.0 for what rounds to -0.0. */
+/** A number with fixed digits: 0.0 instead of -0.0. */
 function withoutMinusZero(value: number, digits: number): string {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? (0).toFixed(digits) : text;

@@ -1,4 +1,4 @@
-// Nodes and topics, and who publishes what for whom.
+// The graph of nodes and topics, with publishers and subscribers.
 import { type Signal, useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { formatRate } from "../../shell/format.ts";
@@ -11,7 +11,7 @@ import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { type Box, type Drawing, type Edge, layout, MAX_BOXES, MAX_LABEL, shortLabel } from "./layout.ts";
 
-// What a screen shows at once.
+// The number that fits on a screen.
 const MAX_RATES = 60;
 const LARGE_TYPES: readonly string[] = [
   ...IMAGE_TYPES,

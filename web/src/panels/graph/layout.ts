@@ -7,7 +7,7 @@ export interface Box {
   readonly id: string;
   readonly label: string;
   readonly kind: "node" | "topic";
-  /** What to look for in the list of topics; "" for a box of topics whose names have nothing in common. */
+  /** The search text for the list of topics; "" for a box of topics without a common name. */
   readonly search: string;
   /** Whether the box is one topic, which has a rate. */
   readonly isOne: boolean;
@@ -33,19 +33,19 @@ export interface GraphInput {
   readonly subscribers: ReadonlyMap<string, readonly string[]>;
 }
 
-/** More boxes take the layout over a second, and nobody reads them. */
+/** With more boxes, the layout takes over a second, and the picture is unreadable. */
 export const MAX_BOXES = 400;
 const CHARACTER_WIDTH = 7.6;
-/** Longer names are shortened in the middle: their ends tell them apart. */
+/** Longer names are shortened in the middle: their ends differ. */
 export const MAX_LABEL = 36;
 /** Topics of every node, which hide what matters (rqt_graph's "Debug"). */
 const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics"];
 
 /**
- * Lay out what matches.
+ * Lay out the matching part.
  *
  * @param filter part of the name of a node or topic; its neighbours are drawn too.
- * @param withPlumbing draw /rosout and its like, and what the page itself receives.
+ * @param withPlumbing draw /rosout and similar topics, and the page's own subscriptions.
  * @param ownNode the node that receives for the page.
  * @returns undefined when there is more than can be drawn.
  */
@@ -172,7 +172,7 @@ function place({ nodes, topics, pairs }: Boxes): Drawing {
   return { boxes: [...boxes.values()], edges, width: width + 12, height: height + 12 };
 }
 
-/** Lets an edge leave and reach the middle of a side, where dagre takes any place of the border. */
+/** Moves the ends of an edge to the middle of a side; dagre uses any place on the border. */
 function fromSideToSide(points: Edge["points"], from: Box, to: Box): Edge["points"] {
   // An edge against the reading direction leaves to the left.
   const side = from.x <= to.x ? 0.5 : -0.5;

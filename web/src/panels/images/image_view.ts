@@ -1,4 +1,4 @@
-// Draws the newest picture of a topic on a canvas; pictures that come while one is decoded are dropped.
+// Draws the newest picture of a topic on a canvas; pictures that arrive while one is decoded are dropped.
 
 import type { Feed } from "../../store/feed.ts";
 import { frameTask } from "../../store/frames.ts";
@@ -29,7 +29,7 @@ export class ImageView {
     this.canvas.setAttribute("aria-label", feed.topicName);
   }
 
-  /** A new picture has come. */
+  /** A new picture has arrived. */
   update(): void {
     this.isOld = true;
     this.frame.markDirty();

@@ -78,7 +78,7 @@ function yuv422(firstY: 0 | 1): Fill {
 }
 
 /**
- * Colours of the first four cells, row by row: each pixel takes the nearest cells of the other colours.
+ * Colours of the first four cells, row by row: each pixel uses the nearest cells of the other colours.
  * Of cells with 16 bits the upper 8 are shown.
  */
 function bayer(pattern: string, bytes: 1 | 2): Fill {

@@ -1,4 +1,4 @@
-// The way a robot came, as places on the earth, thinned so that hours fit.
+// The path of a robot, as positions on the earth, thinned so that hours fit.
 export interface Place {
   readonly latitude: number;
   readonly longitude: number;
@@ -25,7 +25,7 @@ export class Track {
     const last = this.places.at(-1);
     if (last !== undefined && distanceM(last, place) < STEP_M) return false;
     this.places.push(place);
-    // Half of the older points: the shape stays, and the way goes on.
+    // Half of the older points: the shape stays, with room for new points.
     if (this.places.length > MAX_POINTS) {
       const kept = this.places.filter((_, i) => i % 2 === 0 || i > MAX_POINTS * 0.9);
       this.places.splice(0, this.places.length, ...kept);

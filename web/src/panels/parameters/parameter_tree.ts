@@ -38,7 +38,7 @@ export function valueText(value: unknown): string {
 }
 
 /**
- * Reads what a person typed, as the type that the parameter has.
+ * Reads the user's input as a value of the parameter's type.
  *
  * @throws Error with a sentence when the text does not fit.
  */

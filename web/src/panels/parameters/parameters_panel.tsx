@@ -17,7 +17,7 @@ interface ParametersSettings {
 const MAX_EDITED = 2000;
 const REFRESH_MS = 5000;
 
-/** What nodes said of their parameters; asked once for each. */
+/** The descriptions of parameters from their nodes; requested once for each. */
 const limits = signal<ReadonlyMap<string, ParameterLimits>>(new Map());
 const asked = new Set<string>();
 

@@ -1,4 +1,4 @@
-// What a plot shows, as a table: one row a time, one column a series.
+// The data of a plot as a table: one row for each time, one column for each series.
 import type { Series } from "../../plot/series.ts";
 
 /** Returns the text of a CSV file with the values between two times; times are seconds since 1970. */

@@ -1,4 +1,4 @@
-// What a plot shows, as an MCAP file: each series is a topic with std_msgs/Float64, as a ROS 1 recording has them.
+// The data of a plot as an MCAP file: each series is a topic with std_msgs/Float64, as in a ROS 1 recording.
 // Source: https://mcap.dev/spec. The records are neither compressed nor indexed; readers then scan the file.
 import type { Series } from "../../plot/series.ts";
 

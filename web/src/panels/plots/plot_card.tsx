@@ -1,4 +1,4 @@
-// A plot as a card of the overview: the values now, and how they came to be.
+// A plot as a card of the overview: the current values, and their history.
 import { useSignal } from "@preact/signals";
 import type { Series } from "../../plot/series.ts";
 import { formatFixed } from "../../shell/format.ts";
@@ -59,7 +59,7 @@ export function valueText(series: Series, value = series.buffer.lastValue): stri
   return formatFixed(value);
 }
 
-/** The end of each path that tells it from the others. */
+/** The end of each path that differs from the others. */
 function shortNames(series: readonly Series[]): string[] {
   const parts = series.map((each) => each.path.split("."));
   for (let length = 1; length < 6; length++) {

@@ -55,7 +55,7 @@ function PlotsPage({ context }: { context: PanelContext }) {
     change({ add: undefined, series: own.includes(added) ? own : [...own, added].slice(-MAX_SERIES) });
   }, [added]);
 
-  // A link names values as rqt_plot does; topics may come later than the page.
+  // A link names values as in rqt_plot; topics may appear later than the page.
   const names = strings(settings.value.names);
   const topics = robot.topics.value;
   useEffect(() => {

@@ -1,4 +1,4 @@
-// What of a topic is worth a plot on the overview.
+// The fields of a topic for a plot on the overview.
 import { compareNames } from "../../shell/format.ts";
 import type { Topic } from "../../store/topics.ts";
 import { numericPaths } from "../../wire/path.ts";
@@ -28,7 +28,7 @@ export function mainPaths(topic: Topic): string[] {
 
 export function plotSuggestions(graph: Graph): Suggestion[] {
   const found: Suggestion[] = [];
-  // What only this page publishes is in its controls.
+  // Topics that only this page publishes are in its controls.
   const controlled = new Set(controllableTopics(graph, graph.ownNode));
   for (const topic of graph.topics.values()) {
     if (!topic.isPublished || controlled.has(topic.name)) continue;
@@ -42,6 +42,6 @@ export function plotSuggestions(graph: Graph): Suggestion[] {
       order: topic.typeName in MAIN_FIELDS ? 30 : 35,
     });
   }
-  // Sensors first: a counter says less.
+  // Sensors first: counters are less interesting.
   return found.sort((a, b) => a.order - b.order || compareNames(a.key, b.key)).slice(0, MAX_CARDS);
 }

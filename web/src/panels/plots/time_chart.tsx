@@ -1,4 +1,4 @@
-// A chart that runs with the robot's clock, or stands on a span of time.
+// A chart that follows the robot's clock, or shows a fixed span of time.
 import { effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Chart, type ChartOptions } from "../../plot/chart.ts";
@@ -7,7 +7,7 @@ import { theme } from "../../shell/theme.ts";
 import { frameTask } from "../../store/frames.ts";
 import type { PanelContext } from "../panel.ts";
 
-/** What is shown: the last seconds, or a span that stands still. */
+/** The shown time: the last seconds, or a fixed span. */
 export type Span = { lastS: number } | { fromS: number; toS: number };
 
 // Faster than this the eye sees no difference in a line that moves slowly.

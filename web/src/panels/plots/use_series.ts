@@ -7,7 +7,7 @@ import type { PanelContext } from "../panel.ts";
 export function useSeries(context: PanelContext, ids: readonly string[]): Series[] {
   const key = ids.join("\n");
   const series = useMemo(() => ids.map((id) => seriesStore(context.robot).get(id)), [key]);
-  // Their units and axes depend on types, which come with the connection.
+  // Their units and axes depend on types, which are known after the connection.
   for (const each of series) each.follow(context.robot.topics.value.get(each.topicName));
   useEffect(() => {
     const endings = series.map((each) => {

@@ -10,7 +10,7 @@ const RATES = [0.25, 0.5, 1, 2, 5];
 const t = texts.recording;
 
 export function Playback({ robot, playing }: { robot: Robot; playing: Playing }) {
-  // While the time line is moved, the robot's last report is behind the finger.
+  // While the time line is moved, the robot's last report is older than the finger's position.
   const wanted = useSignal<number | undefined>(undefined);
   const { name, seconds, length, rate, paused, prefix } = playing;
   const play = (start: number, speed: number, prefixed: boolean) =>

@@ -1,4 +1,4 @@
-// Record on the robot, and download what was recorded.
+// Record on the robot, and download recordings.
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { recordingUrl } from "../../connection/address.ts";

@@ -1,4 +1,4 @@
-// Keeps the 3D view equal to what is on the graph and what the user chose.
+// Keeps the 3D view equal to the graph and the user's choices.
 import { effect, type Signal, signal } from "@preact/signals";
 import { Box3, Vector3 } from "three";
 import type { Display, DisplayContext, Placed } from "../../scene/display.ts";
@@ -30,7 +30,7 @@ const SURROUNDINGS = [
   "sensor_msgs/PointCloud2",
 ];
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
-/** The first transforms come one after another: the camera fits itself for so many half seconds. */
+/** The first transforms arrive one after another: the camera is fitted for this number of half seconds. */
 const FIT_TICKS = 3;
 /** The camera does not fit itself to frames that are farther from the origin. */
 const MAX_DISTANCE_M = 15;

@@ -1,4 +1,4 @@
-// What a simulated board's node publishes on ~state: JSON in a std_msgs/String.
+// The state of a simulated board, published by its node on ~state: JSON in a std_msgs/String.
 
 const STATE = /^(\/.*)_simulation\/state$/;
 const PIN = /^(in|out)([01])$|^pwm([\d.]+)$/;
@@ -34,7 +34,7 @@ export function simulatedBoards(topics: Iterable<{ name: string; typeName: strin
   return boards;
 }
 
-/** Reads a state; undefined when it is none. Any node may publish on the topic. */
+/** Reads a state; undefined if it is not one. Any node may publish on the topic. */
 export function readBoardState(text: unknown): BoardState | undefined {
   let state: Record<string, unknown>;
   try {

@@ -143,7 +143,7 @@ function Slider(props: {
   value: number;
   onSlide: (value: number) => void;
 }) {
-  // While it is moved, the board's last answer is behind the finger.
+  // While it is moved, the board's last answer is older than the finger's position.
   const own = useSignal<number | undefined>(undefined);
   return (
     <input

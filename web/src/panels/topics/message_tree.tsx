@@ -14,7 +14,7 @@ interface TreeProps {
   value: Value;
   path: string;
   name: string;
-  /** A link behind a number, such as "Plot". */
+  /** A link after a number, such as "Plot". */
   onPlot?: (path: string) => void;
 }
 

@@ -1,4 +1,4 @@
-// One topic: who publishes and subscribes, its messages as a tree, its definition.
+// One topic: its publishers and subscribers, its messages as a tree, its definition.
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { formatBandwidth, formatDuration, formatRate } from "../../shell/format.ts";
