@@ -41,6 +41,9 @@ def outliving_files() -> dict[str, str]:
 
     If they fail to, the controller of the test processes ends it.
     """
+    if MARK not in os.environ:
+        # A script or a benchmark starts it, and ends it.
+        return dict(os.environ)
     *controllers, _ = os.environ[MARK].rstrip(".").split(".")
     return {**os.environ, MARK: "".join(f"{each}." for each in controllers)}
 
