@@ -14,7 +14,7 @@ EMPTY = "std_msgs/Empty"
 
 @pytest.fixture(params=effort(["uno"], ["uno", "mega"]))
 def kind(request: pytest.FixtureRequest) -> str:
-    """The Mega has the same pins for these, and its own line in tests/firmware/platforms."""
+    """The Mega has the same pins for these; the other examples run on both."""
     return str(request.param)
 
 

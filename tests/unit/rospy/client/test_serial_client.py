@@ -13,7 +13,11 @@ from unit.rospy.programs import line_of, running_script
 SCRIPT = """
 import rospy
 from rosserial_python import RosSerialServer, SerialClient
+from rostether.rospy.client import serial_client
 from std_msgs.msg import String
+
+# On a busy machine the boards take their time.
+serial_client.MAX_JOIN_S = 60
 
 def hear(message):
     print("heard", message.data)
