@@ -22,7 +22,7 @@ def bundled_store() -> TypeStore:
 def add_class_modules(parent: MutableMapping[str, object], find: Callable[[str], object], kind: str) -> None:
     """Add a module for each bundled package to the module with these globals.
 
-    `find` returns the class of `package/Name` or raises a RostetherError; `kind` is what errors call it.
+    `find` returns the class of `package/Name` or raises a RostetherError; `kind` is its name in errors.
     """
     for package in bundled_packages():
         module = _Package(f"{parent['__name__']}.{package}", find, kind)

@@ -38,7 +38,7 @@ class Codec:
     def encode(self, value: Message | Mapping[str, Any], *, now: Callable[[], Time] | None = None) -> bytes:
         """Return the ROS 1 serialization. Raises SerializationError naming the field that does not fit.
 
-        Messages may have mappings, tuples or numpy arrays where messages and lists are meant. With `now`,
+        Messages may have mappings, tuples or numpy arrays instead of messages and lists. With `now`,
         which returns the time, a time may be the word `now` or a number of seconds.
         """
         if isinstance(value, Message) and value._type == self.tree.name:
@@ -65,7 +65,7 @@ class Codec:
         return self.encode(self.fields_of(message), now=now)
 
     def decode(self, payload: bytes) -> Message:
-        """Return the message that a whole payload holds. Raises SerializationError saying how it differs."""
+        """Return the message in a payload. Raises SerializationError with the difference."""
         try:
             return self._decode(payload)
         except DECODE_ERRORS:

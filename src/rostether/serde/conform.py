@@ -1,7 +1,7 @@
 """Converts a value to the form of its type, or reports which field does not fit and what it needs.
 
-The slow, careful half of encoding: it takes mappings, lists, tuples and half-filled messages, and is the
-only place that words what is wrong with a value.
+The slow part of encoding: it accepts mappings, lists, tuples and incomplete messages, and is the only source
+of error texts for values.
 """
 
 from __future__ import annotations

@@ -11,8 +11,7 @@ For std_msgs/Header it comes out as:
         m5.frame_id = str(b[16:e4], 'utf-8', text_errors)
         return m5
 
-Messages are built once the lengths are known to add up. So nothing is allocated for a length that is only
-announced, but for bytes that are there.
+Messages are built after all lengths were checked. So an announced length alone allocates nothing.
 """
 
 from __future__ import annotations
@@ -27,16 +26,16 @@ from rostether.serde.values import Message, MessageClasses
 
 Decode = Callable[[bytes], Message]
 
-# How many variables a function grows to by nested structs inline; further ones become functions. Otherwise a
-# type holding a type twice, which holds one twice ..., would double the source at each level.
+# The limit of variables of inline structs in one function; further ones become functions. Otherwise, a type
+# that contains another type twice, which contains one twice ..., would double the source at each level.
 _MAX_VARIABLES: Final = 512
 
-# How many elements of a fixed array become variables; beyond, one more unpacking is the smaller cost.
+# The longest fixed array whose elements become variables; for longer ones, another unpacking is cheaper.
 _MAX_UNROLLED_LENGTH: Final = 64
 
 _UNPACK_U32: Final = struct.Struct("<I").unpack_from
 
-# What decoding bytes of another layout raises.
+# The errors of decoding bytes with another layout.
 DECODE_ERRORS: Final = (struct.error, OverflowError)
 
 
@@ -121,7 +120,7 @@ class _DecoderSource:
         return name
 
     def leaves(self, node: Node) -> int:
-        """Return how many variables reading a value inline takes."""
+        """Return how many variables an inline value needs."""
         if isinstance(node, Struct):
             count = self._leaves.get(node.name)
             if count is None:
@@ -146,7 +145,7 @@ class _DecoderSource:
 class _Body:
     """The body of one function: lines that read into variables, then lines that build messages of them.
 
-    A run is a row of neighbours of constant size that one unpacking will read.
+    A run is a sequence of fields of constant size that one unpacking will read.
     """
 
     def __init__(self, source: _DecoderSource, start: str) -> None:
@@ -160,13 +159,13 @@ class _Body:
         self._count = 0
 
     def run(self) -> tuple[str, list[str]]:
-        """Take the format and variables of the run, which is empty then."""
+        """Return the format and variables of the run, and clear it."""
         taken = "".join(self._codes), self._variables
         self._codes, self._variables = [], []
         return taken
 
     def position(self) -> str:
-        """Read the run, and return where the next byte is."""
+        """Read the run, and return the position of the next byte."""
         codes, variables = self.run()
         if codes:
             unpacking = self._source.unpacking(codes)
@@ -243,7 +242,7 @@ class _Body:
         return raw if array.is_bytes else self._elements(element, raw)
 
     def _elements(self, element: Node, raw: str, length: int = 0) -> str:
-        """Return an expression of the list of the elements of constant size that `raw` holds."""
+        """Return an expression of the list of the elements of constant size in `raw`."""
         if isinstance(element, Struct):
             return f"{self._source.many_reader(element)}({raw})"
         if isinstance(element, Stamp):
@@ -253,7 +252,7 @@ class _Body:
         return f"{self._numbers(element)}({self._source.unpacking(f'{length}{element.code}')}({raw}))"
 
     def _numbers(self, element: Number) -> str:
-        """Return the name of what makes an array of numbers; flags always come as a list, as in genpy."""
+        """Return the name of the maker of an array of numbers; flags are always a list, as in genpy."""
         return "list" if element.code == "?" else "numbers"
 
     def _varying_elements(self, element: Node, count: str) -> str:
@@ -263,7 +262,7 @@ class _Body:
         return self._call(f"read_texts(b, {start}, {count}, text_errors)")
 
     def _call(self, call: str) -> str:
-        """Read by a call that returns a value and where it ends."""
+        """Read with a call that returns a value and its end."""
         value, end = self._variable("v"), self._variable("e")
         self.reads.append(f"{value}, {end} = {call}")
         self._start, self._offset = end, 0
@@ -291,7 +290,7 @@ class _Body:
 
 
 def _read_texts(payload: bytes, at: int, count: int, errors: str) -> tuple[list[str], int]:
-    """Read strings one after another; returns them and where they end."""
+    """Read strings; return them and their end."""
     texts = []
     for _ in range(count):
         start = at + 4
@@ -303,7 +302,7 @@ def _read_texts(payload: bytes, at: int, count: int, errors: str) -> tuple[list[
 def _read_structs(
     read: Callable[[bytes, int], tuple[Message, int]], payload: bytes, at: int, count: int
 ) -> tuple[list[Message], int]:
-    """Read messages of varying size one after another; returns them and where they end."""
+    """Read messages of varying size; return them and their end."""
     messages = []
     for _ in range(count):
         message, at = read(payload, at)

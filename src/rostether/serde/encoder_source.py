@@ -7,8 +7,8 @@ For std_msgs/Header it comes out as:
         v1 = m.frame_id.encode('utf-8', 'surrogateescape')
         return b''.join((pack_0(m.seq, v0.secs, v0.nsecs, len(v1)), v1))
 
-`struct` checks the range of every number. What it would take although it makes no sense (a string as a bool,
-an array of the wrong length) is checked in the source. What went wrong is found out afterwards, by `conform`.
+`struct` checks the range of every number. Wrong values that it would accept (a string as a bool, an array of
+the wrong length) are checked in the source. After an error, `conform` finds the reason.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from rostether.serde.values import Message, MessageClasses
 
 Encode = Callable[[Message], bytes]
 
-# How many fields a function grows to by nested structs inline; further ones become functions. Otherwise a
-# type holding a type twice, which holds one twice ..., would double the source at each level.
+# The limit of fields of inline structs in one function; further ones become functions. Otherwise, a type that
+# contains another type twice, which contains one twice ..., would double the source at each level.
 _MAX_FIELDS: Final = 512
 
-# What encoding a value that does not fit raises.
+# The errors of encoding a value that does not fit.
 ENCODE_ERRORS: Final = (struct.error, AttributeError, KeyError, OverflowError, TypeError, ValueError)
 
-# What a bool may be: anything equal to 0 or 1, as in genpy.
+# The accepted values of a bool: anything equal to 0 or 1, as in genpy.
 FLAGS: Final = {False: 0, True: 1}
 
 
@@ -80,7 +80,7 @@ class _EncoderSource:
         self.functions += [f"def {name}(m):", *indented(lines, 4)]
 
     def fields(self, node: Node) -> int:
-        """Return how many fields writing a value inline takes."""
+        """Return how many fields an inline value has."""
         if not isinstance(node, Struct):
             return 1
         count = self._fields.get(node.name)
@@ -94,9 +94,9 @@ class _EncoderSource:
 
 
 class _Body:
-    """The body of one function: lines that fetch and check values, and the parts whose bytes are joined.
+    """The body of one function: lines that read and check values, and the parts whose bytes are joined.
 
-    A run is a row of neighbours of constant size that one packing will write.
+    A run is a sequence of fields of constant size that one packing will write.
     """
 
     def __init__(self, source: _EncoderSource) -> None:

@@ -1,4 +1,4 @@
-"""Paths to fields within messages: what follows the topic in `rostopic echo /scan/ranges[3]`.
+"""Paths to fields of messages, as after the topic in `rostopic echo /scan/ranges[3]`.
 
 pose/position/x     ranges[3]     ranges[-1]     ranges[::10]     transforms[:]/header/frame_id
 """
@@ -17,7 +17,7 @@ _MAX_SLICE_PARTS = 3
 
 
 class FieldPath:
-    """A path that is known to exist in a message type; `type` is that of its last field."""
+    """A path that exists in a message type; `type` is the type of its last field."""
 
     def __init__(self, codec: Codec, text: str) -> None:
         """Read a path; repeated slashes do not matter. Raises ConfigError if the type has no such field."""
@@ -38,7 +38,7 @@ class FieldPath:
             within = f"field {part!r}"
 
     def read(self, message: Any) -> Any:
-        """Return what the path selects, bytes as a list. Raises SerializationError for a missing element."""
+        """Return the selected value, bytes as a list. Raises SerializationError for a missing element."""
         return self._read(message, 0)
 
     def _read(self, value: Any, start: int) -> Any:
@@ -68,7 +68,7 @@ def _member(tree: Struct, name: str) -> Member:
 
 
 def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct | None:
-    """Return the struct that the next part of the path is a field of, if there is one."""
+    """Return the struct that has the next part of the path as a field, if there is one."""
     node = member.node
     if not isinstance(node, Array):
         if index is not None:

@@ -1,4 +1,4 @@
-"""Pieces of generated Python source that encoder and decoder share.
+"""Pieces of generated Python source for encoders and decoders.
 
 The only text from a definition that reaches source is a field's name, here, and `MessageClasses.of` has
 checked that it is one.

@@ -1,8 +1,8 @@
 """Checks whether raw bytes have the layout of a type, without decoding them.
 
-A frame in 256 survives line noise, and what a damaged one holds must never reach ROS. The check is on the
-path of every message, so that it is compiled for each type: a comparison of lengths where the size never
-varies, otherwise a walk over the lengths that the payload announces.
+One damaged frame in 256 passes its checksum, but its content must never reach ROS. The check runs for every
+message, so it is compiled for each type: a comparison of lengths if the size is constant, otherwise a walk
+over the lengths in the payload.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class _DoesNotFit(Exception):  # noqa: N818
 
 
 class _Walk:
-    """Walks over a payload field by field: slow, but it knows where it is."""
+    """Walks over a payload field by field: slow, but with the position for errors."""
 
     def __init__(self, payload: bytes) -> None:
         self.at = 0

@@ -28,7 +28,7 @@ AcceptsAll = Callable[[Sequence[bytes]], bool]
 # types that contain another type twice do not double the source at each level.
 _MAX_LINES: Final = 256
 
-# What reading a length past the end raises; garbage lengths may even add up to more than an offset holds.
+# The errors of reading a length beyond the end; wrong lengths may even exceed the range of an offset.
 OVERRUN: Final = (struct.error, OverflowError)
 
 
@@ -82,7 +82,7 @@ class _LayoutSource:
         return name
 
     def reads(self, node: Node) -> int:
-        """Return how many lengths walking over a value inline reads."""
+        """Return how many lengths an inline value has."""
         if not isinstance(node, Struct):
             return int(node.fixed_size_bytes is None)
         count = self._reads.get(node.name)
@@ -95,7 +95,7 @@ class _LayoutSource:
 class _Body:
     """The body of one function: lines that walk over the payload `b`.
 
-    The place is the variable `o`, or none at the start of the payload, plus a constant offset.
+    The position is the variable `o`, or none at the start of the payload, plus a constant offset.
     """
 
     def __init__(self, source: _LayoutSource, start: str) -> None:
@@ -105,7 +105,7 @@ class _Body:
         self._offset = 0
 
     def position(self, ahead: int = 0) -> str:
-        """Return the expression of where the walk is, or of a place ahead of it."""
+        """Return the expression of the current position, or of a later one."""
         offset = self._offset + ahead
         if not self._start:
             return str(offset)
@@ -151,7 +151,7 @@ class _Body:
         step = "o += 4 + u32(b, o)[0]"
         if isinstance(array.element, Struct):
             step = f"o = {self._source.walker(array.element)}(b, o)"
-        # Every step reads at least one length inside the payload, so garbage cannot keep this loop going.
+        # Every step reads at least one length in the payload, so wrong data cannot prolong this loop.
         self.lines.append(f"for _ in range({count}): {step}")
 
     def _move(self, expression: str) -> None:

@@ -1,4 +1,4 @@
-"""All types of one registry with their layouts and codecs, each compiled when first asked for."""
+"""All types of one registry with their layouts and codecs, each compiled on demand."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.serde.values import MessageClasses
 class TypeStore:
     """Layouts and codecs by type name; halves of services are `package/NameRequest` and `NameResponse`.
 
-    A type keeps the definition that it had when first asked for.
+    A type keeps the definition of its first use.
     """
 
     def __init__(self, registry: Registry, classes: MessageClasses | None = None) -> None:

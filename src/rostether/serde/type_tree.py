@@ -1,8 +1,8 @@
 """Message types resolved for serialization: trees of numbers, stamps, text, arrays and structs.
 
-A tree is what layouts and codecs are compiled from. Everything about a type that costs time to work out is
-worked out here once: its size on the wire where it is constant, the least it takes where it is not, and
-whether its definition is one that we can hold in memory at all (definitions also come from peers).
+Layouts and codecs are compiled from a tree. Everything about a type that is expensive to compute is computed
+here once: its constant or minimum size on the wire, and whether its definition fits into memory (definitions
+also come from peers).
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from typing import Final, Protocol, TypeAlias
 from rostether.errors import DefinitionError
 from rostether.msgdef.spec import Constant, FieldType, MessageSpec
 
-# How deep types may nest. Real ones stay below 10; compiling recurses, so a peer's text must not go on.
+# The limit of nested types. Real ones are below 10; compilation recurses, so a peer's text must be limited.
 MAX_DEPTH: Final = 32
 
-# How large the part of a type that never varies may be: its zero value is allocated whole (64 MiB).
+# The limit of a type's constant part: its zero value is allocated completely (64 MiB).
 MAX_FIXED_BYTES: Final = 1 << 26
 
-# How many objects a zero value may consist of: fixed arrays of structs multiply, and a text is cheap.
+# The limit of objects in a zero value: fixed arrays of structs multiply, even in a short text.
 MAX_ZERO_ELEMENTS: Final = 1 << 20
 
-# How many objects an array of elements without content may hold: they take no bytes, so that the length of a
-# payload does not bound them, and four bytes could otherwise ask for four billion objects.
+# The limit of elements without content in an array: they have no bytes, so the length of a payload does not
+# limit them, and four bytes could mean four billion objects.
 MAX_EMPTY_ELEMENTS: Final = 256
 
 
 class DefinitionSource(Protocol):
-    """Where message definitions come from; `msgdef.registry.Registry` is one."""
+    """The source of message definitions, such as `msgdef.registry.Registry`."""
 
     def message(self, name: str) -> MessageSpec:
         """Return the definition of `package/Name`. Raises UnknownTypeError, DefinitionError."""
@@ -88,7 +88,7 @@ class Array:
 
     @property
     def max_count(self) -> int | None:
-        """The most elements a variable array may announce, None where its bytes are limit enough."""
+        """The limit of elements of a variable array, None if its bytes limit it."""
         if self.element.fixed_size_bytes == 0:
             return max(1, MAX_EMPTY_ELEMENTS // self.element.zero_elements)
         return None

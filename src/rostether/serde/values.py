@@ -69,7 +69,7 @@ class Message:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, Message):
-        # A field called to_dict takes the method's place.
+        # A field called to_dict replaces the method.
         return Message.to_dict(value)
     if isinstance(value, list):
         return [_plain(each) for each in value]
@@ -150,7 +150,7 @@ class MessageClasses:
         return type(tree.name.rpartition("/")[2], (self.base,), namespace)
 
     def _zero(self, node: Node) -> Any:
-        """Return a zero value, or what makes one where it can be changed."""
+        """Return a zero value, or a function that makes one if it is mutable."""
         if isinstance(node, Struct):
             return self.of(node)
         if isinstance(node, Number):
@@ -188,6 +188,6 @@ def does_not_fit(
 
 
 def _show(value: object) -> str:
-    """Return a value as an error repeats it: short, so that the error stays one line."""
+    """Return a value for an error text, short enough for one line."""
     text = repr(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 3]}..."

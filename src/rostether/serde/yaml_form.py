@@ -1,4 +1,4 @@
-"""Messages as people type them: the YAML arguments of `rostopic pub` and `rosservice call`.
+"""Messages as users type them: the YAML arguments of `rostopic pub` and `rosservice call`.
 
 One argument that is a mapping names fields, the rest are zero; otherwise each argument is the value of one
 field, in order, and none may be missing. Inside, a list instead of a message gives all its fields.

@@ -1,8 +1,8 @@
-"""One ROS 1 type and one ROS 2 type laid over each other: what a converter is compiled from.
+"""One ROS 1 type and one ROS 2 type with their fields matched: the input of a converter's compilation.
 
-ROS 1 puts value after value without gaps. CDR (XCDR1, as ROS 2's middlewares write it) aligns numbers of
-two, four and eight bytes to their size, counted from after the four bytes of encapsulation; a struct has no
-alignment of its own. So most values are the same bytes on both sides, and only where they stand differs.
+ROS 1 writes values without gaps. CDR (XCDR1, as in ROS 2's middlewares) aligns numbers of two, four and eight
+bytes to their size, counted from the end of the four bytes of encapsulation; structs are not aligned. So most
+values have the same bytes on both sides, at other positions.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, TypeAlias
 
-# The one uint8 that a ROS 2 message without fields has, as rosidl writes it.
+# The only field, a uint8, of a ROS 2 message without fields, as in rosidl.
 DUMMY_NAME: Final = "structure_needs_at_least_one_member"
 
 
@@ -33,7 +33,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Translation:
-    """Two tables of 256 bytes, as `bytes.translate` takes them."""
+    """Two tables of 256 bytes for `bytes.translate`."""
 
     to_ros2: bytes
     to_ros1: bytes
@@ -43,7 +43,7 @@ class Translation:
 class Plain:
     """A number, or a stamp (two of four bytes).
 
-    `translation` is given where values of one byte change: what each becomes in ROS 2, and what in ROS 1.
+    `translation` is given if values of one byte change: their values in ROS 2, and back in ROS 1.
     """
 
     size_bytes: int
@@ -69,7 +69,7 @@ class Plain:
 class Text:
     """A string, or a wstring where it `is_wide`: UTF-16 in ROS 2, UTF-8 in ROS 1.
 
-    `bound` is the most bytes, or units of UTF-16, that ROS 2 takes, None for any number.
+    `bound` is the limit of bytes, or units of UTF-16, in ROS 2; None for any number.
     """
 
     bound: int | None = None
@@ -78,7 +78,7 @@ class Text:
     ros1_size_bytes: None = None
 
     def least_bytes(self, _side: Side) -> int:
-        """Return the size of a length, which is all that is sure."""
+        """Return the size of the length field, the minimum."""
         return 4
 
 
@@ -106,7 +106,7 @@ class Array:
         object.__setattr__(self, "ros1_size_bytes", size)
 
     def least_bytes(self, side: Side) -> int:
-        """Return how few bytes an array takes on a side, without padding."""
+        """Return the minimum size of an array on a side, without padding."""
         return 4 if self.length is None else self.length * self.element.least_bytes(side)
 
 
@@ -114,7 +114,7 @@ class Array:
 class Slot:
     """One field of a record, under its name on each side ("" where it has none).
 
-    `default` is what a field that only ROS 2 has becomes: bytes with their alignment, one after the other.
+    `default` is the value of a field that only ROS 2 has: pieces of bytes with their alignment.
     """
 
     ros1_name: str
@@ -124,7 +124,7 @@ class Slot:
 
     @property
     def side(self) -> Side:
-        """Who has the field."""
+        """The sides that have the field."""
         if not self.ros1_name:
             return Side.ROS2
         return Side.BOTH if self.ros2_name else Side.ROS1
@@ -155,7 +155,7 @@ class Record:
         object.__setattr__(self, "_least", tuple(least))
 
     def least_bytes(self, side: Side) -> int:
-        """Return how few bytes a message takes on a side, without padding."""
+        """Return the minimum size of a message on a side, without padding."""
         return self._least[0 if side is Side.ROS1 else 1]
 
     @property
@@ -179,7 +179,7 @@ def _record_block(record: Record) -> Block | None:
     first = record.ros1_slots[0].node.block
     for slot in record.ros1_slots:
         block = slot.node.block
-        # Alignments hold wherever the record stands only if that of its first byte is the strictest.
+        # The alignments are valid at any position only if that of the first byte is the strictest.
         if first is None or block is None or block.alignment > first.alignment or size % block.alignment:
             return None
         size += block.size_bytes

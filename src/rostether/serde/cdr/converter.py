@@ -21,10 +21,10 @@ ENCAPSULATION_BYTES: Final = 4
 class CdrConverter:
     """Converts payloads of one pair of types, both ways.
 
-    CDR is what ROS 2's middlewares carry: four bytes of encapsulation, then XCDR version 1. We write little
-    endian, and read both byte orders; bytes behind the message are padding and not looked at. Fields that
-    ROS 2 does not have are dropped on the way there, and zero on the way back; fields that ROS 1 does not
-    have get the definition's default, or zero, on the way to ROS 2.
+    CDR is the format of ROS 2's middlewares: four bytes of encapsulation, then XCDR version 1. It is written
+    in little endian, and read in both byte orders; bytes after the message are padding and ignored. Fields
+    that only ROS 1 has are dropped in CDR, and zero in ROS 1; fields that only ROS 2 has get the definition's
+    default, or zero.
     """
 
     __slots__ = ("_tree", "from_cdr", "ros1_name", "ros2_name", "to_cdr")
@@ -59,7 +59,7 @@ class CdrConverter:
         )
 
     def _other_cdr(self, cdr: bytes) -> bytes:
-        """Convert big-endian CDR; report why other data is not CDR."""
+        """Convert big-endian CDR; raise SerializationError with the reason for other data."""
         if len(cdr) < len(LITTLE_ENDIAN):
             raise SerializationError(f"{len(cdr)} bytes are not CDR, which starts with a header of 4 bytes")
         if cdr[:2] not in (_BIG_ENDIAN, LITTLE_ENDIAN[:2]):
@@ -85,19 +85,19 @@ class CdrConverter:
 def compile_message(ros1: Struct, ros2: Ros2Message, lookup: Lookup) -> CdrConverter:
     """Return the converter of a pair of types; `lookup` gives the ROS 2 messages below by `package/msg/Name`.
 
-    Raises TypeMismatchError if their fields do not fit, and what `lookup` raises.
+    Raises TypeMismatchError if their fields do not fit, and the errors of `lookup`.
     """
     return CdrConverter(match_fields(ros1, ros2, lookup), ros1.name, ros2.full_name)
 
 
 class Misfit(Exception):  # noqa: N818
-    """Ends a walk; the text is the reason, to follow "the payload of N bytes"."""
+    """Ends a walk; the text is the reason, after "the payload of N bytes"."""
 
 
 class PayloadWalker:
-    """Walks over a payload field by field; `at` is where it is, in bytes.
+    """Walks over a payload field by field; `at` is its position in bytes.
 
-    With `turned`, the payload is big-endian CDR, and every number walked over becomes little-endian there.
+    With `turned`, the payload is big-endian CDR, and the walk changes every number to little endian.
     """
 
     def __init__(self, payload: bytes, side: Side, *, turned: bool = False) -> None:

@@ -1,6 +1,6 @@
 """Writes the Python source that turns ROS 1 serialization into CDR, or CDR into ROS 1 serialization.
 
-`convert(b)` is straight-line code: what both sides have alike is one slice. For sensor_msgs/Imu, to CDR:
+`convert(b)` is straight-line code: equal bytes of both sides are one slice. For sensor_msgs/Imu, to CDR:
 
     def convert(b):
         try:
@@ -12,9 +12,9 @@
         except errors:
             return refuse(b)
 
-Source never contains a name from a definition, only numbers, so that no definition can inject code.
-Pieces are joined once the lengths are known to add up, and loops run over no more elements than there are
-bytes for: nothing is allocated for a length that is only announced.
+Source never contains a name from a definition, only numbers, so that no definition can inject code. Pieces
+are joined after all lengths were checked, and loops never have more elements than the payload has bytes for:
+an announced length alone allocates nothing.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from rostether.serde.generated_source import indented
 
 Convert = Callable[[bytes], bytes]
 
-# The encapsulation of what we write: plain CDR, little endian, no options.
+# The encapsulation of written CDR: plain, little endian, no options.
 LITTLE_ENDIAN: Final = b"\0\1\0\0"
 
 # The exceptions of reading bytes with another layout.
@@ -54,7 +54,7 @@ _PADS: Final = {
 
 
 def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], bytes]) -> Convert:
-    """Return a conversion of one payload to a side; what does not fit, or is other CDR, goes to `refuse`.
+    """Return a conversion of one payload to a side; `refuse` gets payloads that do not fit, or other CDR.
 
     Raises DefinitionError for a type of thousands of arrays.
     """
@@ -90,7 +90,7 @@ def compile_conversion(tree: Record, target: Side, refuse: Callable[[bytes], byt
     try:
         exec(compile(text, f"<{target.value} of {tree.name}>", "exec"), names)  # noqa: S102
     except RecursionError:
-        # Python's compiler gives up at some thousands of branches in one function.
+        # Python's compiler fails with some thousands of branches in one function.
         raise DefinitionError(f"{tree.name} has too many arrays for ROS 2; split it") from None
     return names["convert"]  # type: ignore[no-any-return]
 
@@ -123,7 +123,7 @@ class _Source:
         return name
 
     def converter(self, node: Node) -> str:
-        """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of what it read and wrote."""
+        """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of its input and output."""
         if ("convert", id(node)) in self._named:
             return self._named["convert", id(node)]
         name = self._name("convert", node)
@@ -147,7 +147,7 @@ class _Source:
         return name
 
     def part_count(self, node: Node) -> int:
-        """Return how many parts converting a value inline takes."""
+        """Return how many parts the inline conversion of a value needs."""
         if not isinstance(node, Record) or node.block is not None:
             return 1
         count = self._parts.get(id(node))
@@ -159,7 +159,7 @@ class _Source:
     def body(
         self, source_start: str, source_offset: int, target_start: str, target_offset: int, *, modulus: int
     ) -> ConvertingBody:
-        """Return the body of a function; of the index into CDR the remainder by `modulus` is known as 0."""
+        """Return the body of a function; the index into CDR is a multiple of `modulus`."""
         cdr = self.target is Side.ROS2
         return ConvertingBody(
             self,

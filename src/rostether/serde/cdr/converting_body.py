@@ -1,4 +1,4 @@
-"""Generated code that converts values: what both sides have alike is one slice, all else a few lines."""
+"""Generated code that converts values: equal bytes of both sides are one slice, other values a few lines."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _MAX_LOOPS: Final = 2
 
 
 class ConvertingBody(ReadingBody):
-    """The body of one function: lines that find out lengths, and the pieces that they delimit.
+    """The body of one function: lines that read lengths, and the pieces between them.
 
-    `side` is the one read, of which `source_at` is; `target_at` is where the output has got to.
+    `side` is the input's side, with the position `source_at`; `target_at` is the position in the output.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class ConvertingBody(ReadingBody):
             self._convert_record(node)
 
     def flush(self) -> None:
-        """Put the pieces so far to the output of loops and functions."""
+        """Add the pieces so far to the output of loops and functions."""
         self.uses_out = True
         if self.pieces:
             self.lines.append(f"out += ({row(self.pieces.pop_all())})")
@@ -228,10 +228,10 @@ class ConvertingBody(ReadingBody):
         self.target_at = self._offset(after, modulus, residue, aligned=self.to_cdr)
 
     def _loop_body(self, element: Node, before: str, after: str) -> tuple[ConvertingBody, int, int]:
-        """Return the code that converts one element, and what is known of the elements' offsets in CDR.
+        """Return the code that converts one element, and the known part of the elements' offsets in CDR.
 
-        That is what the first element's place and the end of every element have in common; the more of it is
-        known the more is known of the ends, so that it is tried again.
+        That is the common part of the first element's position and the ends of all elements. More knowledge
+        of the position gives more knowledge of the ends, so it is repeated.
         """
         start = self.target_at if self.to_cdr else self.source_at
         modulus, residue = 1, 0

@@ -1,8 +1,8 @@
-"""Lays a ROS 1 definition over a ROS 2 one, field by field.
+"""Matches the fields of a ROS 1 definition with those of a ROS 2 one.
 
-Fields meet by name, else by the name without capitals and underscores (`D` is `d` in ROS 2). A field that
-only one side has is dropped, or becomes zero or its default; but if both sides have such fields, they are
-probably one field renamed, and guessing would lose its values: that is refused.
+Fields are matched by name, or else by the name without capitals and underscores (`D` is `d` in ROS 2). A
+field of only one side is dropped, or becomes zero or its default. If both sides have such fields, they are
+probably one renamed field, and a guess could lose its values: that is refused.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ _DUMMY: Final = Slot("", DUMMY_NAME, Plain(1, 1), ((1, b"\0"),))
 def match_fields(ros1: type_tree.Struct, ros2: Ros2Message, lookup: Lookup) -> Record:
     """Return the two types as one tree; `lookup` gives the ROS 2 messages below, by `package/msg/Name`.
 
-    Raises TypeMismatchError if they do not fit, and what `lookup` raises.
+    Raises TypeMismatchError if they do not fit, and the errors of `lookup`.
     """
     return _FieldMatcher(ros1.name, ros2.full_name, lookup).record(ros1, ros2, "")
 

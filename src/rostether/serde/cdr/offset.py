@@ -1,4 +1,4 @@
-"""Where generated code is in its input or output, as far as that is known when the code is written."""
+"""A position of generated code in its input or output, as far as it is known during the generation."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ class Offset:
         return f"{self.start} + {offset}" if offset else self.start
 
     def advance(self, size: int) -> None:
-        """Go over bytes."""
+        """Skip bytes."""
         self.offset += size
         self.residue = (self.residue + size) % self.modulus
 
     def move(self, start: str, step: int = 1) -> None:
-        """Go to the place that an expression holds, any multiple of `step` bytes further."""
+        """Go to the position in an expression, a multiple of `step` bytes further."""
         self.start, self.offset = start, 0
         self.modulus = gcd(self.modulus, step)
         self.residue %= self.modulus
@@ -49,7 +49,7 @@ class Offset:
         return -self.residue % alignment if self.modulus >= alignment else None
 
     def align(self, variable: str, alignment: int) -> str:
-        """Go to the next aligned place, which is written to a variable; returns the line that does."""
+        """Go to the next aligned position, which is stored in a variable; return the line for that."""
         line = f"{variable} = ({self.text(3)} & -8) + 4" if alignment == 8 else ""
         line = line or f"{variable} = {self.text(alignment - 1)} & -{alignment}"
         self.start, self.offset = variable, 0
@@ -57,14 +57,14 @@ class Offset:
         return line
 
     def copy(self) -> Offset:
-        """Return the same place, to come back to it."""
+        """Return a copy, to return to this position."""
         return Offset(
             self.start, self.offset, aligned=self.aligned, modulus=self.modulus, residue=self.residue
         )
 
 
 def widen(text: bytes) -> bytes:
-    """Return the units of a UTF-8 text, as CDR has them behind their count."""
+    """Return the units of a UTF-8 text, as after their count in CDR."""
     encoded = text.decode("utf-8", "replace").encode("utf-16-le")
     count = len(encoded) // 2
     return struct.pack(f"<{count}I", *struct.unpack(f"<{count}H", encoded))

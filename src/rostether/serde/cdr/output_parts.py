@@ -1,4 +1,4 @@
-"""The pieces that a converter joins to its output, as Python expressions; neighbours become one."""
+"""The pieces of a converter's output, as Python expressions; adjacent pieces are joined."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class OutputParts:
         return bool(self._pieces)
 
     def add_slice(self, start: str, end: str) -> None:
-        """Add input from a place to a place, both as expressions."""
+        """Add the input between two positions, both as expressions."""
         last = self._pieces[-1] if self._pieces else None
         if isinstance(last, tuple) and last[1] == start:
             self._pieces[-1] = (last[0], end)
@@ -29,7 +29,7 @@ class OutputParts:
             self._pieces.append(value)
 
     def add_expression(self, expression: str) -> None:
-        """Add what an expression gives."""
+        """Add the value of an expression."""
         self._pieces.append(expression)
 
     def remove_final_nul(self) -> bool:

@@ -8,17 +8,17 @@ from rostether.serde.cdr.conversion_tree import Array, Node, Plain, Record, Side
 from rostether.serde.cdr.offset import UNIT_BYTES, Offset
 from rostether.serde.type_tree import MAX_EMPTY_ELEMENTS
 
-# How many numbers, strings and arrays a function grows to by nested records inline; further ones become
-# functions of their own, so that a type holding a type twice, which holds one twice ..., does not double the
-# source at each level.
+# The limit of numbers, strings and arrays of inline records in one function; further ones become separate
+# functions, so that a type that contains another type twice, which contains one twice ..., does not double
+# the source at each level.
 MAX_PARTS: Final = 256
 
 
 class Functions(Protocol):
-    """The functions and names beside a body."""
+    """The functions and names outside of a body."""
 
     def converter(self, node: Node) -> str:
-        """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of what it read and wrote."""
+        """Return the name of `convert_n(b, o, c, out) -> (o, c)`, the ends of its input and output."""
 
     def walker(self, node: Node) -> str:
         """Return the name of `walk_n(b, o) -> o`, which reads over a value."""
@@ -27,11 +27,11 @@ class Functions(Protocol):
         """Return the name of a translation's table."""
 
     def part_count(self, node: Node) -> int:
-        """Return how many parts converting a value inline takes."""
+        """Return how many parts the inline conversion of a value needs."""
 
 
 class ReadingBody:
-    """The body of one function: lines that find out lengths of the payload `b`, from a place on."""
+    """The body of one function: lines that read lengths of the payload `b`, from a position on."""
 
     def __init__(self, functions: Functions, side: Side, source_at: Offset) -> None:
         self.functions = functions
@@ -74,7 +74,7 @@ class ReadingBody:
                 self.skip(slot.node)
 
     def limit(self, element: Node, count: str) -> None:
-        """Refuse counts of elements that there are no bytes for."""
+        """Refuse counts of elements that exceed the remaining bytes."""
         least = element.least_bytes(self.side)
         if element.least_bytes(Side.ROS1) == 0:
             self.lines.append(f"if {count} > {MAX_EMPTY_ELEMENTS}: raise overrun")
@@ -107,7 +107,7 @@ class ReadingBody:
         offset.move(variable)
 
     def read_count(self, bound: int | None) -> str:
-        """Read a length, and refuse one over its bound."""
+        """Read a length, and refuse one above its bound."""
         self.align_source(4)
         count = self.variable("n")
         self.lines.append(f"{count}, = u32(b, {self.source_at.text()})")
@@ -125,10 +125,10 @@ class ReadingBody:
             self.lines.append(self.source_at.align(self.variable("o"), alignment))
 
     def align_if(self, offset: Offset, count: str, alignment: int) -> None:
-        """Go to where the first of `count` values begins: no padding is before none."""
+        """Go to the first of `count` values: without values there is no padding."""
         if offset.padding(alignment) == 0:
             return
-        # Behind the count the place is a multiple of four; only values of eight bytes get here.
+        # After the count, the position is a multiple of four; only values of eight bytes get here.
         before = offset.text()
         variable = self.variable("o")
         self.lines.append(f"{offset.align(variable, alignment)} if {count} else {before}")
@@ -141,12 +141,12 @@ class ReadingBody:
         return variable
 
     def continue_count(self, other: ReadingBody) -> None:
-        """Go on counting where another body of the same function stopped."""
+        """Continue the count of another body of the same function."""
         self.parts = other.parts
         self._count = other._count
 
     def is_long_with(self, node: Node) -> bool:
-        """Return whether the function has become too long to take a value inline."""
+        """Return whether the function has become too long for another inline value."""
         return self.parts + self.functions.part_count(node) > MAX_PARTS
 
     def variable(self, prefix: str) -> str:

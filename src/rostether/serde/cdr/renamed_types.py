@@ -1,4 +1,4 @@
-"""Types that ROS 2 has under another name, and how their fields changed."""
+"""Types with another name in ROS 2, and the changes of their fields."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def _levels(steps: tuple[tuple[int, int], ...]) -> bytes:
     return bytes(next(to for least, to in steps if value >= least) for value in range(256))
 
 
-# (ROS 1 message, field of one byte) to what its values become: a severity between two is the lower one.
+# (ROS 1 message, field of one byte) to its new values: a severity between two becomes the lower one.
 RENAMED_VALUES = MappingProxyType(
     {("rosgraph_msgs/Log", "level"): Translation(_levels(_ROS2_LEVELS), _levels(_ROS1_LEVELS))}
 )
 
-# ROS 2's name to ROS 1's, where ROS 1 has no message of ROS 2's own name.
+# ROS 2's name to ROS 1's, if ROS 1 has no message with the name of ROS 2.
 ROS1_MESSAGES = MappingProxyType(
     {
         "builtin_interfaces/msg/Duration": "std_msgs/Duration",
