@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rostether.ros2.endpoint_info import Ros2Graph
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.type_support import Ros2Types
+    from rostether.ros2.zenoh.node import ZenohGraph
 
 T = TypeVar("T")
 
@@ -29,6 +30,7 @@ POLL_INTERVAL_S = 0.05
 # The longest wait for a given name. DDS announces it at once, and again after 3 s if that is lost; zenoh's
 # router has announced it before the command starts.
 PATIENCE_S = {Middleware.ZENOH: 1.0, Middleware.RCLPY: 4.0}
+MAX_SHOWN_DOMAINS = 8
 # A listing is complete when nothing new arrived for this long.
 QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
 
@@ -43,6 +45,7 @@ class ToolNode:
         self.registry = registry
         self.types = types
         self.middleware = middleware
+        self._domains_were_reported = False
 
     async def snapshot(self) -> GraphView:
         """Return the current graph without this node."""
@@ -84,6 +87,7 @@ class ToolNode:
             latest = await self.snapshot()
             if latest != view:
                 view, changed_s = latest, loop.time()
+        await self._report_other_domains(view)
         return view
 
     async def snapshot_when(self, condition: Callable[[GraphView], bool]) -> GraphView:
@@ -93,7 +97,22 @@ class ToolNode:
         while not condition(view) and asyncio.get_running_loop().time() < deadline_s:
             await asyncio.sleep(POLL_INTERVAL_S)
             view = await self.snapshot()
+        await self._report_other_domains(view)
         return view
+
+    async def _report_other_domains(self, view: GraphView) -> None:
+        """Write a line if this domain has no nodes but others have: ROS_DOMAIN_ID is a common mistake."""
+        if (
+            self.middleware is not Middleware.ZENOH
+            or self._domains_were_reported
+            or not all(map(is_hidden, view.nodes))
+        ):
+            return
+        self._domains_were_reported = True
+        domains = await cast("ZenohGraph", self.graph.raw).other_domains()
+        if domains:
+            shown = ", ".join(map(str, domains[:MAX_SHOWN_DOMAINS]))
+            warn(f"this ROS 2 domain has no nodes; there are nodes in domain {shown}: check ROS_DOMAIN_ID")
 
 
 def _looks_complete(view: GraphView) -> bool:

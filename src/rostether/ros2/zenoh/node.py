@@ -29,7 +29,7 @@ from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_server import ServiceServer
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.subscription import Subscription
-from rostether.ros2.zenoh.tokens import Kind, Token
+from rostether.ros2.zenoh.tokens import ADMIN_SPACE, Kind, Token, parse_token
 from rostether.rostime import Time
 
 _KINDS = {
@@ -38,6 +38,9 @@ _KINDS = {
     Kind.SERVER: EndpointKind.SERVER,
     Kind.CLIENT: EndpointKind.CLIENT,
 }
+
+# A router on this machine answers in milliseconds.
+DOMAINS_TIMEOUT_S = 1.0
 
 _log = logging.getLogger("rostether.ros2")
 
@@ -139,6 +142,12 @@ class ZenohGraph(Ros2Membership):
         ends = (end for _, end in self._session.graph.all_endpoints() if end.session_id != own)
         is_humble = any(end.type_hash == TYPE_HASH_NOT_SUPPORTED for end in ends)
         return "humble" if is_humble else ""
+
+    async def other_domains(self) -> list[int]:
+        """Return the domains of this zenoh network that have nodes, without this node's own, sorted."""
+        texts = await self._session.look(f"{ADMIN_SPACE}/*/*/*/*/{Kind.NODE.value}/**", DOMAINS_TIMEOUT_S)
+        found = {token.domain_id for token in map(parse_token, texts) if token is not None}
+        return sorted(found - {self._session.domain_id})
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change."""

@@ -4,6 +4,7 @@ import asyncio
 import re
 from pathlib import Path
 
+import pytest
 from mcap.reader import make_reader
 
 from rostether.msgdef.registry import Registry
@@ -48,6 +49,13 @@ def test_list(world: ZenohWorld, shell: Shell) -> None:
         "publishers": ["/far/board"],
         "subscribers": [],
     }
+
+
+def test_a_wrong_domain_is_reported(world: ZenohWorld, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    listed = shell("topic", "list")
+    assert listed.out == ""
+    assert "no nodes; there are nodes in domain 0: check ROS_DOMAIN_ID" in listed.err
 
 
 def test_info(world: ZenohWorld, shell: Shell) -> None:
