@@ -16,6 +16,17 @@ def install_command(extra: str) -> str:
     wanted = f"'rostether[{extra}]'"
     if Path(sys.prefix, "pipx_metadata.json").exists():
         return f"pipx runpip {shlex.quote(Path(sys.prefix).name)} install {wanted}"
+    if _is_made_by_uv():
+        return f"uv pip install --python {shlex.quote(sys.executable)} {wanted}"
     if sys.prefix != sys.base_prefix and os.environ.get("VIRTUAL_ENV") != sys.prefix:
         return f"{shlex.quote(sys.executable)} -m pip install {wanted}"
     return f"pip install {wanted}"
+
+
+def _is_made_by_uv() -> bool:
+    # Its environments have no pip.
+    try:
+        lines = Path(sys.prefix, "pyvenv.cfg").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return False
+    return any(line.startswith("uv =") for line in lines)

@@ -37,3 +37,8 @@ def test_an_inactive_environment_is_named(prefix: Path) -> None:
 def test_pipx_is_asked_where_it_brought_us(prefix: Path) -> None:
     (prefix / "pipx_metadata.json").touch()
     assert install_command("zenoh") == "pipx runpip rostether install 'rostether[zenoh]'"
+
+
+def test_uv_installs_into_its_own_environments(prefix: Path) -> None:
+    (prefix / "pyvenv.cfg").write_text("home = /usr/bin\nuv = 0.13.9\n")
+    assert install_command("zenoh") == (f"uv pip install --python {prefix}/bin/python 'rostether[zenoh]'")

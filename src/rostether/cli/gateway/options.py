@@ -19,7 +19,9 @@ DEFAULT_PLACE = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 VIEW_TOKEN_VARIABLE = "ROSTETHER_VIEW_TOKEN"  # noqa: S105 - the name of a variable
 
-_PLACE = re.compile(r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}")
+_PLACE = re.compile(
+    r"(?:[\w.-]+:|\[[\da-fA-F:.]+\]:)?\d{1,5}|localhost|\d{1,3}(?:\.\d{1,3}){3}|\[[\da-fA-F:.]+\]"
+)
 _MAX_PORT = 65535
 _ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
 
@@ -45,7 +47,7 @@ class GatewayOptions:
 
 
 def is_place(word: str) -> bool:
-    """Return whether a word is [HOST:]PORT, so that it is the value of the gateway's option before it."""
+    """Return whether a word is [HOST:]PORT or an IP address: the value of the option before it."""
     return _PLACE.fullmatch(word) is not None
 
 

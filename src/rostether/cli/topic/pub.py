@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
@@ -87,9 +88,35 @@ _pub_options = option_group(
 )
 
 
+# Not -1, which publishes once.
+_NEGATIVE = re.compile(r"-(?!1$)(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+class _Pub(Verb):
+    """Reads negative numbers as values, not as options, until `--`."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        end = args.index("--") if "--" in args else len(args)
+        first = next((place for place, each in enumerate(args[:end]) if _NEGATIVE.fullmatch(each)), None)
+        # A number follows the topic and the type; before them it would be the value of an option.
+        if first is not None and sum(not each.startswith("-") for each in args[:first]) >= 2:
+            flags = [each for each in args[first:end] if each in self._flags(ctx)]
+            values = [each for each in args[first:end] if each not in flags]
+            args = [*args[:first], *flags, "--", *values, *args[end + 1 :]]
+        return super().parse_args(ctx, args)
+
+    def _flags(self, ctx: click.Context) -> set[str]:
+        return {
+            word
+            for each in self.get_params(ctx)
+            if isinstance(each, click.Option) and each.is_flag
+            for word in each.opts
+        }
+
+
 @click.command(
     "pub",
-    cls=Verb,
+    cls=_Pub,
     examples="""
     rostether topic pub -1 /toggle_led std_msgs/Empty
     rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist "{linear: {x: 0.2}}"
@@ -109,7 +136,7 @@ def pub(
     """Publish messages.
 
     VALUES are YAML: one mapping of the message's fields, the rest being zero, or the value of each field in
-    order; write -- before a negative number. `now` is a time, `auto` a header that is stamped now. Without
+    order; write -- before the number -1. `now` is a time, `auto` a header that is stamped now. Without
     -1 and -r the message is latched until Ctrl-C. Without VALUES, messages come from a file (-f) or a pipe,
     in YAML documents separated by ---.
 

@@ -145,7 +145,8 @@ class ZenohGraph(Ros2Membership):
 
     async def other_domains(self) -> list[int]:
         """Return the domains of this zenoh network that have nodes, without this node's own, sorted."""
-        texts = await self._session.look(f"{ADMIN_SPACE}/*/*/*/*/{Kind.NODE.value}/**", DOMAINS_TIMEOUT_S)
+        key = f"{ADMIN_SPACE}/*/*/*/*/{Kind.NODE.value}/**"
+        texts = await self._session.query_tokens(key, DOMAINS_TIMEOUT_S)
         found = {token.domain_id for token in map(parse_token, texts) if token is not None}
         return sorted(found - {self._session.domain_id})
 

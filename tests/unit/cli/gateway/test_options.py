@@ -18,6 +18,7 @@ from unit.cli.command_shell import Shell
         (["--rosbridge", "0.0.0.0:9090", "/dev/ttyACM0"], ["--rosbridge", "0.0.0.0:9090", "/dev/ttyACM0"]),
         (["--rosbridge", "[::1]:9090"], ["--rosbridge", "[::1]:9090"]),
         (["--rosbridge", "robot.local:9090"], ["--rosbridge", "robot.local:9090"]),
+        (["--rosbridge", "0.0.0.0"], ["--rosbridge", "0.0.0.0"]),
         (["--rosbridge", "/dev/ttyACM0"], ["--rosbridge=localhost", "/dev/ttyACM0"]),
         (["--rosbridge", "tcp://:11411"], ["--rosbridge=localhost", "tcp://:11411"]),
         (["--rosbridge", "COM3"], ["--rosbridge=localhost", "COM3"]),

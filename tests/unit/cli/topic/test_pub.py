@@ -151,6 +151,10 @@ def test_one_message_in_a_file_is_repeated(graph: LiveGraph, shell: Shell, tmp_p
         (["-f", "no_such_file", "/a", "std_msgs/Int8"], 1, "no_such_file"),
         (["-r", "0", "/a", "std_msgs/Int8", "1"], 2, "range"),
         (["/a"], 2, "TYPE"),
+        (["/a", "std_msgs/UInt8", "-5"], 1, "got -5"),
+        (["/a", "std_msgs/UInt8", "--", "-1"], 1, "got -1"),
+        (["/a", "geometry_msgs/Point", "0", "-.5e3", "--once", "2", "3"], 1, "got 4"),
+        (["-1.5", "/a", "std_msgs/UInt8"], 2, "No such option"),
     ],
 )
 def test_mistakes_are_reported_before_a_master_is_asked(
