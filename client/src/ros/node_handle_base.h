@@ -217,8 +217,8 @@ class NodeHandleBase_ : public FrameWriter {
 
   // Handles what `examine` found among the bytes that came in; false to read no more in this spinOnce.
   bool handle(uint8_t found) {
-    if (found == ReceiveWindow::WHOLE) {
-      if (depth_ == MAX_DEPTH) return false;
+    if (found == ReceiveWindow::WHOLE_FRAME) {
+      if (depth_ == MAX_NESTED_SPINS) return false;
       ++depth_;
       dispatch();
       --depth_;
@@ -269,7 +269,7 @@ class NodeHandleBase_ : public FrameWriter {
   // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;
   // Nested callbacks that wait in a spinOnce: more of them would need all of an Uno's stack.
-  static const uint8_t MAX_DEPTH = 3;
+  static const uint8_t MAX_NESTED_SPINS = 3;
   // The time for which received bytes are handled in one call; a line that never pauses must not block loop().
   static const uint16_t SPIN_TIMEOUT_MS = 1000;
 

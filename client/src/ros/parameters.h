@@ -14,7 +14,7 @@ namespace ros {
 // int32[] ints, float32[] floats, string[] strings, of which the host fills one, or none if there is no such parameter.
 class ParameterRequest : public Endpoint {
  public:
-  enum List { INTS, FLOATS, TEXTS };
+  enum List { INT_LIST, FLOAT_LIST, TEXT_LIST };
   // Stores one element of the list, a number's four bytes or a text. A function for each kind of values: a program has
   // those that it uses.
   typedef void (*Store)(void* values, size_t index, const uint8_t* element);
@@ -51,7 +51,7 @@ class ParameterRequest : public Endpoint {
 
  private:
   ParameterRequest(const char* name, List list, Store store, void* values, size_t length)
-      : Endpoint(name, &drive), store_(store), values_(values), length_(length), list_(list), state_(WAITING) {
+      : Endpoint(name, &drive), store_(store), values_(values), length_(length), list_(list), state_(AWAITING_VALUES) {
     id_ = ID_PARAMETER_REQUEST;
   }
 
@@ -61,16 +61,16 @@ class ParameterRequest : public Endpoint {
     node.string(topic_);
     node.finish();
     const unsigned int began_ms = static_cast<unsigned int>(node.time());
-    while (state_ == WAITING && static_cast<unsigned int>(node.time()) - began_ms < timeout_ms) node.spinOnce();
-    if (state_ == FOUND) return true;
+    while (state_ == AWAITING_VALUES && static_cast<unsigned int>(node.time()) - began_ms < timeout_ms) node.spinOnce();
+    if (state_ == GOT_VALUES) return true;
     static const char unanswered[] ROS_FLASH = "Failed to get param: timeout expired";
     static const char misfit[] ROS_FLASH = "Failed to get param: length mismatch";
-    const FlashText text = {state_ == WAITING ? unanswered : misfit};
+    const FlashText text = {state_ == AWAITING_VALUES ? unanswered : misfit};
     node.log(2, text);
     return false;
   }
 
-  enum State { WAITING, FOUND, MISFIT };
+  enum State { AWAITING_VALUES, GOT_VALUES, GOT_OTHER_VALUES };
 
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
     if (reader) static_cast<ParameterRequest&>(self).take(node, *reader);
@@ -79,11 +79,11 @@ class ParameterRequest : public Endpoint {
   void take(NodeHandleBase_& node, Reader& reader) {
     const uint8_t* numbers = nullptr;
     bool fits = false;
-    for (uint8_t list = INTS; list <= TEXTS; ++list) {
+    for (uint8_t list = INT_LIST; list <= TEXT_LIST; ++list) {
       // The elements of each list take four bytes at least.
       size_t count = reader.listLength(4);
       if (list == list_) fits = count == length_;
-      if (list != TEXTS) {
+      if (list != TEXT_LIST) {
         const uint8_t* const first = reader.skip(count * 4);
         if (list == list_) numbers = first;
         continue;
@@ -91,11 +91,11 @@ class ParameterRequest : public Endpoint {
       for (size_t i = 0; i < count && reader.ok(); ++i) {
         const char* text;
         reader.string(text);
-        if (list_ == TEXTS && fits) store_(values_, i, reinterpret_cast<const uint8_t*>(text));
+        if (list_ == TEXT_LIST && fits) store_(values_, i, reinterpret_cast<const uint8_t*>(text));
       }
     }
     if (!node.accept(reader)) return;
-    state_ = fits ? FOUND : MISFIT;
+    state_ = fits ? GOT_VALUES : GOT_OTHER_VALUES;
     id_ = 0;  // the next answer is for another request
     if (!fits || !numbers) return;
     for (size_t i = 0; i < length_; ++i, numbers += 4) store_(values_, i, numbers);
@@ -109,20 +109,20 @@ class ParameterRequest : public Endpoint {
 };
 
 inline bool NodeHandleBase_::getParam(const char* name, int* values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::INTS, &ParameterRequest::storeInt, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::INT_LIST, &ParameterRequest::storeInt, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, bool* values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::INTS, &ParameterRequest::storeBool, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::INT_LIST, &ParameterRequest::storeBool, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, float* values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::FLOATS, &ParameterRequest::storeFloat, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::FLOAT_LIST, &ParameterRequest::storeFloat, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, char** values, int length, int timeout_ms) {
-  return ParameterRequest::ask(*this, name, ParameterRequest::TEXTS, &ParameterRequest::storeText, values, length, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::TEXT_LIST, &ParameterRequest::storeText, values, length, timeout_ms);
 }
 inline bool NodeHandleBase_::getParam(const char* name, char* text, size_t text_bytes, int timeout_ms) {
   ParameterRequest::Buffer buffer = {text, text_bytes};
-  return ParameterRequest::ask(*this, name, ParameterRequest::TEXTS, &ParameterRequest::storeInBuffer, &buffer, 1, timeout_ms);
+  return ParameterRequest::ask(*this, name, ParameterRequest::TEXT_LIST, &ParameterRequest::storeInBuffer, &buffer, 1, timeout_ms);
 }
 
 }  // namespace ros

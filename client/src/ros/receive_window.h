@@ -57,17 +57,17 @@ class ReceiveWindow {
   }
 
   enum Finding {
-    NOTHING = 0,
-    NOISE = 1,  // bytes that were no frame, and are dropped
-    WHOLE = 2   // a whole, undamaged frame is at the front
+    NOTHING_WHOLE = 0,
+    NOISE_BEFORE_FRAME = 1,  // bytes that were no frame, and are dropped
+    WHOLE_FRAME = 2          // a whole, undamaged frame is at the front
   };
   // Examines the received bytes.
   ROS_APART uint8_t examine() {
-    uint8_t found = NOTHING;
+    uint8_t found = NOTHING_WHOLE;
     while (begin_ != end_) {
       const uint16_t wanted = judge();
       if (wanted <= have()) {
-        if (wanted) return WHOLE;
+        if (wanted) return WHOLE_FRAME;
       } else {
         // Inside a callback there may be less room than the frame needs, and the awaited response follows after it.
         if (wanted > space()) compact();
@@ -77,7 +77,7 @@ class ReceiveWindow {
         }
       }
       drop();
-      found = NOISE;
+      found = NOISE_BEFORE_FRAME;
     }
     forget();
     return found;

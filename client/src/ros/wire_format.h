@@ -95,11 +95,11 @@ struct WireFormat<M, false> {
 
    private:
 #if defined(__AVR__)
-    static const size_t LARGEST = 280;
+    static const size_t LARGEST_MESSAGE_BYTES = 280;
 #else
-    static const size_t LARGEST = 4096;
+    static const size_t LARGEST_MESSAGE_BYTES = 4096;
 #endif
-    unsigned char bytes_[LARGEST];
+    unsigned char bytes_[LARGEST_MESSAGE_BYTES];
     size_t length_;
   };
 

@@ -11,6 +11,14 @@ from rostether.firmware.build import build_sketch, find_board
 # Each is the part of a sketch that once did not compile.
 SKETCHES = {
     "header_beside_ros": """
+// A sketch's own constants may come first: none is a name in the library.
+#define NOTHING 0
+#define WAITING 1
+#define FOUND 2
+#define NOISE 3
+#define MAX_DEPTH 4
+#define INTS 5
+#define LARGEST 6
 #include <ArduinoHardware.h>
 #include <ros.h>
 #include <geometry_msgs/Twist.h>
