@@ -83,6 +83,7 @@ class _Builder:
         self._make_error = make_error
         self._root: XmlElement | None = None
         self._open: list[XmlElement] = []
+        self._refusal: Exception | None = None
         self._parser = expat.ParserCreate(encoding)
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
@@ -97,6 +98,11 @@ class _Builder:
             cause = self._cause(expat.ErrorString(error.code), data, self._parser.ErrorByteIndex)
             text = f"not XML: {expat.ErrorString(error.code)} at column {error.offset + 1}"
             raise self._make_error(f"{text}: {cause}" if cause else text, error.lineno) from None
+        except (ValueError, LookupError) as error:
+            if error is self._refusal:
+                raise
+            # Python looks encodings up that the parser does not know.
+            raise self._make_error(f"not XML: its encoding is unknown ({error}); use UTF-8", 0) from None
         assert self._root is not None
         return self._root
 
@@ -120,7 +126,8 @@ class _Builder:
             tag, attributes, self._file, self._parser.CurrentLineNumber, make_error=self._make_error
         )
         if len(self._open) >= MAX_DEPTH:
-            raise element.error(f"elements are nested deeper than {MAX_DEPTH} levels")
+            self._refusal = element.error(f"elements are nested deeper than {MAX_DEPTH} levels")
+            raise self._refusal
         if self._open:
             self._open[-1].content.append(element)
         else:
@@ -134,9 +141,10 @@ class _Builder:
         self._open[-1].content.append(text)
 
     def _refuse_dtd(self, *_: object) -> None:
-        raise self._make_error(
+        self._refusal = self._make_error(
             "declares a DTD or an entity, which is not allowed; remove it", self._parser.CurrentLineNumber
         )
+        raise self._refusal
 
 
 def _cause_of_token(before: str, after: str) -> str:

@@ -24,7 +24,7 @@ _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 
 
 # A large robot has about 100,000 elements; macros that call two others, 30 levels deep, make 10**9.
-MAX_ELEMENTS: Final = 1_000_000
+MAX_ELEMENTS: Final = 250_000
 MAX_CHARACTERS: Final = 64 * 1024 * 1024
 
 _MISSING: Final = object()

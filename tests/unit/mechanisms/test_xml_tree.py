@@ -35,6 +35,8 @@ def test_a_document_becomes_a_tree() -> None:
         (b"", "1: not XML: no element found"),
         (b"<a>\n<b></a>", "2: not XML: mismatched tag"),
         (b"\xff\xfe\x00", "not XML"),
+        (b"<?xml version='1.0' encoding='utf-7'?><a/>", "0: not XML: its encoding is unknown"),
+        (b"<?xml version='1.0' encoding='hex'?><a/>", "0: not XML: its encoding is unknown"),
         (
             b"<a>\n <b>\n</a>",
             "3: not XML: mismatched tag at .*: <b> of line 2 is not closed before </a>",

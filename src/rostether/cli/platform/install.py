@@ -16,6 +16,7 @@ import click
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.platform.boot.service_files import path_below
 
 if TYPE_CHECKING:
     from rostether.platform.boot.service_files import Installation
@@ -89,7 +90,7 @@ def install(dry_run: bool, gui: bool, for_user: bool | None, root: Path | None, 
     files = {installation.robot_file: text, **files_of(installation, dashboard=_DASHBOARD if gui else "")}
     if dry_run:
         for path, content in files.items():
-            write_line(f"{_below(root, path)}:")
+            write_line(f"{path_below(root, path)}:")
             write_line("\n".join(f"    {line}" for line in content.splitlines()))
         return
     _write(files, root)
@@ -120,7 +121,7 @@ def _linger() -> None:
 def uninstall(for_user: bool | None, root: Path | None) -> None:
     """Stop the robot's parts, and remove the files of `rostether install`, including the robot.toml."""
     installation = _installation(for_user)
-    paths = [each for each in _written(installation) if _below(root, each).exists()]
+    paths = [each for each in _written(installation) if path_below(root, each).exists()]
     if not paths:
         write_line("nothing is installed")
         return
@@ -131,9 +132,9 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         elif _LINGERING.joinpath(getpass.getuser()).exists():
             write_line("your services may still start at boot; if you need none:  loginctl disable-linger")
     for path in paths:
-        _below(root, path).unlink()
-        write_line(f"removed {_below(root, path)}")
-    folder = _below(root, installation.robot_file).parent
+        path_below(root, path).unlink()
+        write_line(f"removed {path_below(root, path)}")
+    folder = path_below(root, installation.robot_file).parent
     if folder.name == "rostether" and not any(folder.iterdir()):
         folder.rmdir()
     if root is None:
@@ -161,8 +162,8 @@ def status(for_user: bool | None, root: Path | None) -> None:
     from rostether.platform.boot.robot_file import read_robot_file
 
     installation = _installation(for_user)
-    file = _below(root, installation.robot_file)
-    if not _below(root, installation.unit).exists():
+    file = path_below(root, installation.robot_file)
+    if not path_below(root, installation.unit).exists():
         write_line("nothing starts at boot; to change that: rostether install")
         raise click.exceptions.Exit(1)
     robot = read_robot_file(file, VERBS)
@@ -210,7 +211,7 @@ def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> st
         given: Path = answers["given"]
         _check(given)
         return given.read_text(encoding="utf-8")
-    kept = _below(root, file)
+    kept = path_below(root, file)
     if not any(answers.values()) and kept.exists():
         _check(kept)
         return kept.read_text(encoding="utf-8")
@@ -263,13 +264,9 @@ def _written(installation: Installation) -> list[Path]:
     return [*paths, installation.rules] if installation.is_system else paths
 
 
-def _below(root: Path | None, path: Path) -> Path:
-    return path if root is None else root / path.relative_to("/")
-
-
 def _write(files: Mapping[Path, str], root: Path | None) -> None:
     for path, content in files.items():
-        place = _below(root, path)
+        place = path_below(root, path)
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(content, encoding="utf-8")

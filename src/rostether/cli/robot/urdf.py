@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.shell.input import read_bytes
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.mechanisms.text import escape_line
@@ -84,7 +85,7 @@ def _load(file: Path, mappings: tuple[str, ...]) -> RobotModel:
     from rostether.robot.urdf import parse_urdf
     from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings
 
-    data = file.read_bytes()
+    data = read_bytes(file)
     if is_xacro(data):
         packages = package_folders(os.environ, Path.cwd())
         text = expand_xacro(file, parse_mappings(mappings), packages=packages)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from rostether.errors import ConfigError
+
 SERVICE = "rostether"
 # The folder of the files that the parts of a system's service write.
 STATE = Path("/var/lib") / SERVICE
@@ -61,8 +63,19 @@ def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path
     return files
 
 
+def path_below(root: Path | None, path: Path) -> Path:
+    """Return a path in the folder `root`, such as a mounted image. Raises ConfigError if it leads out."""
+    if root is None:
+        return path
+    place = root / path.relative_to("/")
+    if not place.resolve().is_relative_to(root.resolve()):
+        # An absolute link in an image leads to this machine.
+        raise ConfigError(f"{place} leads out of {root}, to {place.resolve()}; replace the link by a folder")
+    return place
+
+
 def unit_text(installation: Installation) -> str:
-    """Return the systemd unit.
+    """Return the systemd unit. Raises ConfigError for a path with unprintable characters.
 
     Source: systemd.service(5). It does not wait for the network: every part waits for what it needs.
     """
@@ -113,6 +126,9 @@ def unit_text(installation: Installation) -> str:
 
 
 def _quoted(word: str) -> str:
+    if not word.isprintable():
+        # A line end would begin a new setting.
+        raise ConfigError(f"{word!r:.200} cannot be in a systemd unit; choose another path")
     # In systemd units, % starts a specifier and $ a variable.
     word = word.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
     return f'"{word}"' if any(each in word for each in " \t;'\"") else word

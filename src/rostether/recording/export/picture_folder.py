@@ -18,6 +18,8 @@ class PictureFolder:
     def __init__(self, folder: Path) -> None:
         """Create the folder. Raises RecordingError."""
         self._folder = folder
+        self._last = ("", "")
+        self._same_count = 0
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -27,11 +29,16 @@ class PictureFolder:
         """Write a picture. Raises RecordingError."""
         seconds, nanoseconds = divmod(time_ns, NS_PER_S)
         ending = "png" if "png" in message.format.lower() else "jpg"
-        name = f"{datetime.fromtimestamp(seconds):%Y-%m-%d-%H-%M-%S}.{nanoseconds // 1000:06d}.{ending}"
+        stem = f"{datetime.fromtimestamp(seconds):%Y-%m-%d-%H-%M-%S}.{nanoseconds // 1000:06d}"
+        # Several pictures may have one time.
+        self._same_count = self._same_count + 1 if (stem, ending) == self._last else 1
+        self._last = (stem, ending)
+        number = f"-{self._same_count}" if self._same_count > 1 else ""
+        path = self._folder / f"{stem}{number}.{ending}"
         try:
-            (self._folder / name).write_bytes(message.data)
+            path.write_bytes(message.data)
         except OSError as error:
-            raise RecordingError(f"cannot write {self._folder / name}: {error.strerror or error}") from None
+            raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
 
     def flush(self) -> None:
         """Do nothing: each picture is written immediately."""

@@ -61,6 +61,15 @@ def test_a_dry_run_writes_nothing(root: Path, shell: Shell) -> None:
     assert not root.exists()
 
 
+def test_a_link_in_an_image_does_not_lead_to_this_machine(root: Path, shell: Shell, tmp_path: Path) -> None:
+    (root / "etc").mkdir(parents=True)
+    (tmp_path / "outside").mkdir()
+    (root / "etc/systemd").symlink_to(tmp_path / "outside")
+    words = ["install", "--machine", "both", "--name", "r", "--root", str(root), "--system"]
+    assert "leads out of" in shell.failure(*words)
+    assert not list((tmp_path / "outside").iterdir())
+
+
 def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     place = ("--root", str(root), "--system")
     assert "There is no terminal to ask; give --machine" in shell.failure("install", *place)

@@ -20,6 +20,7 @@ from rostether.recording.decoding import Decoder
 from rostether.recording.export.columns import columns_of
 from rostether.recording.export.exporting import Export, ExportedTable
 from rostether.recording.export.parquet_table import ParquetTable
+from rostether.recording.export.picture_folder import PICTURE_TYPE, PictureFolder
 from rostether.recording.export.tables import CsvTable
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
@@ -189,3 +190,24 @@ def test_a_type_that_parquet_does_not_support_is_reported_and_leaves_no_file(tmp
     with pytest.raises(RecordingError, match="no child field"):
         ParquetTable(tmp_path / "t.parquet", columns_of(codec))
     assert not (tmp_path / "t.parquet").exists()
+
+
+def test_a_spreadsheet_runs_no_text_of_a_board(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    texts = ("=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "fine", "'quoted", "")
+    codec = STORE.codec("std_msgs/String")
+    writer = BagWriter(path)
+    number = writer.add_connection(Connection("/a", STORE.registry.message_type("std_msgs/String")))
+    writer.write(number, START_NS, [codec.encode({"data": each}) for each in texts])
+    writer.close()
+    shown = [row["data"] for row in _csv(path, "/a")]
+    assert shown == ["'=1+1", "'+1", "'-1", "'@SUM(A1)", "'\t=1", "fine", "'quoted", ""]
+
+
+def test_pictures_of_one_time_are_all_kept(tmp_path: Path) -> None:
+    codec = STORE.codec(PICTURE_TYPE)
+    folder = PictureFolder(tmp_path / "pictures")
+    for data in (b"1", b"2", b"3"):
+        folder.add(START_NS, codec.decode(codec.encode({"format": "jpeg", "data": data})))
+    folder.add(START_NS + 1_000_000, codec.decode(codec.encode({"format": "png", "data": b"4"})))
+    assert sorted(each.read_bytes() for each in (tmp_path / "pictures").iterdir()) == [b"1", b"2", b"3", b"4"]
