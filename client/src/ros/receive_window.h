@@ -32,7 +32,7 @@ class ReceiveWindow {
 
   bool empty() const { return begin_ == end_; }
   uint16_t largestPayload() const { return largest_payload_; }
-  // Whether more is to be read before `examine` can learn something new.
+  // Whether `examine` needs more bytes.
   bool wantsMore() const { return end_ != goal_; }
   void append(uint8_t byte) { *end_++ = byte; }
   // Appends the available bytes, up to the wanted number; returns whether there were any.

@@ -108,9 +108,9 @@ class Fleet:
         return round(event["left"] * 255), round(event["right"] * 255)
 
     def deaf_s(self) -> float:
-        """Return the board's time when the chip went deaf first."""
+        """Return the board's time when the chip stalled first."""
         return next(
-            each.time_s for each in self.board.recent if each.name == "w5100" and each["state"] == "deaf"
+            each.time_s for each in self.board.recent if each.name == "w5100" and each["state"] == "stalled"
         )
 
     async def turns(self, left: int, right: int) -> None:
@@ -160,14 +160,14 @@ async def test_it_obeys_commands_reopens_a_deaf_socket_and_stops_with_its_sender
         (robot,) = fleet.channel.table.robots.values()
         assert (robot.status.robot_id, robot.address[0]) == (1, "127.0.0.2")
         async with fleet.driving(0, 1):
-            await fleet.board.send_command("w5100 deaf=1")
+            await fleet.board.send_command("w5100 stall_after=1")
             await fleet.turns(0, 0)
             deaf_s = fleet.deaf_s()
             async with asyncio.timeout(PATIENCE_S):
                 while fleet.turned_s(1) < deaf_s:
                     await asyncio.sleep(0.01)
             assert fleet.turned_s(1) - deaf_s < 1
-            await fleet.board.send_command("w5100 deaf=0")
+            await fleet.board.send_command("w5100 stall_after=0")
             await fleet.turns(255, 255)
         gone_s = await fleet.time_s()
         await fleet.turns(0, 0)

@@ -1,5 +1,5 @@
 // A robot with ros::MulticastCommand on loopback, in the group 239.255.82.83. Prints what it does, a line each:
-//   multicast_robot PORT [DEAF_AFTER]     drive DIRECTION SPEED, halt, open; its socket goes deaf after so many datagrams
+//   multicast_robot PORT [STALL_AFTER]     drive DIRECTION SPEED, halt, open; its socket stalls after this number of datagrams
 //   multicast_robot PORT bare             the same with ros::MulticastTopic
 // Robot 3 of group 1 line by line, without a network: a time in milliseconds and a datagram in hexadecimal on standard
 // input. Prints what each demands, and the status that answers it in hexadecimal:
@@ -15,7 +15,7 @@
 
 HardwareSerial Serial;
 EthernetClass Ethernet;
-static int deaf_after;
+static int stall_after;
 
 // With the multicast of the official Ethernet library. As on an ESP32, a datagram must be read before the next one comes.
 class DeafUdp : public EthernetUDP {
@@ -30,7 +30,7 @@ class DeafUdp : public EthernetUDP {
   int parsePacket() {
     if (available() > 0) return 0;
     const int size = EthernetUDP::parsePacket();
-    return size > 0 && deaf_after && ++heard_ > deaf_after ? 0 : size;
+    return size > 0 && stall_after && ++heard_ > stall_after ? 0 : size;
   }
 
  private:
@@ -87,7 +87,7 @@ int main(int count, char** arguments) {
     return 0;
   }
   if (count > 2 && strcmp(arguments[2], "bare") == 0) obey(topic, arguments[1]);
-  if (count > 2) deaf_after = atoi(arguments[2]);
+  if (count > 2) stall_after = atoi(arguments[2]);
   commands.setRobot(3);
   obey(commands, arguments[1]);
 }

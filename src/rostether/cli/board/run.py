@@ -121,7 +121,7 @@ _board_options = option_group(
         ),
         click.option(
             "--w5100",
-            metavar="address=127.0.0.2,deaf=500",
+            metavar="address=127.0.0.2,stall_after=500",
             help="The loopback address of the Ethernet shield, and when it stops receiving a group.",
         ),
         click.option(

@@ -57,7 +57,7 @@ class ROSTopicHz:
                 self._steps[topic].append(now - last)
 
     def get_hz(self, topic: str | None = None) -> tuple[float, float, float, float, int] | None:
-        """Return rate, least and most step, deviation, and of how many messages; None for no new."""
+        """Return rate, shortest and longest interval, deviation, message count; None without new messages."""
         with self.lock:
             steps = list(self._steps[topic])
             last = self._last.get(topic)

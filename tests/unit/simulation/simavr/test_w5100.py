@@ -1,4 +1,4 @@
-"""The simulated Ethernet shield: DHCP, groups, answers, and how it goes deaf; with real datagrams."""
+"""The simulated Ethernet shield: DHCP, groups, answers, and how it stalls; with real datagrams."""
 
 from __future__ import annotations
 
@@ -114,15 +114,17 @@ async def test_a_sketch_gets_an_address_receives_its_group_and_answers(tmp_path:
             assert (await asked(sock, b"again", place))[0] == b"again"
 
 
-async def test_the_chip_by_its_registers_and_how_it_goes_deaf(tmp_path: Path) -> None:
+async def test_the_chip_by_its_registers_and_how_it_stalls(tmp_path: Path) -> None:
     group = loopback_group()
     with open_sender(group, "127.0.0.1") as sock:
-        async with await start(tmp_path, REGISTERS, group, "w5100 deaf=2") as board:
+        async with await start(tmp_path, REGISTERS, group, "w5100 stall_after=2") as board:
             for data in (b"first", b"second", b"third"):
-                deaf = data == b"third"
-                found = asyncio.ensure_future(board.wait_for("w5100", lambda event: event["state"] == "deaf"))
+                is_last = data == b"third"
+                found = asyncio.ensure_future(
+                    board.wait_for("w5100", lambda event: event["state"] == "stalled")
+                )
                 sock.sendto(data, (group.group, group.port))
-                if deaf:
+                if is_last:
                     await found
                     data = b"second"
                 expected = (
@@ -135,7 +137,8 @@ async def test_the_chip_by_its_registers_and_how_it_goes_deaf(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    "settings", ["", "address=10.0.0.1", "address=x", "deaf=-1", "deaf=", "dumb=1", "deaf"]
+    "settings",
+    ["", "address=10.0.0.1", "address=x", "stall_after=-1", "stall_after=", "dumb=1", "stall_after"],
 )
 async def test_settings_that_make_no_sense(settings: str) -> None:
     async with await SimulatedBoard.start(build("echo"), link="none") as board:

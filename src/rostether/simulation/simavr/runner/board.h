@@ -193,7 +193,7 @@ void w5100_reset(void);
 bool w5100_is_selected(void);
 uint8_t w5100_exchange(uint8_t byte);
 void w5100_move(void);
-void w5100_make_deaf(unsigned long after);
+void w5100_set_stall(unsigned long after);
 const char *w5100_set(char *settings);
 
 /* markers.c: cycles between GPIOR2 = 1 and GPIOR2 = 0. */

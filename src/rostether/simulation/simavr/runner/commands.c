@@ -272,7 +272,7 @@ static const char *do_send(int count, char **words) { return link_inject(count =
 static const char *do_network(int count, char **words) { return network_connects_to(count == 2 ? words[1] : ""); }
 
 static const char *do_w5100(int count, char **words) {
-    return count == 2 ? w5100_set(words[1]) : "a W5100 is set with address=127.0.0.2 and deaf=500";
+    return count == 2 ? w5100_set(words[1]) : "a W5100 is set with address=127.0.0.2 and stall_after=500";
 }
 
 static const char *do_wheels(int count, char **words) {

@@ -60,19 +60,19 @@
 static uint8_t memory[SPACE];
 static struct {
     struct w5100_place group; /* as it was when the socket was opened; port 0 without one */
-    uint16_t freed;           /* up to where the program has taken what was received */
-    uint16_t filled;          /* up to where there is something */
+    uint16_t freed;           /* the end of the bytes that the program has read */
+    uint16_t filled;          /* the end of the received bytes */
     uint16_t sent;
     unsigned long heard; /* datagrams since the socket was opened */
-    bool is_deaf;        /* and reported as such */
-    uint64_t gives_up;   /* when nobody has answered for the address; 0: not waiting */
+    bool is_stalled;     /* and reported as stalled */
+    uint64_t gives_up;   /* the time limit of an address request; 0: not waiting */
 } sockets[W5100_SOCKETS];
-static unsigned long deaf_after;
+static unsigned long stall_after;
 static struct pin *select_pin;
 static uint8_t frame[3];
 static unsigned frame_count;
 
-void w5100_make_deaf(unsigned long after) { deaf_after = after; }
+void w5100_set_stall(unsigned long after) { stall_after = after; }
 
 static uint8_t *of_socket(int s, int place) { return memory + SOCKETS + s * SOCKET_BYTES + place; }
 
@@ -147,9 +147,9 @@ bool w5100_deliver(int s, const struct w5100_place *from, const uint8_t *bytes, 
     uint16_t used = (uint16_t)(sockets[s].filled - sockets[s].freed);
     uint8_t header[8] = {from->ip[0], from->ip[1], from->ip[2], from->ip[3]};
     if (*of_socket(s, STATE) != STATE_UDP) return false;
-    if (sockets[s].group.port && deaf_after && sockets[s].heard >= deaf_after) {
-        if (!sockets[s].is_deaf) tell(s, "deaf");
-        sockets[s].is_deaf = true;
+    if (sockets[s].group.port && stall_after && sockets[s].heard >= stall_after) {
+        if (!sockets[s].is_stalled) tell(s, "stalled");
+        sockets[s].is_stalled = true;
         return false;
     }
     sockets[s].heard++;

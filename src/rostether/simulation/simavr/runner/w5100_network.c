@@ -154,20 +154,20 @@ void w5100_move(void) {
 static const char *set_one(char *part) {
     struct in_addr address;
     char *value = strchr(part, '='), *rest;
-    if (!value) return "a W5100 is set with address=127.0.0.2 and deaf=500";
+    if (!value) return "a W5100 is set with address=127.0.0.2 and stall_after=500";
     *value++ = 0;
     if (strcmp(part, "address") == 0 && inet_pton(AF_INET, value, &address) == 1 && *(uint8_t *)&address == LOOPBACK) {
         memcpy(own_ip, &address, 4);
         return NULL;
     }
     unsigned long after = strtoul(value, &rest, 10);
-    if (strcmp(part, "deaf") != 0 || *value < '0' || *value > '9' || *rest)
-        return "a W5100 has an address from 127.0.0.1 to 127.255.255.254, and is deaf after a number of datagrams; 0: never";
-    w5100_make_deaf(after);
+    if (strcmp(part, "stall_after") != 0 || *value < '0' || *value > '9' || *rest)
+        return "a W5100 has an address from 127.0.0.1 to 127.255.255.254, and stalls after a number of datagrams (0: never)";
+    w5100_set_stall(after);
     return NULL;
 }
 
-/* address=127.0.0.2,deaf=500 */
+/* address=127.0.0.2,stall_after=500 */
 const char *w5100_set(char *settings) {
     char *rest = NULL;
     for (char *part = strtok_r(settings, ",", &rest); part; part = strtok_r(NULL, ",", &rest)) {

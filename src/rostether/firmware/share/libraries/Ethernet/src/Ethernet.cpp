@@ -10,7 +10,7 @@ const uint8_t kHasRoom = 4;
 // As long as Arduino's library waits; the sketch stops during this time.
 const unsigned long kTimeoutMs = 1000;
 
-// A byte that was looked at, but not taken: the chip cannot take it back.
+// A byte that was peeked: the chip cannot return it to its queue.
 int peeked = -1;
 
 bool wait_for(uint8_t flag) {
