@@ -45,6 +45,9 @@ GIVE_WAY_S = 1.5
 # How often other relays are checked: until then, the offers of a killed one are missing.
 CHECK_S = 3.0
 
+# How often a new relay looks for its first snapshot of a graph.
+SEEN_POLL_S = 0.05
+
 Report = Callable[[Level, str], None]
 
 
@@ -137,6 +140,9 @@ class Relay:
         """Find relays that were killed, and remove their registrations."""
         if side.forget_if_gone is None:
             return
+        # The first check ends before anything is arranged: a killed relay is not a source.
+        while side.name not in self._seen:  # noqa: ASYNC110 - each side is seen after milliseconds
+            await asyncio.sleep(SEEN_POLL_S)
         while True:
             known = relay_marks(self._seen.get(side.name, Snapshot()))
             for name in known.keys() - self._gone - {side.graph.node_name}:

@@ -25,7 +25,7 @@ from rostether.errors import GraphError, ServiceUnavailableError, UnknownTypeErr
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mark
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Snapshot
 from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.relay import relay as relay_module
@@ -437,3 +437,31 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         await until(lambda: any(each.type_name != "*" for each in relay.relays))
         assert world.networks[0].snapshot().services["/switch"].providers == ("/relay",)
     assert set(asked) == {"/killed"}
+
+
+async def test_a_relay_that_was_killed_before_is_not_a_source(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(relay_module, "MEET_S", 0.2)
+    killed = await marked(world, "/killed", new_relay_mark())
+    await killed[0].advertise_service("/switch", SET_BOOL, agreeing)
+    # Only the first graph keeps the registrations of nodes that were killed.
+    await killed[1].close()
+    await world.one.advertise("/chat", STRING)
+    changes = world.relays[0].changes
+
+    async def slowly() -> AsyncIterator[Snapshot]:
+        # A ROS 1 master answers after the tasks of the relay have started.
+        await asyncio.sleep(0.02)
+        async for snapshot in changes():
+            yield snapshot
+
+    monkeypatch.setattr(world.relays[0], "changes", slowly)
+
+    async def forget(_: str) -> bool:
+        return True
+
+    async with world.relaying(Topics("/chat"), services=(Services("/*"),), forget_if_gone=forget):
+        await until(lambda: world.carries("/chat", 1))
+        assert "the relay /killed has ended without leaving: it is forgotten" in world.lines
+        assert not any("/switch" in line for line in world.lines)
