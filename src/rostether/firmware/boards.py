@@ -29,7 +29,15 @@ _ALIASES = {
 }
 
 # Boards of robots that users name without their platform.
-_OTHER_PLATFORMS = {"opencr": "OpenCR:OpenCR:OpenCR"}
+_OTHER_PLATFORMS = {
+    "opencr": "OpenCR:OpenCR:OpenCR",
+    "unor4wifi": "arduino:renesas_uno:unor4wifi",
+    "unor4minima": "arduino:renesas_uno:minima",
+    "due": "arduino:sam:arduino_due_x",
+    "esp32": "esp32:esp32:esp32",
+    "nodemcu": "esp8266:esp8266:nodemcuv2",
+    "pico": "rp2040:rp2040:rpipico",
+}
 
 # The boards that an error lists: the most common ones, because all 26 do not fit in a line.
 _SHOWN = ("uno", "mega", "leonardo", "nano", "micro", "promini", "mini", "ethernet")
@@ -116,12 +124,15 @@ class BoardTable:
         )
 
     def _unknown(self, name: str, board: str) -> str:
-        candidates = {_plain(each): each for each in [*self.names, *_ALIASES]}
+        candidates = {_plain(each): each for each in [*self.names, *_ALIASES, *_OTHER_PLATFORMS]}
         near = [candidates[each] for each in get_close_matches(_plain(board), candidates, n=3)]
         shown = [each for each in _SHOWN if each in self.names or each in _ALIASES]
         if near:
             return f"no board {name!r}; did you mean {' or '.join(near)}?"
-        return f"no board {name!r}; known: {', '.join(shown)} and more in boards.txt"
+        return (
+            f"no board {name!r}; known: {', '.join([*shown, *_OTHER_PLATFORMS])}, those of boards.txt, and "
+            "with arduino-cli every FQBN, such as esp8266:esp8266:generic"
+        )
 
 
 def other_platform_board(name: str) -> str | None:

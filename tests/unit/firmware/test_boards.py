@@ -62,7 +62,9 @@ def test_an_unknown_board_names_those_that_are_near(table: BoardTable) -> None:
 
 
 def test_a_board_like_no_other_names_the_usual_ones(table: BoardTable) -> None:
-    with pytest.raises(ConfigError, match=r"no board 'zzzz'; known: uno, nano, promini and more"):
+    with pytest.raises(
+        ConfigError, match=r"no board 'zzzz'; known: uno, nano, promini, opencr, .* every FQBN"
+    ):
         table.find("zzzz")
 
 
@@ -74,6 +76,7 @@ def test_an_unknown_processor_names_those_that_there_are(table: BoardTable) -> N
 def test_other_platforms_are_left_to_arduino_cli() -> None:
     assert other_platform_board("esp32:esp32:esp32") == "esp32:esp32:esp32"
     assert other_platform_board("OpenCR") == "OpenCR:OpenCR:OpenCR"
+    assert other_platform_board("Uno R4 WiFi") == "arduino:renesas_uno:unor4wifi"
     assert other_platform_board("arduino:avr:uno") is None
     assert other_platform_board("nano:atmega328old") is None
     assert not find_board("esp32:esp32:esp32").is_avr

@@ -144,7 +144,7 @@ class PublisherLink:
                 if failures == PATIENT_FAILURES:
                     self._report(
                         f"{error}; still trying. If the node runs, check its ROS_IP or ROS_HOSTNAME; "
-                        f"otherwise remove it with `rosnode cleanup`"
+                        f"otherwise remove it with `rostether node cleanup`"
                     )
             finally:
                 if self.connection is not None:
