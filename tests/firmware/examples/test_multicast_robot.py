@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import re
 import struct
+import subprocess
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -28,8 +29,9 @@ KEY = bytes.fromhex(re.findall(r'KEY "(\w+)"', TEXT)[0])
 TTL_S = 0.3
 # What the robot takes for the frames that have arrived.
 GRACE_S = 0.1
-# What the library adds to a sketch that receives and decodes bare commands, on an Uno.
-MOST_FLASH, MOST_RAM = 1500, 120
+# What the library adds to a sketch that receives and decodes bare commands, on an Uno: with avr-gcc 5.4, and
+# with newer ones, of which version 16 makes it 1816 bytes.
+MOST_FLASH, MOST_FLASH_NEWER, MOST_RAM = 1500, 1900, 120
 BARE = """
 class BareCommands {
  public:
@@ -178,7 +180,9 @@ async def test_the_library_is_small(tmp_path: Path) -> None:
     framed = ElfFile.read((await build_example("MulticastRobot", "uno")).elf)
     text = re.sub(r"ros::MulticastCommand<[^;]*EthernetUDP>[^;]*;", BARE, TEXT)
     bare = ElfFile.read((await build_sketch(write_sketch(tmp_path, "Bare", text), find_board("uno"))).elf)
-    assert framed.flash_bytes - bare.flash_bytes <= MOST_FLASH
+    version = subprocess.run(["avr-gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout
+    most_flash = MOST_FLASH if version.startswith("5.") else MOST_FLASH_NEWER
+    assert framed.flash_bytes - bare.flash_bytes <= most_flash
     assert framed.ram_bytes - bare.ram_bytes <= MOST_RAM
 
 
