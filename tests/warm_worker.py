@@ -21,10 +21,14 @@ if TYPE_CHECKING:
 _ARGUMENTS = "COLLECTED_TESTS"
 
 
+# Libraries start no threads with these: numpy's, and the allocator of pyarrow.
+_WITHOUT_THREADS = {"OPENBLAS_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}
+
+
 def variables(config: pytest.Config) -> dict[str, str]:
-    """Return what the interpreter that collects has in its environment; its numpy starts no threads."""
+    """Return what the interpreter that collects has in its environment."""
     arguments = json.dumps([str(word) for word in config.invocation_params.args])
-    return {_ARGUMENTS: arguments, "OPENBLAS_NUM_THREADS": "1"}
+    return {_ARGUMENTS: arguments, **_WITHOUT_THREADS}
 
 
 class Collected:

@@ -75,12 +75,12 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
     chunks = [each for each in Capture(file).entries() if isinstance(each, Chunk)]
     assert {each.from_device for each in chunks} == {True, False}
     assert recorded_hellos(file) >= 5
-    async with (
-        master() as environ,
-        started("link", "replay", str(file), "--name", "ghost", **environ) as play,
-    ):
-        await receive(environ, "/chatter", 3)
-        text = await play.finish()
+    async with master() as environ:
+        # A replay does not wait for who comes late.
+        receiving = asyncio.create_task(receive(environ, "/chatter", 3))
+        async with started("link", "replay", str(file), "--name", "ghost", **environ) as play:
+            await receiving
+            text = await play.finish()
         assert play.process.returncode == 0
         assert "/ghost: Setup publisher on chatter [std_msgs/String]" in text
         assert text.splitlines()[-1].startswith("played ")

@@ -195,6 +195,6 @@ def test_arrays_of_messages_have_a_limit() -> None:
 
 def test_a_million_numbers_take_no_time_each() -> None:
     value = {"data": [1.5] * 1_000_000}
-    began_s = time.perf_counter()
+    began_s = time.process_time()
     assert len(back("std_msgs/Float64MultiArray", value).data) == 1_000_000
-    assert time.perf_counter() - began_s < 5.0
+    assert time.process_time() - began_s < 5.0
