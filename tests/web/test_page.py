@@ -22,6 +22,11 @@ async def test_the_overview_shows_the_board_and_moving_values(robot: Robot, brow
     first = await browser.do("evaluate", page=page, script="document.querySelector('.cards').innerText")
     await browser.wait_for(page, f"document.querySelector('.cards').innerText !== {first!r}")
     await browser.wait_for(page, f"{RANGE}.rate.hertz(performance.now()) > 0")
+    # Each card has the rows that it needs, so that none covers another.
+    rows = (
+        "[...document.querySelectorAll('.card')].every((each) => /^span [1-9]/.test(each.style.gridRowEnd))"
+    )
+    await browser.wait_for(page, rows)
     # Each request is a round trip: the page, its style, its code, and the code of each kind of card.
     requests = "performance.getEntriesByType('resource').length"
     assert await browser.do("evaluate", page=page, script=requests) <= 8

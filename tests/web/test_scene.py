@@ -41,7 +41,19 @@ async def test_meshes_are_drawn_and_sliders_move_them(tmp_path: Path, browser: B
         await browser.do("evaluate", page=page, script="void (location.hash = '#/scene')")
         after = await _wait_for_colors(browser, page, tmp_path / "moved.png")
         assert after != before
+        await browser.do("click", page=page, selector=".header .icon-button")
+        await _wait_for_background(browser, page, tmp_path / "dark.png", 0x14)
         assert (await browser.do("seen", page=page))["errors"] == []
+
+
+async def _wait_for_background(browser: Browser, page: int, path: Path, red: int) -> None:
+    """Wait until the picture has this red above its ground."""
+    for _ in range(100):
+        await browser.do("screenshot", page=page, path=str(path))
+        with Image.open(path) as picture:
+            if picture.convert("RGB").crop((600, 120, 601, 121)).tobytes()[0] == red:
+                return
+    raise AssertionError(f"the background is not {red}")
 
 
 async def _wait_for_colors(browser: Browser, page: int, path: Path) -> tuple[int, ...]:

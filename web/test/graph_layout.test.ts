@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { layout } from "../src/panels/graph/layout.ts";
+import { layout, shortLabel } from "../src/panels/graph/layout.ts";
 
 test("five hundred topics of one node are one box", () => {
   const names = Array.from({ length: 500 }, (_, i) => `/many/t${i}`);
@@ -31,4 +31,20 @@ test("what the page itself receives is drawn with the plumbing only", () => {
     );
   assert.deepEqual(nodes(false), ["/a", "/b"]);
   assert.deepEqual(nodes(true), ["/a", "/page", "/b"]);
+});
+
+test("edges leave and reach the middle of a side, and long names keep their ends", () => {
+  const name = `/robot/${"x".repeat(60)}/position`;
+  const drawing = layout(
+    { publishers: new Map([[name, ["/a"]]]), subscribers: new Map([[name, ["/b"]]]) },
+    "",
+    false,
+  );
+  for (const { from, to, points } of drawing!.edges) {
+    const box = (id: string) => drawing!.boxes.find((each) => each.id === id)!;
+    assert.deepEqual(points[0], { x: box(from).x + box(from).width / 2, y: box(from).y });
+    assert.deepEqual(points.at(-1), { x: box(to).x - box(to).width / 2, y: box(to).y });
+  }
+  assert.equal(shortLabel(name).length, 35);
+  assert.match(shortLabel(name), /^\/robot\/x+…x+\/position$/);
 });

@@ -13,7 +13,7 @@ import { frameName } from "../../scene/tf_buffer.ts";
 import { TfDisplay } from "../../scene/tf_display.ts";
 import { followTf, likelyFixedFrame } from "../../scene/tf_feed.ts";
 import { SceneView } from "../../scene/view.ts";
-import { color } from "../../shell/theme.ts";
+import { color, type Theme, theme } from "../../shell/theme.ts";
 import { frameTask } from "../../store/frames.ts";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
@@ -110,6 +110,7 @@ export class SceneStage {
   private readonly updates = frameTask(() => this.runPending());
   private model: RobotModel | undefined;
   private treeVersion = -1;
+  private drawnTheme: Theme | undefined;
   /** The box around the origin and all places of frames. */
   private readonly visited = new Box3();
   private ticksToFit = 0;
@@ -232,6 +233,12 @@ export class SceneStage {
   }
 
   private syncDisplays(): void {
+    if (theme.value !== this.drawnTheme) {
+      this.drawnTheme = theme.value;
+      this.view.applyTheme();
+      // Their names are drawn again below.
+      this.view.remove(FRAMES);
+    }
     const topics = this.drawable();
     const wanted = new Set(topics.filter((topic) => this.isShown(topic)));
     for (const [key, close] of this.subscriptions) {

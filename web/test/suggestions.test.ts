@@ -1,0 +1,45 @@
+// What the overview offers without configuration.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { Graph } from "../src/panels/panel.ts";
+import { plotSuggestions } from "../src/panels/plots/suggestions.ts";
+import { simulationPanel } from "../src/panels/simulation/simulation.ts";
+import { Topic } from "../src/store/topics.ts";
+
+function graph(topics: Topic[], publishers: [string, string[]][], subscribers: [string, string[]][]): Graph {
+  return {
+    topics: new Map(topics.map((each) => [each.name, each])),
+    publishers: new Map(publishers),
+    subscribers: new Map(subscribers),
+    services: new Map(),
+    ownNode: "/page",
+  };
+}
+
+test("a topic that only the page publishes has a control and no plot", () => {
+  const servo = new Topic("/servo", "std_msgs/UInt16", "uint16 data", 1);
+  const count = new Topic("/count", "std_msgs/UInt16", "uint16 data", 2);
+  const found = plotSuggestions(
+    graph(
+      [servo, count],
+      [
+        ["/servo", ["/page"]],
+        ["/count", ["/board"]],
+      ],
+      [
+        ["/servo", ["/board"]],
+        ["/count", ["/page"]],
+      ],
+    ),
+  );
+  assert.deepEqual(
+    found.map((each) => each.key),
+    ["/count"],
+  );
+});
+
+test("a simulated board has a card", () => {
+  const state = new Topic("/sonar_simulation/state", "std_msgs/String", "string data", 1);
+  const [card] = simulationPanel.matches!(graph([state], [], []));
+  assert.deepEqual([card!.title, card!.settings], ["/sonar", { topic: state.name }]);
+});
