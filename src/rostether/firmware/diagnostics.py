@@ -25,6 +25,7 @@ _JOINED = re.compile(
     re.MULTILINE,
 )
 # Packages of messages have such names, with types in camel case; folders of libraries rarely do.
+_BASE_CLASS = re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]")
 _TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
 
 # More errors of this kind do not help: all of them come from the same pasted page.
@@ -61,6 +62,11 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
             lines += _joined_lines(read_ino(path).text, str(path))
     lines += output.splitlines()
     lines += [_explain_pin(name) for name in dict.fromkeys(_UNDECLARED.findall(output)) if _is_opencr(name)]
+    if _BASE_CLASS.search(output):
+        lines.append(
+            "note: generated messages are not ros::Msg: make the function or class a template of the"
+            " message's class, such as template <class M> void send(const M* message)"
+        )
     missing = dict.fromkeys(_MISSING_HEADER.findall(output))
     lines += [_explain_header(header) for header in missing]
     lines += [f"note: {each}" for each in skipped if missing]

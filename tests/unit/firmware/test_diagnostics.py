@@ -36,6 +36,13 @@ def test_lines_as_they_should_be_are_not(tmp_path: Path) -> None:
     assert "web page" not in _explained(tmp_path, text, "S.ino:9:1: error: nonsense")
 
 
+def test_messages_as_a_base_class_have_a_hint(tmp_path: Path) -> None:
+    output = (
+        "S.ino:8:5: note:   no known conversion for argument 2 from 'std_msgs::Int32*' to 'const ros::Msg*'\n"
+    )
+    assert "generated messages are not ros::Msg" in _explained(tmp_path, "ros::Msg* m;", output * 2)
+
+
 def test_pins_of_the_opencr_have_a_hint(tmp_path: Path) -> None:
     output = "S.ino:3:8: error: 'BDPIN_LED_USER_1' was not declared in this scope\n" * 2
     text = _explained(tmp_path, "void setup() {}\n", output)
