@@ -54,7 +54,7 @@ class Noise:
         self.byte_count = 0
         # How many bytes of text came between frames.
         self.text_count = 0
-        # The first of that text.
+        # The beginning of that text.
         self.text = b""
         # The unknown version byte of valid headers.
         self.other_version: int | None = None

@@ -23,6 +23,7 @@ from websockets.typing import Subprotocol
 
 from rostether.gateways.websocket.connection_limiter import peer_name
 from rostether.gateways.websocket.message_assembler import MessageAssembler
+from rostether.gateways.websocket.ping_watch import PingWatch
 from rostether.gateways.websocket.plain_response import (
     MAX_METHOD_BYTES,
     asks_for_websocket,
@@ -101,8 +102,7 @@ class Connection(asyncio.BufferedProtocol):
         self._download: asyncio.Task[None] | None = None
         # The answer to the last ping of a client that does not read.
         self._pong = b""
-        self._unanswered_pings = 0
-        self._unsent_at_ping = 0
+        self._pings = PingWatch(self._limits.pings)
 
     @property
     def is_open(self) -> bool:
@@ -327,7 +327,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport.close()
 
     def _handle_frame(self, frame: Frame) -> None:
-        self._unanswered_pings = 0
+        self._pings.received()
         try:
             message = self._assembler.receive_frame(frame)
         except UnicodeDecodeError as error:
@@ -359,21 +359,13 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.close()
 
     def _ping(self) -> None:
-        # A client that still reads is alive, even if its pong is late. The pong of a paused client cannot be
-        # read here.
-        is_there = self._is_moving() or not self._is_reading
-        if self._unanswered_pings >= self._limits.pings and not is_there:
+        if self._pings.is_lost(self.unsent_bytes, is_reading=self._is_reading):
             self.abort()
             return
-        self._unanswered_pings += 1
         if self.is_open:
             self._websocket.send_ping(b"")
             self._write_protocol()
             self._set_timer(self._limits.ping_period_s, self._ping)
-
-    def _is_moving(self) -> bool:
-        before, self._unsent_at_ping = self._unsent_at_ping, self.unsent_bytes
-        return self._unsent_at_ping != before
 
     def _set_timer(self, delay_s: float, act: Callable[[], Any]) -> None:
         if self._timer is not None:

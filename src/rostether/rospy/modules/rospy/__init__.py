@@ -1,4 +1,4 @@
-"""rospy on rostether's graph, for scripts that `run` or `launch` starts where there is no real one."""
+"""rospy on rostether's graph, for scripts of `run` and `launch` on a machine without a real rospy."""
 
 # ruff: noqa: F401
 from importlib import import_module as _import_module
