@@ -181,6 +181,7 @@ export const texts = {
     },
     servo: (pin: string, degrees: number) => `Servo on ${pin}: ${degrees}°`,
     obstacle: "Obstacle (ultrasonic)",
+    battery: "Battery",
     volts: (pin: string) => `Volts at ${pin}`,
     faults: "Line faults",
     fault: (rates: string) => {

@@ -11,10 +11,13 @@ test("a state is read", () => {
       pins: { D9: "pwm0.503", D13: "out1", A0: "in0", D1: "?" },
       servos: { D10: 90.5 },
       words: { range: "0.5", adc: { A0: "2.5", A1: "x" }, pin: { D7: "1", D8: "z" } },
+      commands: ["adc", "pin"],
+      most_volts: 3.3,
       error: "",
     }),
   );
   assert.ok(state);
+  assert.deepEqual([state.commands, state.mostVolts], [["adc", "pin"], 3.3]);
   assert.deepEqual(state.pins, [
     { name: "D9", direction: "pwm", level: 0.503 },
     { name: "D13", direction: "out", level: 1 },

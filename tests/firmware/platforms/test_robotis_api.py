@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from firmware.platforms.meeting import meeting
+from rostether.errors import BoardError
 from rostether.firmware.opencr_build import build_for_linux
 from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.shown_board import ShownOpenCr
 from waiting import until
 
 pytestmark = pytest.mark.gcc
@@ -199,6 +201,18 @@ TYPES = {
 }
 
 
+async def _look_at(shown: ShownOpenCr) -> None:
+    """Use the board as its page does."""
+    pins = await shown.pins()
+    assert [pins[name] for name in ("DXL_PWR_EN", "LED_USER_1", "PUSH_SW_1")] == ["out1", "out1", "in0"]
+    for command, state in (("1", "in1"), ("z", "in0")):
+        await shown.send_command(f"pin PUSH_SW_1={command}")
+        assert (await shown.pins())["PUSH_SW_1"] == state
+    with pytest.raises(BoardError, match="no pin 'D99'"):
+        await shown.send_command("pin D99=1")
+    assert (await shown.ask("wheels", "wheels"))["heading_rad"] == 0
+
+
 async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
     sketch = tmp_path / "core" / "core.ino"
     sketch.parent.mkdir()
@@ -224,6 +238,7 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
                 publisher.publish(**fields)
             await until(lambda: last.keys() == TYPES.keys(), "each topic")
             await until(lambda: board.tones and board.pins.get(32), "the tone and the power")
+            await _look_at(ShownOpenCr(board))
             await until(lambda: last["odom"].twist.twist.linear.x > 0.2, "the speed")
             await until(lambda: last["odom"].header.frame_id == "tb3_1/odom", "the prefix")
         for ear in ears:

@@ -19,8 +19,10 @@ from rostether.transports.address import Address, ProgramSize, SerialAddress, Si
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
+    from rostether.simulation.opencr.board import OpenCrBoard
     from rostether.simulation.simavr.board_events import BoardEvent
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
+    from rostether.simulation.simavr.simulation_node import ShownBoard
 
 _KNOWN_FROM_ITS_START = ("ready", "reset")
 # A change that the board's node requested is not reported.
@@ -48,10 +50,12 @@ async def simulated(
 ) -> AsyncIterator[list[Address]]:
     """Start the simulated boards among the links, and yield the links with serial ports in their place.
 
-    With `join`, each AVR board is also a node that shows its pins and takes commands.
+    With `join`, each AVR board and OpenCR is also a node that shows its pins and takes commands.
 
     Raises BoardError, ConfigError for unknown boards, FirmwareError for sketches that cannot be built.
     """
+    from rostether.simulation.opencr.shown_board import ShownOpenCr
+
     async with AsyncExitStack() as stack:
         names: list[str] = []
         opened: list[Address] = []
@@ -63,16 +67,19 @@ async def simulated(
             name = link.name or _name(Path(link.program), names)
             names.append(name)
             size: ProgramSize | None = None
+            shown: ShownBoard | None = None
             if link.board in MACHINES:
                 place, report = await _start_qemu(link, reporter, stack)
             elif link.board == OPENCR:
-                place, report = await _start_opencr(link, reporter, stack, msg_paths)
+                opencr, report = await _start_opencr(link, reporter, stack, msg_paths)
+                place, shown = opencr.address, ShownOpenCr(opencr)
             else:
                 board, size = await _start_avr(link, reporter, stack, msg_paths)
-                place, report = board.address, _report(board, str(link), reporter, _hidden(link))
-                if join is not None:
-                    joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
-                    reports.append(asyncio.create_task(_be_node(board, link, joining, reporter)))
+                place, shown = board.address, board
+                report = _report(board, str(link), reporter, _hidden(link))
+            if join is not None and shown is not None:
+                joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
+                reports.append(asyncio.create_task(_be_node(shown, link, joining, reporter)))
             reports.append(asyncio.get_running_loop().create_task(report))
             opened.append(SerialAddress(place, name=name, ns=link.ns, program=size))
         # The reports end first: a board that is ended on purpose has nothing to report.
@@ -104,18 +111,25 @@ async def _start_avr(
 
 
 async def _be_node(
-    board: SimulatedBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
+    board: ShownBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
 ) -> None:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
+    from rostether.simulation.opencr.board import PIN_FULL_SCALE_V
     from rostether.simulation.simavr.simulation_node import SimulationNode
 
     try:
         graph = await join()
         try:
             typed = TypedGraph(graph, TypeStore(Registry.from_environment()))
-            await SimulationNode(board, typed, link.words).run()
+            if link.board == OPENCR:
+                # Its robot always has wheels.
+                words = ("wheels", *link.words)
+                node = SimulationNode(board, typed, words, most_volts=PIN_FULL_SCALE_V, has_servo_pins=False)
+            else:
+                node = SimulationNode(board, typed, link.words)
+            await node.run()
         finally:
             await graph.close()
     except GraphError as error:
@@ -142,8 +156,8 @@ async def _start_qemu(
 
 async def _start_opencr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
-) -> tuple[str, Coroutine[None, None, None]]:
-    """Start an OpenCR that ends with the exit stack; return its serial port, and its reporter."""
+) -> tuple[OpenCrBoard, Coroutine[None, None, None]]:
+    """Start an OpenCR that ends with the exit stack; return it, and its reporter."""
     from rostether.simulation.simavr.board_events import show_event
 
     has_other_options = bool(link.uart is not None or link.seed)
@@ -160,7 +174,7 @@ async def _start_opencr(
         reason = f": {board.last_words}" if board.last_words else ""
         reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
 
-    return board.address, report()
+    return board, report()
 
 
 def _note(board: SimulatedBoard) -> str:

@@ -41,6 +41,8 @@ class SimulatedBoard:
     `recent` has its last events, `serial` the bytes that it sent while "serial" was watched.
     """
 
+    words = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
+
     def __init__(self, process: RunnerProcess, ready: BoardEvent, link_path: Path | None) -> None:
         self.kind: str = ready["board"]
         self.mcu: str = ready["mcu"]

@@ -8,21 +8,18 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import AsyncIterator, Iterable
 from contextlib import aclosing
-from typing import Any
+from typing import Any, Protocol
 
 from rostether.errors import BoardError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.text import escape_line
 from rostether.simulation.simavr.board_events import BoardEvent
-from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 STRING = "std_msgs/String"
 ODOMETRY = "nav_msgs/Odometry"
 
-# Every node may use these commands; others read memory, open connections or end the board.
-WORDS = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
 # These commands have a value for each pin.
 _BY_PIN = ("adc", "pin")
 
@@ -31,11 +28,51 @@ MAX_COMMAND_CHARS = 200
 PERIOD_S = 0.1
 
 
-class SimulationNode:
-    """The node of one board; `words` are the commands that it was started with."""
+class ShownBoard(Protocol):
+    """What the node asks of a board. Its methods raise BoardError.
 
-    def __init__(self, board: SimulatedBoard, graph: TypedGraph, words: Iterable[str] = ()) -> None:
+    `words`: the commands that every node may use; others read memory, open connections or end the board.
+    """
+
+    kind: str
+    mcu: str
+    words: frozenset[str]
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it has ended."""
+
+    async def pins(self) -> dict[str, str]:
+        """Return the states of its pins by name, such as `in0`, `out1` and `pwm0.5`."""
+
+    async def send_command(self, line: str) -> None:
+        """Execute one of its words."""
+
+    async def ask(self, line: str, answer: str) -> BoardEvent:
+        """Execute a word that is answered with an event."""
+
+    def events(self) -> AsyncIterator[BoardEvent]:
+        """Yield its events until it has ended."""
+
+
+class SimulationNode:
+    """The node of one board; `words` are the commands that it was started with.
+
+    `most_volts`: of an analog input. `has_servo_pins`: whether each output may have a servo.
+    """
+
+    def __init__(
+        self,
+        board: ShownBoard,
+        graph: TypedGraph,
+        words: Iterable[str] = (),
+        *,
+        most_volts: float = 5.0,
+        has_servo_pins: bool = True,
+    ) -> None:
         self._board = board
+        self._most_volts = most_volts
+        self._has_servo_pins = has_servo_pins
         self._graph = graph
         self._words: dict[str, Any] = {}
         self._servos: dict[str, float] = {}
@@ -70,7 +107,8 @@ class SimulationNode:
         while not self._board.has_ended:
             if publisher.subscriber_count:
                 pins = await self._board.pins()
-                await self._watch_servos(pins)
+                if self._has_servo_pins:
+                    await self._watch_servos(pins)
                 state = self._state(pins)
                 if state != shown:
                     shown = state
@@ -85,6 +123,8 @@ class SimulationNode:
                 "pins": pins,
                 "servos": self._servos,
                 "words": self._words,
+                "commands": sorted(self._board.words),
+                "most_volts": self._most_volts,
                 "error": self._error,
             }
         )
@@ -144,8 +184,8 @@ class SimulationNode:
 
     async def _do(self, line: str) -> None:
         word = line.split(maxsplit=1)[0] if line.strip() else ""
-        if word not in WORDS:
-            raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(WORDS))}")
+        if word not in self._board.words:
+            raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(self._board.words))}")
         if len(line) > MAX_COMMAND_CHARS or not line.isprintable():
             raise BoardError(f"a command is one line of at most {MAX_COMMAND_CHARS} characters")
         await self._board.send_command(line)
@@ -153,10 +193,10 @@ class SimulationNode:
 
     def _note(self, line: str) -> None:
         word, _, rest = line.strip().partition(" ")
-        if word not in WORDS or word == "reset":
-            return
         if word == "wheels":
             self._has_wheels.set()
+        if word not in self._board.words or word == "reset":
+            return
         if word not in _BY_PIN:
             self._words[word] = rest.strip()
             return

@@ -19,8 +19,8 @@ interface Drawn {
 export function BoardDrawing(props: Drawn) {
   const { pins, servos, board, mcu } = props.state;
   // As printed on boards: digital pins above, from the highest to D0; analog ones below.
-  const digital = pins.filter(({ name }) => name.startsWith("D")).reverse();
-  const analog = pins.filter(({ name }) => name.startsWith("A"));
+  const digital = pins.filter(({ name }) => /^D\d/.test(name)).reverse();
+  const analog = pins.filter(({ name }) => /^A\d/.test(name));
   const above = inRows(digital);
   const below = inRows(analog);
   const width = MARGIN * 2 + PITCH * PER_ROW;

@@ -21,7 +21,16 @@ export interface BoardState {
   volts: Record<string, number>;
   /** Pins that are driven from outside: 0 or 1. */
   driven: Record<string, number>;
+  /** Words that the board accepts. */
+  commands: readonly string[];
+  /** Of an analog input. */
+  mostVolts: number;
   error: string;
+}
+
+/** Whether a pin has its place in the drawing: D13 and A0. */
+export function isNumbered(name: string): boolean {
+  return /^[AD]\d+$/.test(name);
 }
 
 /** Boards by their topics of state: `/sonar` by `/sonar_simulation/state`. */
@@ -61,6 +70,8 @@ export function readBoardState(text: unknown): BoardState | undefined {
     ) as Record<string, string>,
     volts: numbers(words.adc),
     driven: numbers(words.pin),
+    commands: Array.isArray(state.commands) ? state.commands.map(String) : [],
+    mostVolts: Number(state.most_volts) || 5,
     error: String(state.error ?? ""),
   };
 }

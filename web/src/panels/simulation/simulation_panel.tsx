@@ -8,12 +8,13 @@ import { useFeed } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { BoardDrawing } from "./board_drawing.tsx";
-import { type BoardState, readBoardState, simulatedBoards } from "./board_state.ts";
+import { type BoardState, isNumbered, type Pin, readBoardState, simulatedBoards } from "./board_state.ts";
 
 const t = texts.simulation;
 const MAX_RANGE_M = 4;
 const DEFAULT_RANGE_M = 1;
-const MAX_VOLTS = 5;
+const FULL_BATTERY_V = 12;
+const MOST_BATTERY_V = 18;
 const SETTLE_MS = 500;
 const FAULTS = ["none", "flip=0.0001", "flip=0.001", "flip=0.01", "drop=0.001", "drop=0.01"];
 
@@ -64,6 +65,12 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
         isDisabled={!mayAct}
         drive={(pin, level) => tell(`pin ${pin}=${level ?? "z"}`)}
       />
+      <NamedPins
+        pins={state.pins.filter((pin) => !isNumbered(pin.name))}
+        driven={state.driven}
+        isDisabled={!mayAct}
+        tell={tell}
+      />
       <p class="simulation-hint">{t.hint}</p>
     </div>
   );
@@ -78,6 +85,7 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
           {drawing}
           <fieldset class="simulation-surroundings" disabled={!mayAct}>
             <Obstacle state={state} tell={tell} slide={slide} />
+            <Battery state={state} slide={slide} />
             <Volts state={state} slide={slide} />
             <Line state={state} tell={tell} />
           </fieldset>
@@ -87,6 +95,37 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
         <p class="empty-line">{t.waiting}</p>
       )}
     </section>
+  );
+}
+
+/** Pins with names, such as the buttons and lamps of an OpenCR. */
+function NamedPins(props: {
+  pins: readonly Pin[];
+  driven: Readonly<Record<string, number>>;
+  isDisabled: boolean;
+  tell: Tell;
+}) {
+  const { pins, driven, isDisabled, tell } = props;
+  if (pins.length === 0) return null;
+  return (
+    <ul class="simulation-pins">
+      {pins.map(({ name, direction, level }) => (
+        <li key={name}>
+          <button
+            type="button"
+            class={level > 0 ? "button simulation-high" : "button"}
+            aria-label={t.pin(name, direction, level)}
+            aria-pressed={driven[name] !== undefined}
+            data-pin={name}
+            data-level={level}
+            disabled={isDisabled || direction !== "in"}
+            onClick={() => tell(`pin ${name}=${driven[name] === undefined ? 1 - level : "z"}`)}
+          >
+            {name}
+          </button>
+        </li>
+      ))}
+    </ul>
   );
 }
 
@@ -115,6 +154,24 @@ function Obstacle({ state, tell, slide }: { state: BoardState; tell: Tell; slide
   );
 }
 
+function Battery({ state, slide }: { state: BoardState; slide: Tell }) {
+  if (!state.commands.includes("battery")) return null;
+  const volts = Number.parseFloat(state.words.battery ?? "") || FULL_BATTERY_V;
+  return (
+    <div class="simulation-row">
+      <span>{t.battery}</span>
+      <Slider
+        label={t.battery}
+        min={0}
+        max={MOST_BATTERY_V}
+        value={volts}
+        onSlide={(value) => slide(`battery ${value}`)}
+      />
+      <span class="number">{volts.toFixed(2)} V</span>
+    </div>
+  );
+}
+
 function Volts({ state, slide }: { state: BoardState; slide: Tell }) {
   const inputs = state.pins.filter(({ name }) => /^A[0-5]$/.test(name)).map(({ name }) => name);
   return (
@@ -125,7 +182,7 @@ function Volts({ state, slide }: { state: BoardState; slide: Tell }) {
           <Slider
             label={t.volts(pin)}
             min={0}
-            max={MAX_VOLTS}
+            max={state.mostVolts}
             value={state.volts[pin] ?? 0}
             onSlide={(value) => slide(`adc ${pin}=${value}`)}
           />
@@ -169,26 +226,33 @@ function Slider(props: {
 function Line({ state, tell }: { state: BoardState; tell: Tell }) {
   const fault = state.words.fault ?? "none";
   const isOff = state.words.power === "off";
+  const has = (word: string) => state.commands.includes(word);
   const choices = FAULTS.includes(fault) ? FAULTS : [...FAULTS, fault];
   return (
     <div class="simulation-row wraps">
-      <label>
-        {t.faults}{" "}
-        <select value={fault} onChange={(event) => tell(`fault ${event.currentTarget.value}`)}>
-          {choices.map((each) => (
-            <option key={each} value={each}>
-              {t.fault(each)}
-            </option>
-          ))}
-        </select>
-      </label>
+      {has("fault") && (
+        <label>
+          {t.faults}{" "}
+          <select value={fault} onChange={(event) => tell(`fault ${event.currentTarget.value}`)}>
+            {choices.map((each) => (
+              <option key={each} value={each}>
+                {t.fault(each)}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
       <div class="simulation-buttons">
-        <button type="button" class="button" onClick={() => tell("reset")}>
-          {t.reset}
-        </button>
-        <button type="button" class="button" onClick={() => tell(`power ${isOff ? "on" : "off"}`)}>
-          {isOff ? t.powerOn : t.powerOff}
-        </button>
+        {has("reset") && (
+          <button type="button" class="button" onClick={() => tell("reset")}>
+            {t.reset}
+          </button>
+        )}
+        {has("power") && (
+          <button type="button" class="button" onClick={() => tell(`power ${isOff ? "on" : "off"}`)}>
+            {isOff ? t.powerOn : t.powerOff}
+          </button>
+        )}
       </div>
     </div>
   );

@@ -1,0 +1,73 @@
+"""A simulated OpenCR as its node shows it: named pins, and words with errors of a board."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+from rostether.errors import BoardError, ConfigError
+from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.pins import pin_name, pin_number
+from rostether.simulation.opencr.words import obey
+from rostether.simulation.simavr.board_events import BoardEvent
+
+_INPUTS = ("PUSH_SW_1", "PUSH_SW_2", "DIP_SW_1", "DIP_SW_2", *(f"A{number}" for number in range(6)))
+# At rest. The LEDs of the user are on while their pins are low.
+_OUTPUTS = {
+    **{f"LED_USER_{number}": True for number in range(1, 5)},
+    "LED_STATUS": False,
+    "DXL_PWR_EN": False,
+}
+
+
+class ShownOpenCr:
+    """The board of a `SimulationNode`."""
+
+    kind = "opencr"
+    mcu = "stm32f746"
+    words = frozenset(("adc", "battery", "overload", "pin", "range", "remote"))
+
+    def __init__(self, board: OpenCrBoard) -> None:
+        self._board = board
+        self._inputs = dict.fromkeys(_INPUTS, 0)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the program has ended."""
+        return self._board.has_ended
+
+    async def pins(self) -> dict[str, str]:
+        """Return the level of each pin with a name, such as `out1`."""
+        outputs = {pin_name(number).removeprefix("BDPIN_"): high for number, high in self._board.pins.items()}
+        shown = _OUTPUTS | outputs
+        inputs = {name: f"in{level}" for name, level in self._inputs.items() if name not in shown}
+        return inputs | {name: f"out{high:d}" for name, high in shown.items()}
+
+    async def send_command(self, line: str) -> None:
+        """Execute a word; `pin NAME=z` lets go of a button. Raises BoardError."""
+        word, _, rest = line.strip().partition(" ")
+        try:
+            if word != "pin":
+                obey(self._board, line)
+                return
+            for part in rest.split():
+                name, _, level = part.partition("=")
+                level = "0" if level == "z" else level
+                obey(self._board, f"pin {name}={level}")
+                self._inputs[pin_name(pin_number(name)).removeprefix("BDPIN_")] = int(level)
+        except ConfigError as error:
+            raise BoardError(str(error)) from error
+
+    async def ask(self, line: str, answer: str) -> BoardEvent:
+        """Return where the robot is, as an AVR board answers the word `wheels`. Raises BoardError."""
+        if (line, answer) != ("wheels", "wheels"):
+            raise BoardError(f"the simulated OpenCR does not answer {line!r}")
+        event = obey(self._board, "pose")
+        assert event is not None
+        return event
+
+    async def events(self) -> AsyncIterator[BoardEvent]:
+        """Yield no event, until the program has ended."""
+        await self._board.wait_end()
+        nothing: tuple[BoardEvent, ...] = ()
+        for event in nothing:
+            yield event
