@@ -13,8 +13,9 @@ from rostether.relay.static_transforms import TYPES, StaticTransforms
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
 PAUSE_S = 0.1
 
-# The time for subscribers on the other side to connect. A graph may list some that were killed.
-CONNECT_S = 1.0
+# The time for subscribers on the other side to connect: DDS takes more than a second on a busy machine. A
+# graph may also list subscribers that were killed.
+CONNECT_S = 3.0
 
 # A graph may list the relay's own subscriber, which does not connect: then the others decide after this time.
 SETTLE_S = 0.2
