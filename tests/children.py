@@ -20,7 +20,7 @@ import pytest
 import warm_start
 
 # Each test process adds its name to the value: "CONTROLLER.WORKER." marks what a worker has started.
-MARK = "STARTED_BY_TESTS"
+MARK = warm_start.MARK
 # CI systems let what they start in the background ignore the first two, nohup the third.
 _OFTEN_IGNORED = ("SIGINT", "SIGQUIT", "SIGHUP")
 

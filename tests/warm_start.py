@@ -42,6 +42,8 @@ _COMMAND_LINE_BYTES = 4096
 # Environment variables that change an interpreter's start; those of _KNOWN are followed.
 _KNOWN = ("PYTHONPATH", "PYTHONUNBUFFERED", "PYTHONDONTWRITEBYTECODE")
 _LOCALE = ("LC_ALL", "LC_CTYPE", "LANG")
+# The environment variable by which `children` finds what a test process has started.
+MARK = "STARTED_BY_TESTS"
 IS_SUPPORTED = sys.platform == "linux" and platform.machine() in ("x86_64", "aarch64")
 
 _execute_child = subprocess.Popen._execute_child  # type: ignore[attr-defined]
@@ -188,6 +190,9 @@ def _request(call: Mapping[str, Any]) -> tuple[str, dict[str, Any]] | None:
     if not _is_plain(call):
         return None
     environment = dict(os.environ if call["env"] is None else call["env"])
+    if environment.get(MARK) != os.environ.get(MARK):
+        # The system shows a fork's first environment, the interpreter's.
+        return None
     folder = Path.cwd() / (call["cwd"] or "")
     namespaces, command = _namespaces([os.fspath(word) for word in call["args"]])
     program = _program(command, environment, folder)
