@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -182,7 +183,10 @@ async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, pe
         node_name="talker",
         namespace="/far",
     )
-    topics = (await peer.do("topics"))["topics"]
+    # The peer discovers its own topics like all others.
+    async with asyncio.timeout(60):
+        while not {"/ours", "/theirs"} <= (topics := (await peer.do("topics"))["topics"]).keys():
+            await asyncio.sleep(0.02)
     assert topics["/ours"] == topics["/theirs"] == ["std_msgs/msg/String"]
     assert topics["/rosout"] == ["rcl_interfaces/msg/Log"]
     info = (await peer.do("topic", "/ours"))["info"]

@@ -147,7 +147,7 @@ async def test_a_port_we_may_not_open() -> None:
     Path(path).chmod(0o600)
     # Imports first: nobody may not read everything that we may.
     program = f"""
-import concurrent.futures.thread, difflib, grp, os, sys
+import concurrent.futures.thread, difflib, grp, os, sys, tty
 import rostether.bridge.health.doctor, rostether.cli.bridge.doctor, rostether.cli.bridge.doctor_report
 import rostether.transports.serial, rostether.msgdef.registry
 from rostether.cli.main import main
