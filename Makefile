@@ -34,7 +34,7 @@ test test-fast: export PYTHONDONTWRITEBYTECODE :=
 
 test-fast: $(VENV)/.dev
 	$(BIN)/python -m pytest tests/architecture tests/unit tests/property tests/contract \
-		-m "not (arm or avr or clang or gcc or mingw or qemu or simavr or systemd)" -n auto --dist worksteal $(ARGS)
+		-m "not (arm or avr or clang or gcc or mingw or qemu or rclpy or ros1 or simavr or slow or systemd)" -n auto --dist worksteal $(ARGS)
 
 coverage: $(VENV)/.dev
 	$(BIN)/python -m pytest tests/unit/rosserial tests/unit/serde tests/unit/tcpros tests/unit/xmlrpc \

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from contract.capabilities import Capabilities
 from contract.graphs import STRING, Inbox, string
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, STEPS
 from rostether.graph.ports import JoinGraph, Publisher
 from waiting import until
+
+pytestmark = pytest.mark.slow
 
 PAYLOAD_BYTES = 16 << 10
 # More than the sockets of any system hold between two nodes, and the queue in front of them.

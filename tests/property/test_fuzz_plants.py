@@ -14,6 +14,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from fuzz import targets
 from fuzz.plants import PLANTS, Plant
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 # CPU time; each is found in a few seconds at most with this seed, and in 20 with any.
 SECONDS, SEED = "20", "4"

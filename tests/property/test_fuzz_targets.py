@@ -12,6 +12,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from fuzz import targets
 
+pytestmark = pytest.mark.slow
+
 MADE_INPUTS = 200
 # Those that cost a millisecond or more each.
 SLOW_INPUTS = {"session": 40, "rosbridge": 100, "foxglove": 100, "recordings": 100}

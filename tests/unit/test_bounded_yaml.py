@@ -19,6 +19,8 @@ from rostether.bounded_yaml import (
     load_all,
 )
 
+pytestmark = pytest.mark.slow
+
 PADDING = "# " + "x" * 10_000 + "\n"
 
 

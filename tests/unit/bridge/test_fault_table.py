@@ -20,6 +20,8 @@ from unit.bridge.nodes import topic_info
 from unit.rosserial.host_link_boards import settled_link
 from waiting import until
 
+pytestmark = pytest.mark.slow
+
 GARBAGE = random.Random(4).randbytes(64 * 1024)
 AT_ONCE_S = 0.5
 # A machine that is busy with other work may miss it now and then, a bridge that is slow misses it each time.

@@ -15,6 +15,8 @@ from rostether.bridge.settings import BridgeSettings
 from unit.bridge.line_boards import Bridge, TcpBoard, numbered
 from waiting import until
 
+pytestmark = pytest.mark.slow
+
 RECONNECTS = 250
 # Until then caches fill.
 WARM_UP = 100

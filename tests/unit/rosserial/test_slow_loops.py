@@ -7,6 +7,8 @@ import pytest
 from effort import effort
 from unit.rosserial.slow_loop import Library, SlowLoop, meet, resets_of
 
+pytestmark = pytest.mark.slow
+
 BOOTED_S = effort([-0.5, 0.06, 0.62, 1.18, 2.1], [-0.5, -0.22, 0.06, 0.34, 0.62, 0.9, 1.18, 1.46, 2.1])
 
 

@@ -17,6 +17,8 @@ from rostether.xmlrpc.document_reader import (
 )
 from xmlrpc_documents import dump_call
 
+pytestmark = pytest.mark.slow
+
 
 def call(params: bytes) -> bytes:
     return b"<methodCall><methodName>m</methodName><params>" + params + b"</params></methodCall>"

@@ -23,6 +23,8 @@ from rostether.transports.opening import open_transport
 from unit.bridge.sketch_board import SketchBoard, every, hello, publish
 from unit.cli.command_shell import LiveGraph, Shell
 
+pytestmark = pytest.mark.slow
+
 
 @asynccontextmanager
 async def bridged(folder: Path) -> AsyncIterator[dict[str, str]]:

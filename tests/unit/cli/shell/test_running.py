@@ -25,6 +25,8 @@ from rostether.errors import ConfigError
 from unit.cli.command_shell import LiveGraph
 from unit.cli.talking import command_node
 
+pytestmark = pytest.mark.slow
+
 ECHO = ("topic", "echo", "/ultrasound/range")
 
 

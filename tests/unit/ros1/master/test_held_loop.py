@@ -16,6 +16,8 @@ from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.xmlrpc.document_reader import MAX_VALUES
 from rostether.xmlrpc.values import XmlRpcValue
 
+pytestmark = pytest.mark.slow
+
 # A value of a struct takes more bytes than one of an array; the document is below 16 MiB.
 MANY = 160_000
 
