@@ -154,7 +154,7 @@ def test_what_cannot_be_drawn_is_reported(shell: Shell, graph: LiveGraph, tmp_pa
 def test_colons_may_name_topics(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
     publish(graph, "/wheel/left", "std_msgs/Float32", {"data": 1.0})
     publish(graph, "/wheel/right", "std_msgs/Float32", {"data": 2.0})
-    printed = shell.output("plot", "/wheel/left:right", "--for", "1").splitlines()
+    printed = shell.output("plot", "/wheel/left:right", "--for", "4").splitlines()
     assert printed[-2:] == ["── /wheel/left/data 1", "── /wheel/right/data 2"]
 
 
