@@ -37,7 +37,7 @@ FORMS = ActionForms(TYPE, Ros2Types(REGISTRY, Ros2Definitions()), NativeTypes(NA
 
 
 async def no_service(service: str, name: str) -> ServiceType:
-    raise UnknownTypeError(f"nobody knows {name}, the type of {service}")
+    raise UnknownTypeError(f"no definition of {name}, the type of {service}")
 
 
 def open_session(session: NativeSession) -> nullcontext[NativeSession]:

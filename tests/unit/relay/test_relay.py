@@ -42,7 +42,7 @@ SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
 
 async def service_type(service: str, name: str) -> ServiceType:
     if name not in SERVICE_TYPES:
-        raise UnknownTypeError(f"nobody knows {name}, the type of {service}")
+        raise UnknownTypeError(f"no definition of {name}, the type of {service}")
     return SERVICE_TYPES[name]
 
 
@@ -271,7 +271,7 @@ async def test_an_unknown_type_is_reported_once_and_can_be_given(
     monkeypatch.setattr(relay_module, "RETRY_S", 0.001)
     odd = ServiceType("own/Odd", SET_BOOL.md5sum, SET_BOOL.request, SET_BOOL.response)
     await world.one.advertise_service("/odd", odd, agreeing)
-    trouble = "cannot relay service /odd from one to two: nobody knows own/Odd, the type of /odd; "
+    trouble = "cannot relay service /odd from one to two: no definition of own/Odd, the type of /odd; "
     async with world.relaying(services=(Services("/odd"),)):
         await until(lambda: world.lines)
         await asyncio.sleep(0.02)

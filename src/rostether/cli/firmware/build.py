@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.board.run import OLD_OPTIONS, board_run
-from rostether.cli.firmware.options import build, build_options
+from rostether.cli.firmware.options import build, build_options, port_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -129,13 +128,7 @@ def _record(built: BuiltFirmware, elf: ElfFile, places: tuple[Path, Path]) -> di
     """,
 )
 @build_options
-@click.option(
-    "-p",
-    "--port",
-    shell_complete=complete_ports,
-    metavar="PORT",
-    help="The board's serial port (default: the only one found).",
-)
+@port_option
 def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
     """Build a sketch and flash it with avrdude (or arduino-cli).
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
@@ -47,6 +48,15 @@ board_option = click.option(
     metavar="BOARD",
     shell_complete=complete_boards,
     help="uno, mega, leonardo, nano, micro ...; nano:atmega328old for a processor; or an FQBN.",
+)
+
+
+port_option = click.option(
+    "-p",
+    "--port",
+    shell_complete=complete_ports,
+    metavar="PORT",
+    help="The board's serial port (default: the only one found).",
 )
 
 

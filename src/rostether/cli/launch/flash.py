@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.firmware.build import upload_sketch
-from rostether.cli.firmware.options import build_options
+from rostether.cli.firmware.options import build_options, port_option
 from rostether.cli.launch.run import become
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.output import write_line
@@ -33,13 +32,7 @@ _BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
     """,
 )
 @build_options
-@click.option(
-    "-p",
-    "--port",
-    shell_complete=complete_ports,
-    metavar="PORT",
-    help="The board's serial port (default: the only one found).",
-)
+@port_option
 def flash(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
     """Build a sketch, flash it, and connect the board to the ROS graph until Ctrl-C.
 
