@@ -142,6 +142,20 @@ class NodeHandleBase_ : public FrameWriter {
   // The longest message that can be received.
   uint16_t largestMessage() const { return window_.largestPayload(); }
 
+  // For drivers: whether the host is connected. After a reset its answer may wait in the line: a sketch that publishes, spins and sleeps
+  // for a second must not sleep another one before its first message.
+  bool reach() {
+    if (!connected_) spinOnce();
+    return connected_;
+  }
+
+  // For drivers: counts messages that are too long for any frame.
+  bool isTooLong(size_t length) {
+    if (length <= 0xffff - FRAME_OVERHEAD_BYTES) return false;
+    window_.countDropped();
+    return true;
+  }
+
   // For drivers: whether the message read is one, and all of it; if so, what it points to is kept until they return.
   bool accept(const Reader& reader) {
     if (!reader.complete()) {
@@ -292,20 +306,6 @@ class NodeHandleBase_ : public FrameWriter {
     user_topics_ = static_cast<uint16_t>(user_topics_ + ids);
     if (connected_) endpoint.driver_(endpoint, *this, nullptr);
     return true;
-  }
-
-  // Counts messages that are too long for any frame.
-  bool isTooLong(size_t length) {
-    if (length <= 0xffff - FRAME_OVERHEAD_BYTES) return false;
-    window_.countDropped();
-    return true;
-  }
-
-  // Whether the host is connected. After a reset its answer may wait in the line: a sketch that publishes, spins and sleeps
-  // for a second must not sleep another one before its first message.
-  bool reach() {
-    if (!connected_) spinOnce();
-    return connected_;
   }
 
   static size_t lengthOf(FlashText text) { return ROS_FLASH_LENGTH(text.address); }
