@@ -35,6 +35,11 @@ def fold_line(text: str) -> str:
     return escape_line(" ".join(text.split()))
 
 
+def first_line(error: Exception) -> str:
+    """Return the first line of a library's error, which may quote a whole file."""
+    return str(error).split("\n", 1)[0][:200]
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `did you mean X?` with the most similar of the known names; empty if none is similar."""
     from difflib import get_close_matches

@@ -81,12 +81,12 @@ class BackgroundWriter:
         with self._changed:
             self._raise()
             # An empty queue accepts one batch of any size.
-            is_taken = not self._waiting or self._waiting_bytes + size_bytes <= self._buffer_bytes
-            if is_taken:
+            is_accepted = not self._waiting or self._waiting_bytes + size_bytes <= self._buffer_bytes
+            if is_accepted:
                 self._waiting.append((number, time_ns, payloads, size_bytes))
                 self._waiting_bytes += size_bytes
                 self._changed.notify()
-        if not is_taken:
+        if not is_accepted:
             self.lost_count += len(payloads)
             self._report_lost()
 

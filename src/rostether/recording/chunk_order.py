@@ -8,18 +8,15 @@ opened again when their next message is due.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from heapq import heappop, heappush
 from itertools import islice, pairwise
-from typing import Generic, Protocol, TypeVar
 
-from rostether.recording.compression import NONE
+from rostether.recording.compression import NONE, Buffer
+from rostether.recording.packed_chunks import MAX_LISTED_BYTES, StoredChunk, unpack_chunk
 
 # The memory limit of open chunks; files in time order need one or a few at a time.
 MAX_OPEN_BYTES = 256 << 20
-
-# Larger chunks are read twice, because a list of their messages would take more memory than the chunks.
-MAX_LISTED_BYTES = 8 << 20
 
 # The memory of a listed message: a tuple of four numbers.
 _ENTRY_BYTES = 220
@@ -28,31 +25,41 @@ _ENTRY_BYTES = 220
 Entry = tuple[int, int, int, int]
 
 
-class OrderedChunk(Protocol):
-    """The description of a chunk in its file."""
-
-    @property
-    def start_ns(self) -> int:
-        """The time of its first message."""
-
-    @property
-    def compression(self) -> str:
-        """The name of its compression."""
-
-    @property
-    def size_bytes(self) -> int:
-        """Its uncompressed size."""
-
-
-_Chunk = TypeVar("_Chunk", bound=OrderedChunk)
-
 # A chunk's data, and an iterator over its messages in file order.
 Unpacked = tuple[bytes | memoryview, Callable[[], Iterator[Entry]]]
 
 
+def messages_of(
+    view: memoryview,
+    chunks: Iterable[StoredChunk],
+    wanted: Set[int],
+    entries_of: Callable[[Buffer], Iterator[Entry]],
+    *,
+    start_ns: int | None = None,
+    end_ns: int | None = None,
+) -> Iterator[tuple[int, int, bytes]]:
+    """Yield the messages of the wanted connections of a file as `in_order` does.
+
+    `chunks` are sorted by their first times, `entries_of` reads an uncompressed chunk. Raises RecordingError.
+    """
+
+    def unpack(chunk: StoredChunk) -> Unpacked:
+        plain = unpack_chunk(view, chunk)
+        return plain, lambda: (entry for entry in entries_of(plain) if entry[3] in wanted)
+
+    needed = [
+        chunk
+        for chunk in chunks
+        if (chunk.numbers is None or not wanted.isdisjoint(chunk.numbers))
+        and (end_ns is None or chunk.start_ns <= end_ns)
+        and (start_ns is None or chunk.end_ns >= start_ns)
+    ]
+    return in_order(needed, unpack, start_ns=start_ns, end_ns=end_ns)
+
+
 def in_order(
-    chunks: Sequence[_Chunk],
-    unpack: Callable[[_Chunk], Unpacked],
+    chunks: Sequence[StoredChunk],
+    unpack: Callable[[StoredChunk], Unpacked],
     *,
     start_ns: int | None = None,
     end_ns: int | None = None,
@@ -61,8 +68,8 @@ def in_order(
 
     `chunks` are sorted by their first times. Raises the errors of `unpack` and its iterator.
     """
-    heap: list[tuple[int, int, _Open[_Chunk]]] = []
-    opened: dict[int, _Open[_Chunk]] = {}
+    heap: list[tuple[int, int, _Open]] = []
+    opened: dict[int, _Open] = {}
     open_bytes = 0
     following = 0
     least, most = -1 if start_ns is None else start_ns, 1 << 64 if end_ns is None else end_ns
@@ -99,7 +106,7 @@ def in_order(
             open_bytes -= chunk.held_bytes
 
 
-def _put_aside(opened: dict[int, _Open[_Chunk]], kept: int) -> int:
+def _put_aside(opened: dict[int, _Open], kept: int) -> int:
     """Close all chunks except one; returns the number of bytes freed."""
     freed = 0
     for rank in [each for each in opened if each != kept]:
@@ -109,7 +116,7 @@ def _put_aside(opened: dict[int, _Open[_Chunk]], kept: int) -> int:
     return freed
 
 
-class _Open(Generic[_Chunk]):
+class _Open:
     """A cursor over the messages of a chunk; `time_ns` is the time of the next one."""
 
     __slots__ = (
@@ -125,7 +132,7 @@ class _Open(Generic[_Chunk]):
     )
 
     def __init__(
-        self, chunk: _Chunk, unpack: Callable[[_Chunk], Unpacked], least_ns: int, most_ns: int
+        self, chunk: StoredChunk, unpack: Callable[[StoredChunk], Unpacked], least_ns: int, most_ns: int
     ) -> None:
         self._chunk = chunk
         self._unpack = unpack

@@ -101,7 +101,7 @@ def _unpacked(name: str, data: Buffer, size_bytes: int) -> Buffer:
 def _reader(name: str, data: Buffer) -> Callable[[int], bytes]:
     """Return a function that decompresses up to the given number of bytes; empty at the end."""
     if name == ZSTD:
-        stream = _zstandard().ZstdDecompressor().stream_reader(data)
+        stream = zstandard_package().ZstdDecompressor().stream_reader(data)
         return lambda size: bytes(stream.read(size))
     if name not in (BZ2, LZ4):
         raise RecordingError(f"a chunk uses the unknown compression {name!r}")
@@ -124,7 +124,8 @@ def _lz4_frame() -> Any:
     return lz4.frame
 
 
-def _zstandard() -> Any:
+def zstandard_package() -> Any:
+    """Return `zstandard`. Raises ConfigError if it is not installed."""
     try:
         import zstandard
     except ImportError:

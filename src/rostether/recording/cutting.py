@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import heapq
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from datetime import datetime, timedelta
 from functools import partial
@@ -13,7 +12,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
-from rostether.recording.recorded import RecordedMessage, RecordingReader, Wanted
+from rostether.recording.recorded import Wanted, merged
 from rostether.recording.reindexing import refuse_same, write_messages
 from rostether.rostime import NS_PER_S
 
@@ -106,16 +105,9 @@ class Cutting:
             readers = [
                 opened.enter_context(closing(open_recording(each, is_native=is_native))) for each in chosen
             ]
-            messages = _merged(readers, wanted, start_ns, end_ns)
+            messages = merged(readers, wanted, start_ns=start_ns, end_ns=end_ns)
             first = next(messages, None)
             if first is None:
                 return 0, 0
             count = write_messages(chain((first,), messages), target, partial(create_recording, form=form))
         return count, len(chosen)
-
-
-def _merged(
-    readers: Sequence[RecordingReader], wanted: Wanted, start_ns: int, end_ns: int
-) -> Iterator[RecordedMessage]:
-    streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in readers]
-    return heapq.merge(*streams, key=lambda message: message.time_ns)

@@ -10,6 +10,9 @@ from types import TracebackType
 
 from rostether.errors import RecordingError
 
+# The suffix of a file while it is written, as with rosbag.
+ACTIVE_SUFFIX = ".active"
+
 # The log files that SQLite leaves if the disk is full at the end; the database is incomplete without them.
 _LOG_SUFFIXES = ("-wal", "-shm", "-journal")
 

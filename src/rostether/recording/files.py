@@ -13,9 +13,9 @@ from rostether.recording.bag.records import MAGIC
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
-from rostether.recording.file_lock import FileLock
+from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock
 from rostether.recording.recorded import RecordingReader, RecordingWriter
-from rostether.recording.regular_file import require_regular_file
+from rostether.recording.regular_file import SQLITE_MAGIC, require_regular_file
 
 if TYPE_CHECKING:
     from rostether.recording.ros2.channels import UnfitMessages
@@ -25,8 +25,6 @@ BAG_SUFFIX = ".bag"
 MCAP_SUFFIX = ".mcap"
 DB3_SUFFIX = ".db3"
 MCAP_MAGIC = b"\x89MCAP"
-SQLITE_MAGIC = b"SQLite format 3\0"
-_ACTIVE_SUFFIX = ".active"
 
 
 class Form(StrEnum):
@@ -49,7 +47,7 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
         return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
     require_regular_file(path)
     # The error for a file with unknown first bytes depends on its suffix.
-    ending = "" if is_bag(path) else Path(path.name.removesuffix(_ACTIVE_SUFFIX)).suffix
+    ending = "" if is_bag(path) else Path(path.name.removesuffix(ACTIVE_SUFFIX)).suffix
     if is_mcap(path) or (ending == MCAP_SUFFIX and not _begins_with(path, SQLITE_MAGIC)):
         from rostether.recording.mcap.reader import McapReader
 
@@ -68,7 +66,7 @@ def form_of(reader: RecordingReader) -> Form:
 
 def form_for(path: Path, source: Form, asked: Form | None = None) -> Form:
     """Return the form of messages for a new recording's name and source. Raises ConfigError."""
-    name = path.name.removesuffix(_ACTIVE_SUFFIX)
+    name = path.name.removesuffix(ACTIVE_SUFFIX)
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
         if asked is Form.ROS2:
             raise ConfigError(
@@ -98,7 +96,7 @@ def create_recording(
     that do not fit their type. A name without a known suffix creates a folder, a ROS 2 bag; `storage` (mcap
     or sqlite3) is the format of its file.
     """
-    name = path.name.removesuffix(_ACTIVE_SUFFIX)
+    name = path.name.removesuffix(ACTIVE_SUFFIX)
     if name.endswith(MCAP_SUFFIX):
         if form is Form.ROS2:
             from rostether.recording.ros2.mcap_writer import Ros2McapWriter
@@ -140,7 +138,7 @@ def locked(path: Path) -> AbstractContextManager[object]:
 
     Raises RecordingError. A ROS 2 bag needs no lock: its folder must be empty at the start.
     """
-    is_file = path.name.removesuffix(_ACTIVE_SUFFIX).endswith((BAG_SUFFIX, MCAP_SUFFIX, DB3_SUFFIX))
+    is_file = path.name.removesuffix(ACTIVE_SUFFIX).endswith((BAG_SUFFIX, MCAP_SUFFIX, DB3_SUFFIX))
     return FileLock(path) if is_file else nullcontext()
 
 

@@ -3,43 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Protocol
+from dataclasses import dataclass
 
-from rostether.recording.chunk_order import MAX_LISTED_BYTES
 from rostether.recording.compression import NONE, decompress
 from rostether.recording.recorded import CompressionShare
 
-
-class PackedChunk(Protocol):
-    """The position and the compression of a chunk's data in its file."""
-
-    @property
-    def compression(self) -> str:
-        """The compression's name; empty or "none" without compression."""
-
-    @property
-    def size_bytes(self) -> int:
-        """Its uncompressed size."""
-
-    @property
-    def data_start(self) -> int:
-        """The position of its data in the file."""
-
-    @property
-    def data_end(self) -> int:
-        """The end of its data in the file."""
+# Larger chunks are not copied: `chunk_order` reads them twice instead.
+MAX_LISTED_BYTES = 8 << 20
 
 
-def unpack_chunk(view: memoryview, chunk: PackedChunk) -> bytes | memoryview:
+@dataclass(frozen=True, slots=True)
+class StoredChunk:
+    """The position of a chunk's data in its file, its uncompressed size, and the times of its messages.
+
+    `compression` is empty or "none" without compression. `numbers` are the connections or channels that have
+    messages in it, None if unknown.
+    """
+
+    data_start: int
+    data_end: int
+    compression: str
+    size_bytes: int
+    start_ns: int
+    end_ns: int
+    numbers: frozenset[int] | None
+
+
+def unpack_chunk(view: memoryview, chunk: StoredChunk) -> bytes | memoryview:
     """Return the data of a chunk. Raises RecordingError if it is broken."""
     plain = decompress(chunk.compression, view[chunk.data_start : chunk.data_end], chunk.size_bytes)
     # Slicing bytes costs half as much as slicing a view.
     return bytes(plain) if len(plain) <= MAX_LISTED_BYTES else plain
 
 
-def compression_shares(chunks: Iterable[PackedChunk]) -> list[CompressionShare]:
+def compression_shares(chunks: Iterable[StoredChunk]) -> list[CompressionShare]:
     """Return how chunks are compressed, the most frequent first."""
-    by_name: dict[str, list[PackedChunk]] = {}
+    by_name: dict[str, list[StoredChunk]] = {}
     for chunk in chunks:
         by_name.setdefault(chunk.compression or NONE, []).append(chunk)
     shares = (

@@ -7,15 +7,14 @@ together, in one batch per topic.
 from __future__ import annotations
 
 import asyncio
-import heapq
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader
+from rostether.recording.recorded import Connection, RecordingReader, merged
 from rostether.rostime import NS_PER_S, Time
 
 CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
@@ -177,7 +176,7 @@ class Player:
         waiting: dict[Publisher, list[bytes]] = {}
         count = size_bytes = 0
         last_ns = self.start_ns
-        for message in self._merged():
+        for message in merged(self._readers, self._wants, start_ns=self.start_ns, end_ns=self.end_ns):
             gap_s = (message.time_ns - last_ns) / NS_PER_S
             last_ns = message.time_ns
             skip = self._settings.skip_empty_s
@@ -199,15 +198,6 @@ class Player:
                 count = size_bytes = 0
                 await asyncio.sleep(0)
         await self._send(waiting)
-
-    def _merged(self) -> Iterator[RecordedMessage]:
-        streams = [
-            reader.messages(self._wants, start_ns=self.start_ns, end_ns=self.end_ns)
-            for reader in self._readers
-        ]
-        if len(streams) == 1:
-            return streams[0]
-        return heapq.merge(*streams, key=lambda message: message.time_ns)
 
     def _watch_control(self) -> None:
         if self._settings.rate_control_topic:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeAlias
 
 from rostether.msgdef.interface import MessageType
 
-_TOLD = frozenset({"callerid", "md5sum", "message_definition", "reliability", "topic", "type"})
+# The fields of a connection header that are attributes of a connection.
+_OWN_FIELDS = frozenset({"callerid", "md5sum", "message_definition", "reliability", "topic", "type"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class Connection:
         others = (
             (name, value)
             for name, value in sorted(fields.items())
-            if name not in _TOLD and (name != "latching" or not is_latching)
+            if name not in _OWN_FIELDS and (name != "latching" or not is_latching)
         )
         return cls(
             topic,
@@ -173,3 +175,15 @@ class RecordingReader(Protocol):
 
     def close(self) -> None:
         """Close the file. Idempotent."""
+
+
+def merged(
+    readers: Sequence[RecordingReader],
+    wanted: Wanted | None,
+    *,
+    start_ns: int | None = None,
+    end_ns: int | None = None,
+) -> Iterator[RecordedMessage]:
+    """Yield the messages of several recordings as one, sorted by time. Raises RecordingError."""
+    streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in readers]
+    return streams[0] if len(streams) == 1 else heapq.merge(*streams, key=lambda message: message.time_ns)

@@ -17,15 +17,12 @@ from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
-from rostether.recording.file_lock import FileLock, end_active
+from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 # A killed process loses at most this time; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5
-
-# The suffix of a file while it is written, as with rosbag.
-ACTIVE_SUFFIX = ".active"
 
 
 @dataclass(slots=True)
@@ -100,7 +97,8 @@ class Recorder:
             for name in self._choice.names:
                 await self._subscribe(name)
             if self._choice.is_searching:
-                self._update_subscriptions(await self._graph.snapshot())
+                if not self._found(await self._graph.snapshot()):
+                    self._report("no such topic yet: waiting for it")
                 searching = asyncio.create_task(self._search())
             if on_started is not None:
                 on_started()
@@ -132,10 +130,6 @@ class Recorder:
             and not is_mark(topic.name)
             and self._choice.includes(topic.name, topic.subscribers)
         ]
-
-    def _update_subscriptions(self, snapshot: Snapshot) -> None:
-        if not self._found(snapshot):
-            self._report("no such topic yet: waiting for it")
 
     async def _subscribe(self, topic: str) -> None:
         if topic in self._subscribers:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 from rostether.errors import RecordingError
 
+SQLITE_MAGIC = b"SQLite format 3\0"
+
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a FIFO"),

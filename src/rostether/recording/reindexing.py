@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from rostether.errors import RecordingError
 from rostether.recording.checking import file_faults
 from rostether.recording.compression import NONE
-from rostether.recording.file_lock import FileLock, end_active
+from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active
 from rostether.recording.files import Form, create_recording, form_of, is_mcap, locked, open_recording
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, RecordingWriter
 
@@ -25,7 +25,7 @@ UNFINISHED_SUFFIX = ".unfinished"
 
 
 @dataclass(frozen=True, slots=True)
-class Mended:
+class Repaired:
     """The contents of a repaired recording, and the reason for the repair (empty if it was complete)."""
 
     damage: str
@@ -33,7 +33,7 @@ class Mended:
     backup: Path | None
 
 
-def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> Mended:
+def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> Repaired:
     """Write all readable messages of `path` to `output`, which may be the same file.
 
     `keep_original` is the new path of the old file, if wanted. A complete recording is not changed, unless
@@ -47,11 +47,11 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> M
             reader = open_recording(path, is_native=True, damage=faults[0])
         damage = reader.damage
         if not damage and path == output:
-            return Mended("", sum(reader.counts.values()), None)
+            return Repaired("", sum(reader.counts.values()), None)
         written = _rewrite(reader, path, output, _usual(reader), keep_original)
     finally:
         reader.close()
-    return Mended(damage, written, keep_original)
+    return Repaired(damage, written, keep_original)
 
 
 def repack(path: Path, output: Path, compression: str, *, keep_original: Path | None = None) -> int:
@@ -73,7 +73,7 @@ def _rewrite(
 ) -> int:
     with ExitStack() as stack:
         # Do not touch a file that is still being written.
-        for each in sorted(path.glob("*.active")) if path.is_dir() else [path]:
+        for each in sorted(path.glob(f"*{ACTIVE_SUFFIX}")) if path.is_dir() else [path]:
             stack.enter_context(FileLock(each))
         unfinished = stack.enter_context(_unfinished(path, output))
         written = copy(reader, unfinished, compression=compression, form=form_of(reader))
@@ -87,7 +87,7 @@ def _rewrite(
 @contextmanager
 def _unfinished(path: Path, output: Path) -> Iterator[Path]:
     """Provide the path to write to before it is renamed to `output`."""
-    name = output.name.removesuffix(".active")
+    name = output.name.removesuffix(ACTIVE_SUFFIX)
     if path.is_dir():
         # The files in a ROS 2 bag's folder have its name.
         with tempfile.TemporaryDirectory(prefix=f"{UNFINISHED_SUFFIX}.", dir=output.parent) as folder:

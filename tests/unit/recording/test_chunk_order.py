@@ -10,20 +10,16 @@ import pytest
 
 from rostether.recording import chunk_order
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
+from rostether.recording.packed_chunks import StoredChunk
 
 
 @dataclass(frozen=True)
-class _Chunk:
-    times: tuple[int, ...]
-    compression: str = "bz2"
+class _Chunk(StoredChunk):
+    times: tuple[int, ...] = ()
 
-    @property
-    def start_ns(self) -> int:
-        return min(self.times)
 
-    @property
-    def size_bytes(self) -> int:
-        return len(self.times)
+def _chunk(*times: int) -> _Chunk:
+    return _Chunk(0, 0, "bz2", len(times), min(times), max(times), None, times)
 
 
 class _File:
@@ -33,7 +29,8 @@ class _File:
         self.chunks = sorted(chunks, key=lambda chunk: chunk.start_ns)
         self.opened: list[int] = []
 
-    def unpack(self, chunk: _Chunk) -> Unpacked:
+    def unpack(self, chunk: StoredChunk) -> Unpacked:
+        assert isinstance(chunk, _Chunk)
         self.opened.append(self.chunks.index(chunk))
 
         def walk() -> Iterator[Entry]:
@@ -49,11 +46,11 @@ class _File:
 
 def _overlapping(count: int) -> _File:
     chance = random.Random(5)
-    return _File(*(_Chunk(tuple(chance.randrange(1000) for _ in range(20))) for _ in range(count)))
+    return _File(*(_chunk(*(chance.randrange(1000) for _ in range(20))) for _ in range(count)))
 
 
 def test_chunks_one_after_the_other_are_opened_one_at_a_time() -> None:
-    file = _File(_Chunk((1, 2, 3)), _Chunk((4, 5)), _Chunk((6,)))
+    file = _File(_chunk(1, 2, 3), _chunk(4, 5), _chunk(6))
     found = in_order(file.chunks, file.unpack)
     next(found)
     assert file.opened == [0]
@@ -77,7 +74,7 @@ def test_chunks_that_take_too_much_are_put_aside_and_opened_again(monkeypatch: p
 
 def test_the_payload_is_the_one_of_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunk_order, "MAX_OPEN_BYTES", 1000)
-    file = _File(_Chunk((5, 1, 3)), _Chunk((2, 6, 4)))
+    file = _File(_chunk(5, 1, 3), _chunk(2, 6, 4))
     assert [(time_ns, payload[0]) for _, time_ns, payload in in_order(file.chunks, file.unpack)] == [
         *((1, 1), (2, 0), (3, 2)),
         *((4, 2), (5, 0), (6, 1)),
@@ -89,11 +86,11 @@ def test_large_chunks_are_walked_over_not_listed(
     monkeypatch: pytest.MonkeyPatch, times: tuple[int, ...]
 ) -> None:
     monkeypatch.setattr(chunk_order, "MAX_LISTED_BYTES", 100)
-    file = _File(_Chunk(times), _Chunk((50, 60)))
+    file = _File(_chunk(*times), _chunk(50, 60))
     assert file.times() == sorted((*times, 50, 60))
 
 
 def test_equal_times_stay_as_they_stand() -> None:
-    file = _File(_Chunk((1, 1, 1)), _Chunk((1, 1)))
+    file = _File(_chunk(1, 1, 1), _chunk(1, 1))
     found = [payload[0] for _, _, payload in in_order(file.chunks, file.unpack)]
     assert found == [0, 1, 2, 0, 1]

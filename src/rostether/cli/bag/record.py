@@ -334,7 +334,7 @@ async def _record(
 async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
     """Return a function that creates a file and publishes its name on /begin_write."""
     from rostether.msgdef.registry import Registry
-    from rostether.recording.recorder import ACTIVE_SUFFIX
+    from rostether.recording.file_lock import ACTIVE_SUFFIX
 
     publisher = await graph.advertise(BEGIN_TOPIC, Registry().message_type("std_msgs/String"), latch=True)
 

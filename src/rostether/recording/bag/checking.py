@@ -5,17 +5,16 @@ from __future__ import annotations
 import struct
 
 from rostether.errors import RecordingError
-from rostether.recording.bag.chunks import Chunk, messages_in, read_content
+from rostether.recording.bag.chunks import BagChunk, messages_in, read_content
 from rostether.recording.bag.records import (
     OP_INDEX,
     OP_MESSAGE,
-    Buffer,
     op_of,
     read_record,
     time_field,
     u32_field,
 )
-from rostether.recording.compression import decompress
+from rostether.recording.compression import Buffer, decompress
 from rostether.recording.time_order import TimeOrder
 from rostether.rostime import NS_PER_S
 
@@ -42,14 +41,14 @@ def faults_of(data: Buffer) -> list[str]:
     return faults
 
 
-def _chunk_faults(data: Buffer, chunk: Chunk, order: TimeOrder) -> list[str]:
+def _chunk_faults(data: Buffer, chunk: BagChunk, order: TimeOrder) -> list[str]:
     faults: list[str] = []
     counts: dict[int, int] = {}
     first, last = 1 << 64, -1
     try:
         stored = memoryview(data)[chunk.data_start : chunk.data_end]
         plain = decompress(chunk.compression, stored, chunk.size_bytes)
-        for number, time_ns, _, _ in messages_in(plain):
+        for time_ns, _, _, number in messages_in(plain):
             counts[number] = counts.get(number, 0) + 1
             first, last = min(first, time_ns), max(last, time_ns)
             order.add(time_ns)

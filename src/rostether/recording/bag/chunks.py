@@ -22,7 +22,6 @@ from rostether.recording.bag.records import (
     OP_MESSAGE,
     U32,
     U32_PAIR,
-    Buffer,
     Fields,
     decode_fields,
     op_of,
@@ -31,7 +30,9 @@ from rostether.recording.bag.records import (
     u32_field,
     u64_field,
 )
-from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, check_unpacked_size, decompress
+from rostether.recording.chunk_order import Entry
+from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check_unpacked_size, decompress
+from rostether.recording.packed_chunks import StoredChunk
 from rostether.recording.recorded import Connection
 
 # Ten times the connections of a fleet in a day; a compressed chunk could define millions in a few bytes.
@@ -42,15 +43,9 @@ MAX_CONNECTIONS_BYTES = 256 << 20
 
 
 @dataclass(frozen=True, slots=True)
-class Chunk:
-    """The position of a chunk's data in the file, and its contents; `counts` by connection number."""
+class BagChunk(StoredChunk):
+    """A chunk of a bag, with the number of messages of each connection."""
 
-    data_start: int
-    data_end: int
-    compression: str
-    size_bytes: int
-    start_ns: int
-    end_ns: int
     counts: Mapping[int, int]
 
 
@@ -59,7 +54,7 @@ class BagContent:
     """The content of a bag; `damage` is the reason for a search, `whole_bytes` the intact part's size."""
 
     connections: dict[int, Connection] = field(default_factory=dict)
-    chunks: list[Chunk] = field(default_factory=list)
+    chunks: list[BagChunk] = field(default_factory=list)
     damage: str = ""
     whole_bytes: int = 0
     connections_bytes: int = 0
@@ -127,20 +122,22 @@ def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
     return content
 
 
-def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> Chunk:
+def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> BagChunk:
     if len(counts) % U32_PAIR.size or len(counts) > MAX_CONNECTIONS * U32_PAIR.size:
         raise RecordingError("the counts of a chunk are truncated")
     chunk_fields, start, end = read_record(data, u64_field(fields, b"chunk_pos"))
     if op_of(chunk_fields) != OP_CHUNK:
         raise RecordingError("there is no chunk at a listed position")
-    return Chunk(
+    by_number = dict(U32_PAIR.iter_unpack(counts))
+    return BagChunk(
         data_start=start,
         data_end=end,
         compression=chunk_fields.get(b"compression", b"").decode(errors="replace"),
         size_bytes=u32_field(chunk_fields, b"size"),
         start_ns=time_field(fields, b"start_time"),
         end_ns=time_field(fields, b"end_time"),
-        counts=dict(U32_PAIR.iter_unpack(counts)),
+        numbers=frozenset(by_number),
+        counts=by_number,
     )
 
 
@@ -203,20 +200,21 @@ def _add_found(
     plain = decompress(compression, memoryview(data)[slice(*span)], size_bytes)
     counts: dict[int, int] = {}
     first_ns, last_ns = 1 << 64, -1
-    for number, time_ns, _, _ in messages_in(plain, content.add_connection):
+    for time_ns, _, _, number in messages_in(plain, content.add_connection):
         if number not in content.connections:
             raise RecordingError(f"a message belongs to connection {number}, which is not defined")
         counts[number] = counts.get(number, 0) + 1
         first_ns = min(first_ns, time_ns)
         last_ns = max(last_ns, time_ns)
     if counts:
-        content.chunks.append(Chunk(*span, compression, size_bytes, first_ns, last_ns, counts))
+        numbers = frozenset(counts)
+        content.chunks.append(BagChunk(*span, compression, size_bytes, first_ns, last_ns, numbers, counts))
 
 
 def messages_in(
     plain: Buffer, on_connection: Callable[[Fields, Buffer], None] | None = None
-) -> Iterator[tuple[int, int, int, int]]:
-    """Yield connection number, time in ns, and start and end of the payload, of each message in a chunk.
+) -> Iterator[Entry]:
+    """Yield time in ns, start and end of the payload, and the connection's number, of each message.
 
     Raises RecordingError if a record is truncated.
     """
@@ -236,12 +234,12 @@ def messages_in(
             end = start + one(plain, position + 42)[0]
             if end > length:
                 raise RecordingError("a chunk ends within a message")
-            yield one(plain, position + 13)[0], secs * 1_000_000_000 + nsecs, start, end
+            yield secs * 1_000_000_000 + nsecs, start, end, one(plain, position + 13)[0]
         else:
             fields, start, end = read_record(plain, position)
             op = op_of(fields)
             if op == OP_MESSAGE:
-                yield u32_field(fields, b"conn"), time_field(fields, b"time"), start, end
+                yield time_field(fields, b"time"), start, end, u32_field(fields, b"conn")
             elif op == OP_CONNECTION and on_connection is not None:
                 on_connection(fields, plain[start:end])
         position = end

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
 from rostether.errors import RecordingError
-from rostether.recording.bag.chunks import Chunk, messages_in, read_content
+from rostether.recording.bag.chunks import messages_in, read_content
 from rostether.recording.bag.records import MAGIC, MAGIC_START
-from rostether.recording.chunk_order import Entry, Unpacked, in_order
-from rostether.recording.packed_chunks import compression_shares, unpack_chunk
+from rostether.recording.chunk_order import messages_of
+from rostether.recording.packed_chunks import compression_shares
 from rostether.recording.recorded import (
     CompressionShare,
     Connection,
@@ -93,14 +92,14 @@ class BagReader:
         Raises RecordingError at a broken chunk.
         """
         connections = wanted_connections(self._content.connections, wanted)
-        chunks = [
-            chunk
-            for chunk in self._content.chunks
-            if not connections.keys().isdisjoint(chunk.counts)
-            and (end_ns is None or chunk.start_ns <= end_ns)
-            and (start_ns is None or chunk.end_ns >= start_ns)
-        ]
-        found = in_order(chunks, partial(self._unpack, connections), start_ns=start_ns, end_ns=end_ns)
+        found = messages_of(
+            self._view,
+            self._content.chunks,
+            connections.keys(),
+            messages_in,
+            start_ns=start_ns,
+            end_ns=end_ns,
+        )
         try:
             for number, time_ns, payload in found:
                 yield RecordedMessage(connections[number], time_ns, payload)
@@ -112,16 +111,6 @@ class BagReader:
     def close(self) -> None:
         """Close the file. Idempotent."""
         self._file.close()
-
-    def _unpack(self, connections: Mapping[int, Connection], chunk: Chunk) -> Unpacked:
-        plain = unpack_chunk(self._view, chunk)
-
-        def walk() -> Iterator[Entry]:
-            for number, time_ns, start, end in messages_in(plain):
-                if number in connections:
-                    yield time_ns, start, end, number
-
-        return plain, walk
 
 
 def _what_else(start: bytes) -> str:

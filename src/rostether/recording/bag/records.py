@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from rostether.errors import RecordingError
+from rostether.recording.compression import Buffer
 from rostether.rostime import NS_PER_S
 
 MAGIC = b"#ROSBAG V2.0\n"
@@ -38,7 +39,6 @@ U32 = struct.Struct("<I")
 U32_PAIR = struct.Struct("<II")
 U64 = struct.Struct("<Q")
 
-Buffer: TypeAlias = bytes | memoryview
 Fields: TypeAlias = dict[bytes, bytes]
 
 

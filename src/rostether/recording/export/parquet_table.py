@@ -33,7 +33,7 @@ def parquet_package() -> Any:
 
 
 class ParquetTable:
-    """A Parquet file being written; see `recording.export_tables.Table`."""
+    """A Parquet file being written; see `recording.export.tables.Table`."""
 
     def __init__(self, path: Path, columns: Sequence[Column]) -> None:
         self._arrow = arrow = parquet_package()

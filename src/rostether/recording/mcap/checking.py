@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from typing import TypeAlias
 
 from rostether.errors import RecordingError
+from rostether.recording.compression import Buffer
 from rostether.recording.mcap.content import McapContent, footer_of
 from rostether.recording.mcap.data_check import DataCheck, kind_of
 from rostether.recording.mcap.decoding import (
@@ -35,8 +35,6 @@ from rostether.recording.mcap.records import (
     ChunkIndex,
     Statistics,
 )
-
-Buffer: TypeAlias = bytes | memoryview
 
 # A broken file can have one fault in each record; a longer report does not help.
 MAX_FAULTS = 50

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass, field, replace
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry
-from rostether.recording.compression import MAX_CHUNK_BYTES, check_unpacked_size, decompress
+from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size
 from rostether.recording.mcap.decoding import (
     decode_channel,
     decode_chunk,
@@ -40,8 +39,7 @@ from rostether.recording.mcap.records import (
     Schema,
     Statistics,
 )
-
-Buffer: TypeAlias = bytes | memoryview
+from rostether.recording.packed_chunks import StoredChunk, unpack_chunk
 
 # The limit for all schemas and channels, a few KB each: a compressed chunk could define gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
@@ -51,19 +49,6 @@ MAX_DAMAGE_CHARS = 500
 
 # Messages outside of chunks are read together up to this size.
 MAX_LOOSE_BYTES = 4 << 20
-
-
-@dataclass(frozen=True, slots=True)
-class StoredChunk:
-    """The position of a chunk in the file; `channels` are the channels in it, None if unknown."""
-
-    data_start: int
-    data_end: int
-    compression: str
-    size_bytes: int
-    start_ns: int
-    end_ns: int
-    channels: frozenset[int] | None
 
 
 @dataclass(slots=True)
@@ -178,11 +163,11 @@ def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
     op, start, end = read_record(data, index.position)
     if op != OP_CHUNK:
         raise RecordingError("there is no chunk at a position in its index")
-    channels = frozenset(index.indexes) if index.indexes else None
-    return _stored(decode_chunk(data, start, end), channels)
+    numbers = frozenset(index.indexes) if index.indexes else None
+    return _stored(decode_chunk(data, start, end), numbers)
 
 
-def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
+def _stored(chunk: Chunk, numbers: frozenset[int] | None) -> StoredChunk:
     return StoredChunk(
         chunk.data_start,
         chunk.data_end,
@@ -190,7 +175,7 @@ def _stored(chunk: Chunk, channels: frozenset[int] | None) -> StoredChunk:
         chunk.size_bytes,
         chunk.start_ns,
         chunk.end_ns,
-        channels,
+        numbers,
     )
 
 
@@ -295,9 +280,7 @@ def _add_cut_chunk(content: McapContent, data: Buffer, position: int) -> None:
 
 
 def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
-    plain = decompress(
-        chunk.compression, memoryview(data)[chunk.data_start : chunk.data_end], chunk.size_bytes
-    )
+    plain = unpack_chunk(memoryview(data), chunk)
     counts: dict[int, int] = {}
     first_ns, last_ns = 1 << 64, -1
     for time_ns, _, _, number in messages_in(plain, content):
@@ -312,17 +295,7 @@ def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
         content.counts[number] = content.counts.get(number, 0) + count
     before = content.span_ns or (first_ns, last_ns)
     content.span_ns = (min(before[0], first_ns), max(before[1], last_ns))
-    content.chunks.append(
-        StoredChunk(
-            chunk.data_start,
-            chunk.data_end,
-            chunk.compression,
-            chunk.size_bytes,
-            first_ns,
-            last_ns,
-            frozenset(counts),
-        )
-    )
+    content.chunks.append(replace(chunk, start_ns=first_ns, end_ns=last_ns, numbers=frozenset(counts)))
 
 
 def messages_in(plain: Buffer, defined: McapContent | None = None) -> Iterator[Entry]:

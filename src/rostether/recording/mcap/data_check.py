@@ -6,10 +6,9 @@ import zlib
 from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 from rostether.errors import RecordingError
-from rostether.recording.compression import MAX_CHUNK_BYTES, check_unpacked_size, decompress
+from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size, decompress
 from rostether.recording.mcap.content import McapContent
 from rostether.recording.mcap.decoding import (
     decode_channel,
@@ -32,8 +31,6 @@ from rostether.recording.mcap.records import (
     Chunk,
 )
 from rostether.recording.time_order import TimeOrder
-
-Buffer: TypeAlias = bytes | memoryview
 
 
 @dataclass(slots=True)
@@ -106,9 +103,8 @@ class DataCheck:
             # The summary may omit chunks.
             check_unpacked_size(self._packed_bytes, len(data))
         try:
-            plain = decompress(
-                chunk.compression, memoryview(data)[chunk.data_start : chunk.data_end], chunk.size_bytes
-            )
+            stored = memoryview(data)[chunk.data_start : chunk.data_end]
+            plain = decompress(chunk.compression, stored, chunk.size_bytes)
         except RecordingError as error:
             self._report(f"{where}: {error}")
             return found

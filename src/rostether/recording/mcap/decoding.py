@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
-from typing import TypeAlias
 
 from rostether.errors import RecordingError
+from rostether.recording.compression import Buffer
 from rostether.recording.mcap.records import (
     CHANNEL_AND_NUMBER,
     CHUNK_HEAD,
@@ -26,8 +26,6 @@ from rostether.recording.mcap.records import (
     Schema,
     Statistics,
 )
-
-Buffer: TypeAlias = bytes | memoryview
 
 
 def read_record(data: Buffer, position: int, end: int | None = None) -> tuple[int, int, int]:

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.errors import RecordingError
-from rostether.recording.chunk_order import Entry, Unpacked, in_order
-from rostether.recording.mcap.content import StoredChunk, messages_in, read_content
+from rostether.recording.chunk_order import messages_of
+from rostether.recording.mcap.content import messages_in, read_content
 from rostether.recording.mcap.records import Channel, Schema
-from rostether.recording.packed_chunks import compression_shares, unpack_chunk
+from rostether.recording.packed_chunks import compression_shares
 from rostether.recording.recorded import (
     CompressionShare,
     Connection,
@@ -36,9 +35,8 @@ class McapReader:
     """An MCAP file being read; see `recording.recorded.RecordingReader`.
 
     Only ROS 1 and CDR messages are returned; CDR is converted to ROS 1 bytes, with the fields of ROS 2 if
-    `is_native`.
-    `unpack` decompresses single messages, as the metadata of a ROS 2 bag states. `damage`, if given, is the
-    reason not to use its index. A missing md5sum of a type is computed from the definition.
+    `is_native`. `unpack` decompresses single messages, as the metadata of a ROS 2 bag states. `damage`, if
+    given, is the reason not to use its index. A missing md5sum of a type is computed from the definition.
     """
 
     def __init__(
@@ -110,14 +108,14 @@ class McapReader:
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
-        chunks = [
-            chunk
-            for chunk in self._content.chunks
-            if (chunk.channels is None or not connections.keys().isdisjoint(chunk.channels))
-            and (end_ns is None or chunk.start_ns <= end_ns)
-            and (start_ns is None or chunk.end_ns >= start_ns)
-        ]
-        found = in_order(chunks, partial(self._unpack, connections), start_ns=start_ns, end_ns=end_ns)
+        found = messages_of(
+            self._view,
+            self._content.chunks,
+            connections.keys(),
+            messages_in,
+            start_ns=start_ns,
+            end_ns=end_ns,
+        )
         try:
             for number, time_ns, payload in found:
                 connection = connections[number]
@@ -136,16 +134,6 @@ class McapReader:
     def close(self) -> None:
         """Close the file. Idempotent."""
         self._file.close()
-
-    def _unpack(self, connections: Mapping[int, Connection], chunk: StoredChunk) -> Unpacked:
-        plain = unpack_chunk(self._view, chunk)
-
-        def walk() -> Iterator[Entry]:
-            for entry in messages_in(plain):
-                if entry[3] in connections:
-                    yield entry
-
-        return plain, walk
 
     def _connection(self, schema: Schema | None, channel: Channel) -> Connection | None:
         """Return a channel as a connection; None if its messages cannot be converted."""

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import heapq
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
-from rostether.errors import ConfigError, RecordingError
-from rostether.extras import install_command
+from rostether.errors import RecordingError
+from rostether.recording.compression import zstandard_package
+from rostether.recording.file_lock import ACTIVE_SUFFIX
 from rostether.recording.mcap.reader import McapReader
-from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted
+from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted, merged
 from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.recording.ros2.metadata import FILE_NAME, Metadata, read_metadata
 
@@ -35,7 +34,8 @@ class Ros2BagReader:
         except RecordingError as error:
             if not path.is_dir():
                 raise
-            metadata = Metadata(0, "", tuple(sorted(_recordings_in(path))))
+            files = sorted(each.name for each in path.iterdir() if each.name.endswith(_SUFFIXES))
+            metadata = Metadata(0, "", tuple(files))
             self.damage = str(error)
         if not metadata.files:
             if (path / FILE_NAME).exists():
@@ -99,8 +99,7 @@ class Ros2BagReader:
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
-        streams = [each.messages(wanted, start_ns=start_ns, end_ns=end_ns) for each in self._files]
-        return heapq.merge(*streams, key=lambda message: message.time_ns)
+        return merged(self._files, wanted, start_ns=start_ns, end_ns=end_ns)
 
     def close(self) -> None:
         """Close the files. Idempotent."""
@@ -109,17 +108,20 @@ class Ros2BagReader:
     def _open(self, path: Path, metadata: Metadata, *, is_native: bool) -> McapReader | Db3Reader:
         unpack: Callable[[bytes], bytes] | None = None
         if metadata.compression_mode == "message":
-            _check_format(metadata)
+            if metadata.compression_format != "zstd":
+                raise RecordingError(
+                    f"its messages are compressed with {metadata.compression_format!r}, not zstd"
+                )
             unpack = _unpacked_message
         if path.suffix == ".zstd" or metadata.compression_mode == "file":
             path = self._unpacked_file(path)
-        if path.name.removesuffix(".active").endswith(".db3"):
+        if path.name.removesuffix(ACTIVE_SUFFIX).endswith(".db3"):
             return Db3Reader(path, is_native=is_native, unpack=unpack)
         return McapReader(path, is_native=is_native, unpack=unpack)
 
     def _unpacked_file(self, path: Path) -> Path:
         """Return the path of the unpacked copy of a compressed file; it exists while the bag is open."""
-        zstandard = _zstandard()
+        zstandard = zstandard_package()
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="rostether-bag-")))
         target = folder / path.name.removesuffix(".zstd")
         try:
@@ -139,12 +141,8 @@ class Ros2BagReader:
         return target
 
 
-def _recordings_in(folder: Path) -> list[str]:
-    return [each.name for each in folder.iterdir() if each.name.endswith(_SUFFIXES)]
-
-
 def _unpacked_message(data: bytes) -> bytes:
-    zstandard = _zstandard()
+    zstandard = zstandard_package()
     try:
         with zstandard.ZstdDecompressor().stream_reader(data) as stream:
             plain: bytes = stream.read(MAX_MESSAGE_BYTES + 1)
@@ -153,16 +151,3 @@ def _unpacked_message(data: bytes) -> bytes:
     if len(plain) > MAX_MESSAGE_BYTES:
         raise RecordingError(f"a message decompresses to more than {MAX_MESSAGE_BYTES} bytes")
     return plain
-
-
-def _check_format(metadata: Metadata) -> None:
-    if metadata.compression_format != "zstd":
-        raise RecordingError(f"its messages are compressed with {metadata.compression_format!r}, not zstd")
-
-
-def _zstandard() -> Any:
-    try:
-        import zstandard
-    except ImportError:
-        raise ConfigError(f"Zstandard is not installed; run: {install_command('recording')}") from None
-    return zstandard

@@ -11,12 +11,11 @@ from rostether.errors import RecordingError
 from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
+from rostether.recording.file_lock import ACTIVE_SUFFIX
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.ros2.channels import Ros2Channels, UnfitMessages
 from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata
 from rostether.ros2.types.type_support import Ros2Types
-
-ACTIVE_SUFFIX = ".active"
 
 
 class Storage(StrEnum):

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import first_line
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
 from rostether.recording.recorded import (
     CompressionShare,
@@ -17,10 +18,9 @@ from rostether.recording.recorded import (
     Wanted,
     wanted_connections,
 )
-from rostether.recording.regular_file import require_regular_file
+from rostether.recording.regular_file import SQLITE_MAGIC, require_regular_file
 from rostether.recording.ros2_reading import CDR, Ros2Topics
 
-MAGIC = b"SQLite format 3\0"
 MAX_TOPICS = 65536
 # The largest message that is read; equal to SQLite's own limit.
 MAX_VALUE_BYTES = 1 << 30
@@ -48,10 +48,10 @@ class Db3Reader:
         try:
             self.size_bytes = path.stat().st_size
             with path.open("rb") as file:
-                begin = file.read(len(MAGIC))
+                begin = file.read(len(SQLITE_MAGIC))
                 if not begin:
                     raise RecordingError(f"{path} is empty")
-                if begin != MAGIC:
+                if begin != SQLITE_MAGIC:
                     raise RecordingError(f"{path} is not a SQLite file, as a .db3 recording must be")
         except OSError as error:
             raise RecordingError(f"cannot read {path}: {error.strerror or error}") from None
@@ -76,7 +76,7 @@ class Db3Reader:
         except (sqlite3.Error, TypeError, ValueError) as error:
             self.close()
             raise RecordingError(
-                f"{path} is not a recording of rosbag2, or is broken: {_line(error)}"
+                f"{path} is not a recording of rosbag2, or is broken: {first_line(error)}"
             ) from None
 
     @property
@@ -114,7 +114,7 @@ class Db3Reader:
                 if payload is not None:
                     yield RecordedMessage(connection, time_ns, payload)
         except sqlite3.Error as error:
-            raise RecordingError(f"{self.path}: {_line(error)}") from None
+            raise RecordingError(f"{self.path}: {first_line(error)}") from None
 
     def close(self) -> None:
         """Close the file. Idempotent."""
@@ -172,7 +172,3 @@ class Db3Reader:
             "SELECT (SELECT min(timestamp) FROM messages), (SELECT max(timestamp) FROM messages)"
         ).fetchone()
         return None if start_ns is None or end_ns is None else (int(start_ns), int(end_ns))
-
-
-def _line(error: Exception) -> str:
-    return str(error).split("\n", 1)[0][:200]

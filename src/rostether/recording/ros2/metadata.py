@@ -16,6 +16,7 @@ import yaml
 
 from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import first_line
 from rostether.recording.recorded import Ros2Origin
 from rostether.recording.regular_file import require_regular_file
 from rostether.recording.ros2_qos import read_profiles
@@ -150,7 +151,7 @@ def read_metadata(folder: Path) -> Metadata:
         )
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise RecordingError(
-            f"{path} is not a description of a ROS 2 bag ({type(error).__name__}: {_first_line(error)})"
+            f"{path} is not a description of a ROS 2 bag ({type(error).__name__}: {first_line(error)})"
         ) from None
 
 
@@ -163,7 +164,3 @@ def _text(value: object) -> str:
 
 def _duration(start_ns: int | None, end_ns: int) -> int:
     return 0 if start_ns is None else end_ns - start_ns
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).split("\n", 1)[0][:200]
