@@ -18,7 +18,15 @@ from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.progress import show
 from rostether.cli.bag.recording_files import recording_graph
 from rostether.cli.shell.keys import typed_keys
-from rostether.cli.shell.option_group import ignored_options, option_group
+from rostether.cli.shell.option_group import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    flag,
+    ignored_options,
+    option,
+    option_group,
+    shared,
+)
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -36,118 +44,60 @@ _KEYS_SHOWN = "Space pauses, s plays one message while paused, q quits."
 class PlayOptions:
     """The options of `bag play`."""
 
-    rate: float
-    start_s: float
-    duration_s: float | None
-    is_looping: bool
-    immediate: bool
-    is_paused: bool
-    with_clock: bool
-    hz: float
-    topics: tuple[str, ...]
-    pause_topics: tuple[str, ...]
-    bags: tuple[str, ...]
-    prefix: str
-    skip_empty: float | None
-    delay: float
-    wait_for_subscribers: bool
-    keep_alive: bool
-    queue: int | None
-    rate_control_topic: str | None
-    rate_control_max_delay: float
-    quiet: bool
-    msg_paths: tuple[Path, ...]
-
-
-_play_options = option_group(
-    "options",
-    PlayOptions,
-    (
-        click.option(
-            "-r",
-            "--rate",
-            type=click.FloatRange(min=0, min_open=True),
-            default=1.0,
-            help="Speed relative to the recording (1).",
-        ),
-        click.option(
-            "-s",
-            "--start",
-            "start_s",
-            type=float,
-            default=0.0,
-            metavar="SEC",
-            help="Start SEC seconds after the beginning.",
-        ),
-        click.option(
-            "-u",
-            "--duration",
-            "duration_s",
-            type=click.FloatRange(min=0),
-            metavar="SEC",
-            help="Play only SEC seconds.",
-        ),
-        click.option("-l", "--loop", "is_looping", is_flag=True, help="Start again at the end."),
-        click.option("-i", "--immediate", is_flag=True, help="Play as fast as possible."),
-        click.option("--pause", "is_paused", is_flag=True, help="Start paused."),
-        click.option("--clock", "with_clock", is_flag=True, help="Publish the recorded time on /clock."),
-        click.option(
-            "--hz",
-            type=click.FloatRange(min=0, min_open=True),
-            default=100.0,
-            help="The rate of /clock, in Hz (100).",
-        ),
-        click.option(
-            "--topics",
-            "topics",
-            multiple=True,
-            metavar="TOPIC",
-            help="Play only these topics; takes several.",
-        ),
-        click.option(
-            "--pause-topics", multiple=True, metavar="TOPIC", help="Pause at each message of these topics."
-        ),
-        click.option(
-            "--bags", multiple=True, metavar="FILE", help="The recordings, if --topics comes before them."
-        ),
-        click.option(
-            "-p", "--prefix", default="", metavar="NAME", help="Put all topics in the namespace NAME."
-        ),
-        click.option(
-            "--skip-empty", type=click.FloatRange(min=0), metavar="SEC", help="Skip gaps longer than SEC."
-        ),
-        click.option(
-            "-d",
-            "--delay",
-            type=click.FloatRange(min=0),
-            default=0.2,
-            metavar="SEC",
-            help="Wait SEC seconds for subscribers to connect (0.2).",
-        ),
-        click.option("--wait-for-subscribers", is_flag=True, help="Start when every topic has a subscriber."),
-        click.option("-k", "--keep-alive", is_flag=True, help="Keep running at the end, for latched topics."),
-        click.option(
-            "--queue",
-            type=click.IntRange(min=0),
-            metavar="COUNT",
-            help="Queue up to COUNT messages per topic for slow subscribers (default: 4 MB).",
-        ),
-        click.option(
-            "--rate-control-topic",
-            metavar="TOPIC",
-            help="Pause if TOPIC is silent for longer than --rate-control-max-delay.",
-        ),
-        click.option(
-            "--rate-control-max-delay",
-            type=click.FloatRange(min=0),
-            default=1.0,
-            metavar="SEC",
-            help="The longest silence of --rate-control-topic, in seconds (1).",
-        ),
-        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
-        msg_path_option,
-    ),
-)
+    rate: float = option("-r --rate", "Speed relative to the recording (1).", type=POSITIVE, default=1.0)
+    start_s: float = option(
+        "-s --start", "Start SEC seconds after the beginning.", type=float, metavar="SEC", default=0.0
+    )
+    duration_s: float | None = option(
+        "-u --duration", "Play only SEC seconds.", type=NOT_NEGATIVE, metavar="SEC"
+    )
+    is_looping: bool = flag("-l --loop", "Start again at the end.")
+    immediate: bool = flag("-i --immediate", "Play as fast as possible.")
+    is_paused: bool = flag("--pause", "Start paused.")
+    with_clock: bool = flag("--clock", "Publish the recorded time on /clock.")
+    hz: float = option("--hz", "The rate of /clock, in Hz (100).", type=POSITIVE, default=100.0)
+    topics: tuple[str, ...] = option(
+        "--topics", "Play only these topics; takes several.", multiple=True, metavar="TOPIC"
+    )
+    pause_topics: tuple[str, ...] = option(
+        "--pause-topics", "Pause at each message of these topics.", multiple=True, metavar="TOPIC"
+    )
+    bags: tuple[str, ...] = option(
+        "--bags", "The recordings, if --topics comes before them.", multiple=True, metavar="FILE"
+    )
+    prefix: str = option("-p --prefix", "Put all topics in the namespace NAME.", metavar="NAME", default="")
+    skip_empty: float | None = option(
+        "--skip-empty", "Skip gaps longer than SEC.", type=NOT_NEGATIVE, metavar="SEC"
+    )
+    delay: float = option(
+        "-d --delay",
+        "Wait SEC seconds for subscribers to connect (0.2).",
+        type=NOT_NEGATIVE,
+        metavar="SEC",
+        default=0.2,
+    )
+    wait_for_subscribers: bool = flag("--wait-for-subscribers", "Start when every topic has a subscriber.")
+    keep_alive: bool = flag("-k --keep-alive", "Keep running at the end, for latched topics.")
+    queue: int | None = option(
+        "--queue",
+        "Queue up to COUNT messages per topic for slow subscribers (default: 4 MB).",
+        type=click.IntRange(min=0),
+        metavar="COUNT",
+    )
+    rate_control_topic: str | None = option(
+        "--rate-control-topic",
+        "Pause if TOPIC is silent for longer than --rate-control-max-delay.",
+        metavar="TOPIC",
+    )
+    rate_control_max_delay: float = option(
+        "--rate-control-max-delay",
+        "The longest silence of --rate-control-topic, in seconds (1).",
+        type=NOT_NEGATIVE,
+        metavar="SEC",
+        default=1.0,
+    )
+    quiet: bool = flag("-q --quiet", "Print only errors.")
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
 @click.command(
@@ -161,7 +111,7 @@ _play_options = option_group(
     rostether bag play --ros2 zenoh rosbag2_2026-11-20-10-00-00
     """,
 )
-@_play_options
+@option_group("options", PlayOptions)
 @click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
 @ignored_options(try_future_version="--try-future-version")
 @graph_options(allow=TOOL_ALLOW, zenoh=True)

@@ -27,7 +27,7 @@ from rostether.cli.bag.recording_files import (
     recording_graph,
     storage_option,
 )
-from rostether.cli.shell.option_group import ignored_options, option_group
+from rostether.cli.shell.option_group import COUNT, flag, ignored_options, option, option_group, shared
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -69,121 +69,55 @@ DURATION = _DurationType()
 class RecordOptions:
     """The options of `bag record`."""
 
-    is_all: bool
-    is_regex: bool
-    exclude: str | None
-    node: str | None
-    output_name: str | None
-    output_prefix: str | None
-    split: bool
-    max_splits: int | None
-    size_mb: float | None
-    duration_s: float | None
-    limit: int | None
-    bz2: bool
-    lz4: bool
-    chunk_kb: int
-    publishes_begin: bool
-    repeat_latched: bool
-    buffer_mb: int
-    form: str | None
-    storage: str
-    quiet: bool
-    msg_paths: tuple[Path, ...]
-
-
-_record_options = option_group(
-    "options",
-    RecordOptions,
-    (
-        click.option(
-            "-a",
-            "--all",
-            "is_all",
-            is_flag=True,
-            help="Record all topics, including those that appear later.",
-        ),
-        click.option("-e", "--regex", "is_regex", is_flag=True, help="TOPICs are regular expressions."),
-        click.option("-x", "--exclude", metavar="REGEX", help="Leave out the topics that match."),
-        click.option("--node", metavar="NODE", help="Record all topics that a node subscribes to."),
-        click.option(
-            "-O",
-            "--output",
-            "output_name",
-            metavar="FILE",
-            help="The .bag, .mcap or .db3 file, or folder.",
-        ),
-        click.option(
-            "-o",
-            "--output-prefix",
-            metavar="PREFIX",
-            help="Begin the file's name with PREFIX, followed by the date.",
-        ),
-        click.option(
-            "--split", is_flag=True, help="Start a new file whenever --size or --duration is reached."
-        ),
-        click.option(
-            "--max-splits", type=click.IntRange(min=1), metavar="COUNT", help="Keep the newest COUNT files."
-        ),
-        click.option(
-            "--size",
-            "size_mb",
-            type=click.FloatRange(min=0.001),
-            metavar="MB",
-            help="Stop at this file size, or start a new file with --split.",
-        ),
-        click.option(
-            "--duration",
-            "duration_s",
-            type=DURATION,
-            metavar="TIME",
-            help="Stop after this time, e.g. 30, 30s, 5m or 2h, or start a new file with --split.",
-        ),
-        click.option(
-            "-l",
-            "--count",
-            "limit",
-            type=click.IntRange(min=1),
-            metavar="COUNT",
-            help="Record at most COUNT messages of each topic.",
-        ),
-        click.option(
-            "-j", "--bz2", is_flag=True, help="Compress with bz2: small, but slow (a few MB per second)."
-        ),
-        click.option("--lz4", is_flag=True, help="Compress with LZ4: fast."),
-        click.option(
-            "--chunksize",
-            "chunk_kb",
-            type=click.IntRange(min=1),
-            default=768,
-            metavar="KB",
-            help="The size of a chunk, in KB (768).",
-        ),
-        click.option(
-            "-p",
-            "--publish",
-            "publishes_begin",
-            is_flag=True,
-            help="Publish the name of each new file on /begin_write.",
-        ),
-        click.option(
-            "--repeat-latched", is_flag=True, help="Write the latched messages at the beginning of each file."
-        ),
-        click.option(
-            "-b",
-            "--buffsize",
-            "buffer_mb",
-            type=click.IntRange(min=0),
-            default=256,
-            metavar="MB",
-            help="The size of the buffer; when it is full, messages are dropped (256).",
-        ),
-        format_option,
-        storage_option,
-        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
-        msg_path_option,
-    ),
-)
+    is_all: bool = flag("-a --all", "Record all topics, including those that appear later.")
+    is_regex: bool = flag("-e --regex", "TOPICs are regular expressions.")
+    exclude: str | None = option("-x --exclude", "Leave out the topics that match.", metavar="REGEX")
+    node: str | None = option("--node", "Record all topics that a node subscribes to.", metavar="NODE")
+    output_name: str | None = option(
+        "-O --output", "The .bag, .mcap or .db3 file, or folder.", metavar="FILE"
+    )
+    output_prefix: str | None = option(
+        "-o --output-prefix", "Begin the file's name with PREFIX, followed by the date.", metavar="PREFIX"
+    )
+    split: bool = flag("--split", "Start a new file whenever --size or --duration is reached.")
+    max_splits: int | None = option(
+        "--max-splits", "Keep the newest COUNT files.", type=COUNT, metavar="COUNT"
+    )
+    size_mb: float | None = option(
+        "--size",
+        "Stop at this file size, or start a new file with --split.",
+        type=click.FloatRange(min=0.001),
+        metavar="MB",
+    )
+    duration_s: float | None = option(
+        "--duration",
+        "Stop after this time, e.g. 30, 30s, 5m or 2h, or start a new file with --split.",
+        type=DURATION,
+        metavar="TIME",
+    )
+    limit: int | None = option(
+        "-l --count", "Record at most COUNT messages of each topic.", type=COUNT, metavar="COUNT"
+    )
+    bz2: bool = flag("-j --bz2", "Compress with bz2: small, but slow (a few MB per second).")
+    lz4: bool = flag("--lz4", "Compress with LZ4: fast.")
+    chunk_kb: int = option(
+        "--chunksize", "The size of a chunk, in KB (768).", type=COUNT, metavar="KB", default=768
+    )
+    publishes_begin: bool = flag("-p --publish", "Publish the name of each new file on /begin_write.")
+    repeat_latched: bool = flag(
+        "--repeat-latched", "Write the latched messages at the beginning of each file."
+    )
+    buffer_mb: int = option(
+        "-b --buffsize",
+        "The size of the buffer; when it is full, messages are dropped (256).",
+        type=click.IntRange(min=0),
+        metavar="MB",
+        default=256,
+    )
+    form: str | None = shared(format_option, None)
+    storage: str = shared(storage_option, "mcap")
+    quiet: bool = flag("-q --quiet", "Print only errors.")
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
 @click.command(
@@ -199,7 +133,7 @@ _record_options = option_group(
     rostether bag record --ros2 zenoh --all
     """,
 )
-@_record_options
+@option_group("options", RecordOptions)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
 @ignored_options(tcpnodelay="--tcpnodelay", udp="--udp")
 @graph_options(allow=TOOL_ALLOW, zenoh=True)

@@ -14,7 +14,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.board.opencr import OPENCR, run_opencr
 from rostether.cli.board.qemu import run_in_qemu
 from rostether.cli.shell.input import input_lines
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import PATH, flag, option, option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -36,26 +36,69 @@ _SINGLE_WORDS = ("hcsr04", "range", "attitude", "fault", "network", "w5100", "wh
 class BoardOptions:
     """The options of `board run`."""
 
-    board: str
-    link_path: Path | None
-    tcp_port: int | None
-    uart: int | None
-    adc: tuple[str, ...]
-    pin: tuple[str, ...]
-    range: str | None
-    hcsr04: str | None
-    attitude: str | None
-    watch: tuple[str, ...]
-    servo: tuple[str, ...]
-    fault: str | None
-    network: str | None
-    w5100: str | None
-    wheels: str | None
-    autoreset: bool
-    guard: tuple[str, ...]
-    seed: int
-    is_fast: bool
-    duration: str | None
+    board: str = option(
+        "--board",
+        "uno, nano, promini, mega, leonardo, micro; lm3s6965evb, netduinoplus2 in qemu; opencr.",
+        show_default=True,
+        default="uno",
+    )
+    link_path: Path | None = option("--link", "Create a link to the board's serial port at PATH.", type=PATH)
+    tcp_port: int | None = option(
+        "--tcp",
+        "Offer the board's serial port as this TCP port.",
+        type=click.IntRange(0, 65535),
+        metavar="PORT",
+    )
+    uart: int | None = option(
+        "--uart", "The UART to connect (0; leonardo, micro: 1).", type=click.IntRange(0, 3)
+    )
+    adc: tuple[str, ...] = option(
+        "--adc", "Set the voltage of an analog input.", multiple=True, metavar="A0=VOLTS"
+    )
+    pin: tuple[str, ...] = option("--pin", "Set the level of a digital pin.", multiple=True, metavar="D7=0|1")
+    range: str | None = option(
+        "--range", "Connect an HC-SR04 with an obstacle at this distance.", metavar="METRES|none"
+    )
+    hcsr04: str | None = option("--hcsr04", "The pins of the HC-SR04.", metavar="trig=D6,echo=D5")
+    attitude: str | None = option(
+        "--attitude", "The attitude of the board and its MPU-9150, in degrees.", metavar='"ROLL PITCH YAW"'
+    )
+    watch: tuple[str, ...] = option(
+        "--watch", "Print changes of a pin, or the serial output.", multiple=True, metavar="PIN|serial"
+    )
+    servo: tuple[str, ...] = option(
+        "--servo", "Print the angle of a servo on a pin.", multiple=True, metavar="PIN"
+    )
+    fault: str | None = option(
+        "--fault", "Simulate a bad serial line: flip, drop, delay.", metavar="flip=0.01,seed=3"
+    )
+    network: str | None = option(
+        "--network", "Connect all TCP connections of the sketch to this address.", metavar="HOST:PORT"
+    )
+    w5100: str | None = option(
+        "--w5100",
+        "The loopback address of the Ethernet shield, and when it stops receiving a group.",
+        metavar="address=127.0.0.2,stall_after=500",
+    )
+    wheels: str | None = option(
+        "--wheels",
+        "The pins for PWM and direction of two motors; the command `wheels` shows the odometry.",
+        metavar="left=D3/D8,right=D9/D7",
+    )
+    autoreset: bool = flag("--autoreset", "Reset the board whenever the port is opened, as USB boards do.")
+    guard: tuple[str, ...] = option(
+        "--guard", "Print writes to a variable of the program.", multiple=True, metavar="SYMBOL"
+    )
+    seed: int = option(
+        "--seed",
+        "The seed of the random RAM contents at power-up.",
+        type=click.IntRange(0, 2**32 - 1),
+        default=0,
+    )
+    is_fast: bool = flag("--fast", "Run as fast as possible instead of in real time.")
+    duration: str | None = option(
+        "--duration", "Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.", metavar="TIME"
+    )
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -63,94 +106,6 @@ class BoardOptions:
         words = [f"{word} {value}" for word in _REPEATED_WORDS for value in getattr(self, word)]
         words += [f"{word} {value}" for word in _SINGLE_WORDS if (value := getattr(self, word)) is not None]
         return (*words, "autoreset on") if self.autoreset else tuple(words)
-
-
-_board_options = option_group(
-    "options",
-    BoardOptions,
-    (
-        click.option(
-            "--board",
-            default="uno",
-            show_default=True,
-            help="uno, nano, promini, mega, leonardo, micro; lm3s6965evb, netduinoplus2 in qemu; opencr.",
-        ),
-        click.option(
-            "--link",
-            "link_path",
-            type=click.Path(path_type=Path),
-            help="Create a link to the board's serial port at PATH.",
-        ),
-        click.option(
-            "--tcp",
-            "tcp_port",
-            type=click.IntRange(0, 65535),
-            metavar="PORT",
-            help="Offer the board's serial port as this TCP port.",
-        ),
-        click.option(
-            "--uart", type=click.IntRange(0, 3), help="The UART to connect (0; leonardo, micro: 1)."
-        ),
-        click.option("--adc", multiple=True, metavar="A0=VOLTS", help="Set the voltage of an analog input."),
-        click.option("--pin", multiple=True, metavar="D7=0|1", help="Set the level of a digital pin."),
-        click.option(
-            "--range",
-            metavar="METRES|none",
-            help="Connect an HC-SR04 with an obstacle at this distance.",
-        ),
-        click.option("--hcsr04", metavar="trig=D6,echo=D5", help="The pins of the HC-SR04."),
-        click.option(
-            "--attitude",
-            metavar='"ROLL PITCH YAW"',
-            help="The attitude of the board and its MPU-9150, in degrees.",
-        ),
-        click.option(
-            "--watch",
-            multiple=True,
-            metavar="PIN|serial",
-            help="Print changes of a pin, or the serial output.",
-        ),
-        click.option("--servo", multiple=True, metavar="PIN", help="Print the angle of a servo on a pin."),
-        click.option(
-            "--fault", metavar="flip=0.01,seed=3", help="Simulate a bad serial line: flip, drop, delay."
-        ),
-        click.option(
-            "--network",
-            metavar="HOST:PORT",
-            help="Connect all TCP connections of the sketch to this address.",
-        ),
-        click.option(
-            "--w5100",
-            metavar="address=127.0.0.2,stall_after=500",
-            help="The loopback address of the Ethernet shield, and when it stops receiving a group.",
-        ),
-        click.option(
-            "--wheels",
-            metavar="left=D3/D8,right=D9/D7",
-            help="The pins for PWM and direction of two motors; the command `wheels` shows the odometry.",
-        ),
-        click.option(
-            "--autoreset", is_flag=True, help="Reset the board whenever the port is opened, as USB boards do."
-        ),
-        click.option(
-            "--guard", multiple=True, metavar="SYMBOL", help="Print writes to a variable of the program."
-        ),
-        click.option(
-            "--seed",
-            type=click.IntRange(0, 2**32 - 1),
-            default=0,
-            help="The seed of the random RAM contents at power-up.",
-        ),
-        click.option(
-            "--fast", "is_fast", is_flag=True, help="Run as fast as possible instead of in real time."
-        ),
-        click.option(
-            "--duration",
-            metavar="TIME",
-            help="Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.",
-        ),
-    ),
-)
 
 
 @click.command(
@@ -164,7 +119,7 @@ _board_options = option_group(
     """,
 )
 @click.argument("program", type=click.Path(path_type=Path))
-@_board_options
+@option_group("options", BoardOptions)
 @msg_path_option
 @json_option
 def board_run(program: Path, options: BoardOptions, msg_paths: tuple[Path, ...], as_json: bool) -> None:

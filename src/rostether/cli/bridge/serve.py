@@ -44,7 +44,7 @@ from rostether.cli.gateway.gateways import served_gateways
 from rostether.cli.gateway.options import GatewayOptions, gateway_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_group, shared
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
 from rostether.errors import ConfigError
@@ -64,73 +64,43 @@ if TYPE_CHECKING:
 class ServeOptions:
     """The options of `serve` about the boards and their lines."""
 
-    master_port: int | None
-    listen: str | None
-    msg_paths: tuple[Path, ...]
-    config: Path | None
-    discover: bool
-    probes: tuple[str, ...]
-    mdns: bool | None
-    ns_per_board: bool
-    no_diagnostics: bool
-    no_web_boards: bool
-    record_line: Path | None
-    record_limit_mb: float
-    limits: tuple[str, ...]
-    verbose: int
-    uvloop: bool
-
-
-_serve_options = option_group(
-    "options",
-    ServeOptions,
-    (
-        click.option(
-            "--master-port",
-            type=click.IntRange(1, 65535),
-            metavar="PORT",
-            help="Port for the ROS master, which is started if none runs (11311).",
-        ),
-        listen_option,
-        msg_path_option,
-        config_option,
-        discover_option,
-        probe_option,
-        click.option(
-            "--mdns/--no-mdns",
-            default=None,
-            help="Announce TCP listeners that other machines can reach (default: if zeroconf is installed).",
-        ),
-        click.option(
-            "--ns-per-board",
-            is_flag=True,
-            help="Put each board's topics into a namespace with the board's name.",
-        ),
-        click.option("--no-diagnostics", is_flag=True, help="Do not publish /diagnostics."),
-        click.option(
-            "--no-web-boards",
-            is_flag=True,
-            help="Refuse boards on the serial ports of devices that show the dashboard.",
-        ),
-        click.option(
-            "--record-line",
-            type=click.Path(path_type=Path, dir_okay=False),
-            metavar="FILE",
-            help="Record the bytes on the boards' lines to a new file; see `rostether link`.",
-        ),
-        record_limit_option,
-        limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS}),
-        click.option(
-            "-v",
-            "--verbose",
-            count=True,
-            help="Also show debug messages from boards; -vv: also each change of their state.",
-        ),
-        click.option(
-            "--uvloop", is_flag=True, help="Use uvloop (install with: pip install 'rostether[uvloop]')."
-        ),
-    ),
-)
+    master_port: int | None = option(
+        "--master-port",
+        "Port for the ROS master, which is started if none runs (11311).",
+        type=PORT,
+        metavar="PORT",
+    )
+    listen: str | None = shared(listen_option, None)
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
+    config: Path | None = shared(config_option, None)
+    discover: bool = shared(discover_option, False)
+    probes: tuple[str, ...] = shared(probe_option, ())
+    mdns: bool | None = option(
+        "--mdns/--no-mdns",
+        "Announce TCP listeners that other machines can reach (default: if zeroconf is installed).",
+    )
+    ns_per_board: bool = flag(
+        "--ns-per-board", "Put each board's topics into a namespace with the board's name."
+    )
+    no_diagnostics: bool = flag("--no-diagnostics", "Do not publish /diagnostics.")
+    no_web_boards: bool = flag(
+        "--no-web-boards", "Refuse boards on the serial ports of devices that show the dashboard."
+    )
+    record_line: Path | None = option(
+        "--record-line",
+        "Record the bytes on the boards' lines to a new file; see `rostether link`.",
+        type=FILE,
+        metavar="FILE",
+    )
+    record_limit_mb: float = shared(record_limit_option, 100)
+    limits: tuple[str, ...] = shared(limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS}), ())
+    verbose: int = option(
+        "-v --verbose",
+        "Also show debug messages from boards; -vv: also each change of their state.",
+        count=True,
+        default=0,
+    )
+    uvloop: bool = flag("--uvloop", "Use uvloop (install with: pip install 'rostether[uvloop]').")
 
 
 @click.command(
@@ -160,7 +130,7 @@ _serve_options = option_group(
     rostether serve /dev/ttyACM0 --record bags  all topics into bags, too
     """,
 )
-@_serve_options
+@option_group("options", ServeOptions)
 @click.argument("addresses", nargs=-1, metavar="[ADDRESS...]", shell_complete=complete_ports)
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @dashboard_option

@@ -25,7 +25,7 @@ from rostether.cli.dashboard.view import PANELS, read_view
 from rostether.cli.gateway.gateways import Report, serve_gateway
 from rostether.cli.gateway.node import read_gateway_words
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import flag, option, option_group
 from rostether.cli.shell.verbs import Verb
 
 
@@ -33,58 +33,40 @@ from rostether.cli.shell.verbs import Verb
 class DashboardOptions:
     """The options of `dashboard`."""
 
-    port: int | None
-    listen: str | None
-    no_page: bool
-    no_open: bool
-    recordings: Path | None
-    tiles: Path | None
-    panel: str | None
-    shown: tuple[str, ...]
-
-
-_dashboard_options = option_group(
-    "options",
-    DashboardOptions,
-    (
-        click.option(
-            "-p",
-            "--port",
-            type=click.IntRange(0, 65535),
-            metavar="PORT",
-            help="Port of the page (the next free one from 8765).",
-        ),
-        click.option(
-            "--listen",
-            metavar="ADDRESS",
-            help="Listen at this address for other machines; 0.0.0.0 for all addresses (loopback).",
-        ),
-        click.option("--no-page", is_flag=True, help="Serve the gateway without the page."),
-        click.option("--no-open", is_flag=True, help="Do not open a browser."),
-        click.option(
-            "--recordings",
-            type=click.Path(path_type=Path, file_okay=False),
-            metavar="DIR",
-            help="Folder for recordings that the page makes (~/.local/share/rostether/recordings).",
-        ),
-        click.option(
-            "--tiles",
-            type=click.Path(path_type=Path, dir_okay=False, exists=True),
-            metavar="FILE",
-            help="Map tiles for the map without internet, an .mbtiles file with pictures.",
-        ),
-        click.option(
-            "--panel", type=click.Choice(PANELS), metavar="PANEL", help=f"Open a panel: {', '.join(PANELS)}."
-        ),
-        click.option(
-            "--show",
-            "shown",
-            multiple=True,
-            metavar="NAME",
-            help="What the panel shows: /TOPIC/FIELD for plots, a topic for images, an .rviz file for scene.",
-        ),
-    ),
-)
+    port: int | None = option(
+        "-p --port",
+        "Port of the page (the next free one from 8765).",
+        type=click.IntRange(0, 65535),
+        metavar="PORT",
+    )
+    listen: str | None = option(
+        "--listen",
+        "Listen at this address for other machines; 0.0.0.0 for all addresses (loopback).",
+        metavar="ADDRESS",
+    )
+    no_page: bool = flag("--no-page", "Serve the gateway without the page.")
+    no_open: bool = flag("--no-open", "Do not open a browser.")
+    recordings: Path | None = option(
+        "--recordings",
+        "Folder for recordings that the page makes (~/.local/share/rostether/recordings).",
+        type=click.Path(path_type=Path, file_okay=False),
+        metavar="DIR",
+    )
+    tiles: Path | None = option(
+        "--tiles",
+        "Map tiles for the map without internet, an .mbtiles file with pictures.",
+        type=click.Path(path_type=Path, dir_okay=False, exists=True),
+        metavar="FILE",
+    )
+    panel: str | None = option(
+        "--panel", f"Open a panel: {', '.join(PANELS)}.", type=click.Choice(PANELS), metavar="PANEL"
+    )
+    shown: tuple[str, ...] = option(
+        "--show",
+        "What the panel shows: /TOPIC/FIELD for plots, a topic for images, an .rviz file for scene.",
+        multiple=True,
+        metavar="NAME",
+    )
 
 
 @click.command(
@@ -98,7 +80,7 @@ _dashboard_options = option_group(
     rostether dashboard --ros2 zenoh
     """,
 )
-@_dashboard_options
+@option_group("options", DashboardOptions)
 @click.argument("words", nargs=-1, metavar="[NAME:=OTHER]...")
 @viewer_access_options
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)

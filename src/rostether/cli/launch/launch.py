@@ -13,7 +13,8 @@ import click
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
-from rostether.cli.launch.launch_options import LaunchOptions, launch_options, roslaunch_options
+from rostether.cli.launch.launch_options import LaunchOptions, roslaunch_options
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -40,7 +41,7 @@ def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> li
     rostether launch robot.launch --ros-args               list its arguments
     """,
 )
-@launch_options
+@option_group("options", LaunchOptions)
 @click.argument(
     "words",
     nargs=-1,

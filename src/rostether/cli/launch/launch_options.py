@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import ignored_options, option_group
+from rostether.cli.shell.option_group import FILE, PORT, POSITIVE, flag, ignored_options, option
 
 _SECONDS = click.FloatRange(0, min_open=True)
 
@@ -27,21 +27,35 @@ roslaunch_options = ignored_options(
 class LaunchOptions:
     """The options of `launch`."""
 
-    lists_nodes: bool
-    dumps: bool
-    lists_arguments: bool
-    lists_files: bool
-    args_of: str | None
-    file_of: str | None
-    screen: bool
-    to_log: bool
-    required: bool
-    wait: bool
-    port: int | None
-    no_summary: bool
-    sigint_timeout: float
-    sigterm_timeout: float
-    pid_file: Path | None
+    lists_nodes: bool = flag("--nodes", "Only print the names of the nodes.")
+    dumps: bool = flag("--dump-params", "Only print the parameters, as YAML.")
+    lists_arguments: bool = flag("--ros-args", "Print the arguments of the launch file.")
+    lists_files: bool = flag("--files", "Print the file and all files that it includes.")
+    args_of: str | None = option("--args", "Print the command line of a node.", metavar="NODE")
+    file_of: str | None = option("--find-node", "Print the file that defines a node.", metavar="NODE")
+    screen: bool = flag("--screen", "Show the output of all nodes.")
+    to_log: bool = flag("--log", "Write the output of all nodes to their log files.")
+    required: bool = flag("--required", "Stop all nodes when any of them ends.")
+    wait: bool = flag("--wait", "Wait for a master instead of starting one.")
+    port: int | None = option(
+        "-p --port", "Port for the ROS master, which is started if none runs.", type=PORT
+    )
+    no_summary: bool = flag("--no-summary", "Do not print the summary.")
+    sigint_timeout: float = option(
+        "--sigint-timeout",
+        "Seconds that a node has to end after SIGINT (15).",
+        type=POSITIVE,
+        metavar="S",
+        default=15.0,
+    )
+    sigterm_timeout: float = option(
+        "--sigterm-timeout",
+        "Seconds that a node has to end after SIGTERM (2).",
+        type=POSITIVE,
+        metavar="S",
+        default=2.0,
+    )
+    pid_file: Path | None = option("--pid", "Write the process id of this command to a file.", type=FILE)
 
     def check(self) -> None:
         """Check that the options go together. Raises click.UsageError."""
@@ -65,54 +79,3 @@ class LaunchOptions:
         """Whether to run the programs that compute parameters; only some listings need them."""
         only_lists = self.lists_nodes or self.lists_arguments or self.lists_files
         return not (only_lists or self.args_of is not None or self.file_of is not None)
-
-
-launch_options = option_group(
-    "options",
-    LaunchOptions,
-    (
-        click.option("--nodes", "lists_nodes", is_flag=True, help="Only print the names of the nodes."),
-        click.option("--dump-params", "dumps", is_flag=True, help="Only print the parameters, as YAML."),
-        click.option(
-            "--ros-args", "lists_arguments", is_flag=True, help="Print the arguments of the launch file."
-        ),
-        click.option(
-            "--files", "lists_files", is_flag=True, help="Print the file and all files that it includes."
-        ),
-        click.option("--args", "args_of", metavar="NODE", help="Print the command line of a node."),
-        click.option("--find-node", "file_of", metavar="NODE", help="Print the file that defines a node."),
-        click.option("--screen", is_flag=True, help="Show the output of all nodes."),
-        click.option(
-            "--log", "to_log", is_flag=True, help="Write the output of all nodes to their log files."
-        ),
-        click.option("--required", is_flag=True, help="Stop all nodes when any of them ends."),
-        click.option("--wait", is_flag=True, help="Wait for a master instead of starting one."),
-        click.option(
-            "-p",
-            "--port",
-            type=click.IntRange(1, 65535),
-            help="Port for the ROS master, which is started if none runs.",
-        ),
-        click.option("--no-summary", is_flag=True, help="Do not print the summary."),
-        click.option(
-            "--sigint-timeout",
-            type=_SECONDS,
-            default=15.0,
-            metavar="S",
-            help="Seconds that a node has to end after SIGINT (15).",
-        ),
-        click.option(
-            "--sigterm-timeout",
-            type=_SECONDS,
-            default=2.0,
-            metavar="S",
-            help="Seconds that a node has to end after SIGTERM (2).",
-        ),
-        click.option(
-            "--pid",
-            "pid_file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="Write the process id of this command to a file.",
-        ),
-    ),
-)

@@ -6,17 +6,19 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.shell.option_group import argument, flag, shared
+from rostether.cli.shell.output import json_option
 
 
 @dataclass(frozen=True, slots=True)
 class NodeListing:
     """The options of `node list`."""
 
-    namespace: str = ""
-    uris_only: bool = False
-    with_uris: bool = False
-    count_nodes: bool = False
-    as_json: bool = False
+    namespace: str = argument(default="")
+    uris_only: bool = flag("-u", "List addresses instead of names.")
+    with_uris: bool = flag("-a --all", "List addresses and names; with --ros2, also hidden nodes.")
+    count_nodes: bool = flag("-c --count-nodes", "Print only the number.")
+    as_json: bool = shared(json_option, False)
 
 
 class Nodes(Protocol):

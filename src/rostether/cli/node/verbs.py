@@ -12,29 +12,11 @@ from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 
-_listing_options = option_group(
-    "wanted",
-    NodeListing,
-    (
-        click.argument("namespace", default=""),
-        click.option("-u", "uris_only", is_flag=True, help="List addresses instead of names."),
-        click.option(
-            "-a",
-            "--all",
-            "with_uris",
-            is_flag=True,
-            help="List addresses and names; with --ros2, also hidden nodes.",
-        ),
-        click.option("-c", "--count-nodes", is_flag=True, help="Print only the number."),
-        json_option,
-    ),
-)
-
 
 @click.command(
     "list", cls=Verb, examples="rostether node list\nrostether node list -a\nrostether node list /robot1"
 )
-@_listing_options
+@option_group("wanted", NodeListing)
 @graph_options()
 @daemon_habits
 def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:

@@ -6,37 +6,48 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+import click
+
+from rostether.cli.access.completions import complete_params
 from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.shell.option_group import PATH, argument, flag, option, shared
+from rostether.cli.shell.output import json_option
+
+verbose_option = click.option("-v", "--verbose", is_flag=True, help="Report each step.")
 
 
 @dataclass(frozen=True, slots=True)
 class ParamListing:
     """The options of `param list`."""
 
-    namespace: str = "/"
-    with_hidden: bool = False
-    with_types: bool = False
-    prefixes: tuple[str, ...] = ()
-    as_json: bool = False
+    namespace: str = argument(default="/", shell_complete=complete_params)
+    with_hidden: bool = flag("--include-hidden-nodes", "With --ros2, include hidden nodes.")
+    with_types: bool = flag("--param-type", "With --ros2, show types.")
+    prefixes: tuple[str, ...] = option(
+        "--param-prefixes", "With --ros2, only parameters below PREFIX.", multiple=True, metavar="PREFIX"
+    )
+    as_json: bool = shared(json_option, False)
 
 
 @dataclass(frozen=True, slots=True)
 class GetOptions:
     """The options of `param get`."""
 
-    pretty: bool = False
-    hide_type: bool = False
-    verbose: bool = False
-    as_json: bool = False
+    pretty: bool = flag("-p", "Print without quotes; not YAML-safe.")
+    hide_type: bool = flag("--hide-type", "With --ros2, print only the value.")
+    verbose: bool = shared(verbose_option, False)
+    as_json: bool = shared(json_option, False)
 
 
 @dataclass(frozen=True, slots=True)
 class SetOptions:
     """The options of `param set`."""
 
-    textfile: Path | None = None
-    binfile: Path | None = None
-    verbose: bool = False
+    textfile: Path | None = option(
+        "-t --textfile", "Set the parameter to the contents of a text file.", type=PATH
+    )
+    binfile: Path | None = option("-b --binfile", "Set the parameter to the bytes of a file.", type=PATH)
+    verbose: bool = shared(verbose_option, False)
 
 
 class Params(Protocol):

@@ -9,66 +9,17 @@ import click
 from rostether.cli.access.completions import complete_params
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import daemon_habits
-from rostether.cli.param.params import GetOptions, ParamListing, SetOptions, params_of
+from rostether.cli.param.params import GetOptions, ParamListing, SetOptions, params_of, verbose_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 
-_verbose_option = click.option("-v", "--verbose", is_flag=True, help="Report each step.")
-_listing_options = option_group(
-    "wanted",
-    ParamListing,
-    (
-        click.argument("namespace", default="/", shell_complete=complete_params),
-        click.option(
-            "--include-hidden-nodes", "with_hidden", is_flag=True, help="With --ros2, include hidden nodes."
-        ),
-        click.option("--param-type", "with_types", is_flag=True, help="With --ros2, show types."),
-        click.option(
-            "--param-prefixes",
-            "prefixes",
-            multiple=True,
-            metavar="PREFIX",
-            help="With --ros2, only parameters below PREFIX.",
-        ),
-        json_option,
-    ),
-)
-_get_options = option_group(
-    "options",
-    GetOptions,
-    (
-        click.option("-p", "pretty", is_flag=True, help="Print without quotes; not YAML-safe."),
-        click.option("--hide-type", is_flag=True, help="With --ros2, print only the value."),
-        _verbose_option,
-        json_option,
-    ),
-)
-_set_options = option_group(
-    "options",
-    SetOptions,
-    (
-        click.option(
-            "-t",
-            "--textfile",
-            type=click.Path(path_type=Path),
-            help="Set the parameter to the contents of a text file.",
-        ),
-        click.option(
-            "-b",
-            "--binfile",
-            type=click.Path(path_type=Path),
-            help="Set the parameter to the bytes of a file.",
-        ),
-        _verbose_option,
-    ),
-)
 # `param set /x -5` sets minus five.
 _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 
 
 @click.command("list", cls=Verb, examples="rostether param list\nrostether param list /board")
-@_listing_options
+@option_group("wanted", ParamListing)
 @graph_options()
 @daemon_habits
 def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
@@ -79,7 +30,7 @@ def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
 @click.command("get", cls=Verb, examples="rostether param get /rosdistro\nrostether param get -p /")
 @click.argument("name", shell_complete=complete_params)
 @click.argument("parameter", metavar="[NAME]", required=False)
-@_get_options
+@option_group("options", GetOptions)
 @graph_options()
 @daemon_habits
 def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptions) -> None:
@@ -101,7 +52,7 @@ def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptio
 @click.argument("name", shell_complete=complete_params)
 @click.argument("value", required=False)
 @click.argument("more", nargs=-1, metavar="[VALUE]...")
-@_set_options
+@option_group("options", SetOptions)
 @graph_options()
 @daemon_habits
 def set_param(
@@ -117,7 +68,7 @@ def set_param(
 @click.command("delete", cls=Verb, examples="rostether param delete /blink_hz")
 @click.argument("name", shell_complete=complete_params)
 @click.argument("parameter", metavar="[NAME]", required=False)
-@_verbose_option
+@verbose_option
 @graph_options()
 @daemon_habits
 def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions) -> None:
@@ -139,7 +90,7 @@ def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptio
 @click.command("dump", cls=Verb, examples="rostether param dump settings.yaml\nrostether param dump - /board")
 @click.argument("file", required=False, type=click.Path(path_type=Path, allow_dash=True))
 @click.argument("namespace", default="")
-@_verbose_option
+@verbose_option
 @graph_options()
 @daemon_habits
 def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOptions) -> None:
@@ -157,7 +108,7 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOp
 )
 @click.argument("file", type=click.Path(path_type=Path, allow_dash=True))
 @click.argument("namespace", default="")
-@_verbose_option
+@verbose_option
 @graph_options()
 @daemon_habits
 def load(file: Path, namespace: str, verbose: bool, graph: GraphOptions) -> None:

@@ -18,7 +18,7 @@ from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_o
 from rostether.cli.access.options import msg_path_option, refuse_ros1_only
 from rostether.cli.plot.curves import expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotSession, SessionSettings
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, option_group, shared
 from rostether.cli.shell.picture_files import picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -38,56 +38,31 @@ MAX_TITLE_CHARACTERS = 90
 class PlotOptions:
     """The options of `plot`."""
 
-    window_s: float | None
-    duration_s: float | None
-    file: Path | None
-    title: str | None
-    right: tuple[str, ...]
-    is_clock: bool
-    msg_paths: tuple[Path, ...]
-
-
-_plot_options = option_group(
-    "options",
-    PlotOptions,
-    (
-        click.option(
-            "-w",
-            "--window",
-            "window_s",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="SECONDS",
-            help=f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
-        ),
-        click.option(
-            "--duration",
-            "duration_s",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="SECONDS",
-            help="Stop after SECONDS (default: at Ctrl-C).",
-        ),
-        click.option(
-            "-o",
-            "--output",
-            "file",
-            metavar="FILE",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="Write a picture at the end, .svg, or .png with `pip install 'rostether[pictures]'`.",
-        ),
-        click.option("--title", metavar="TEXT", help="The title of the picture (default: the fields)."),
-        click.option(
-            "--right",
-            multiple=True,
-            metavar="FIELD",
-            help="Plot a field with the scale at the right of the picture (default: fields of a second "
-            "unit); may be repeated.",
-        ),
-        click.option(
-            "--clock", "is_clock", is_flag=True, help="Mark the times with the time of day, not with seconds."
-        ),
-        msg_path_option,
-    ),
-)
+    window_s: float | None = option(
+        "-w --window",
+        f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
+        type=POSITIVE,
+        metavar="SECONDS",
+    )
+    duration_s: float | None = option(
+        "--duration", "Stop after SECONDS (default: at Ctrl-C).", type=POSITIVE, metavar="SECONDS"
+    )
+    file: Path | None = option(
+        "-o --output",
+        "Write a picture at the end, .svg, or .png with `pip install 'rostether[pictures]'`.",
+        metavar="FILE",
+        type=FILE,
+    )
+    title: str | None = option("--title", "The title of the picture (default: the fields).", metavar="TEXT")
+    right: tuple[str, ...] = option(
+        "--right",
+        "Plot a field with the scale at the right of the picture (default: fields of a second "
+        "unit); may be repeated.",
+        multiple=True,
+        metavar="FIELD",
+    )
+    is_clock: bool = flag("--clock", "Mark the times with the time of day, not with seconds.")
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
 @click.command(
@@ -104,7 +79,7 @@ _plot_options = option_group(
 @click.argument(
     "fields", nargs=-1, required=True, metavar="TOPIC[/FIELD[:FIELD]]...", shell_complete=complete_fields
 )
-@_plot_options
+@option_group("options", PlotOptions)
 @graph_options(allow=TOOL_ALLOW)
 def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> None:
     """Plot values of topics over their time of arrival.

@@ -15,54 +15,10 @@ from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 
 _service_argument = click.argument("service", shell_complete=complete_services)
-_listing_options = option_group(
-    "wanted",
-    ServiceListing,
-    (
-        click.argument("namespace", required=False, shell_complete=complete_services),
-        click.option("-n", "--nodes", is_flag=True, help="Also print the nodes that offer them."),
-        click.option("-t", "--show-types", is_flag=True, help="With --ros2, show types."),
-        click.option("-c", "--count-services", is_flag=True, help="Print only the number."),
-        click.option(
-            "--include-hidden-services",
-            "with_hidden",
-            is_flag=True,
-            help="With --ros2, also hidden services (_name).",
-        ),
-        json_option,
-    ),
-)
-
-
-_call_options = option_group(
-    "options",
-    CallOptions,
-    (
-        click.option("-v", "--verbose", is_flag=True, help="Also print the request."),
-        click.option("--wait", is_flag=True, help="Wait until a node offers the service."),
-        click.option(
-            "--timeout",
-            "timeout_s",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="SECONDS",
-            help="Give up after SECONDS (default: wait as long as the server runs).",
-        ),
-        click.option(
-            "-r",
-            "--rate",
-            "rate_hz",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="HZ",
-            help="With --ros2, call repeatedly at this rate.",
-        ),
-        json_option,
-        msg_path_option,
-    ),
-)
 
 
 @click.command("list", cls=Verb, examples="rostether service list\nrostether service list -n /demo_board")
-@_listing_options
+@option_group("wanted", ServiceListing)
 @graph_options()
 @daemon_habits
 def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
@@ -140,7 +96,7 @@ def find(type_name: str, graph: GraphOptions) -> None:
 )
 @click.argument("service", shell_complete=complete_services)
 @click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")
-@_call_options
+@option_group("options", CallOptions)
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
 def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: GraphOptions) -> None:

@@ -1,26 +1,93 @@
-"""Groups of options: added to a verb in one step and passed to it as one value."""
+"""Groups of options: added to a verb in one step and passed to it as one value.
+
+A settings class declares each of its options once, as a field:
+
+    @dataclass(frozen=True, slots=True)
+    class EchoOptions:
+        count: int | None = option("-n --count", "Stop after COUNT messages.", type=COUNT, metavar="COUNT")
+        once: bool = flag("--once", "Stop after one message.")
+
+    @click.command("echo", cls=Verb)
+    @option_group("options", EchoOptions)
+    def echo(options: EchoOptions) -> None: ...
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any, Final, TypeVar
 
 import click
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Decorator = Callable[[Any], Any]
+
+POSITIVE: Final = click.FloatRange(min=0, min_open=True)
+NOT_NEGATIVE: Final = click.FloatRange(min=0)
+COUNT: Final = click.IntRange(min=1)
+PORT: Final = click.IntRange(1, 65535)
+PATH: Final[click.Path] = click.Path(path_type=Path)
+FILE: Final[click.Path] = click.Path(path_type=Path, dir_okay=False)
+
+_DECORATOR: Final = "decorator"
+
+
+def option(spellings: str, text: str, *, default: Any = None, **settings: Any) -> Any:
+    """Return a field of a settings class that is an option; its name is the field's.
+
+    Args:
+        spellings: `"-n --count"`. text: The line in the help. default: The value without the option; an
+        option with `multiple` has an empty tuple. settings: More arguments of `click.option`.
+    """
+    if settings.get("multiple"):
+        default = ()
+    else:
+        settings["default"] = default
+
+    def decorator(name: str) -> Decorator:
+        return click.option(*spellings.split(), name, help=text, **settings)
+
+    return dataclasses.field(default=default, metadata={_DECORATOR: decorator})
+
+
+def flag(spellings: str, text: str) -> Any:
+    """Return a field of a settings class that is an option without a value."""
+    return option(spellings, text, default=False, is_flag=True)
+
+
+def argument(*, default: Any = None, **settings: Any) -> Any:
+    """Return a field of a settings class that is an argument; `settings` are those of `click.argument`."""
+    if default is not None:
+        settings["default"] = default
+    if settings.get("nargs") == -1:
+        default = ()
+    return dataclasses.field(
+        default=default, metadata={_DECORATOR: lambda name: click.argument(name, **settings)}
+    )
+
+
+def shared(decorator: Decorator, default: Any) -> Any:
+    """Return a field of a settings class that is an option of many verbs, of the field's name."""
+    return dataclasses.field(default=default, metadata={_DECORATOR: lambda _: decorator})
 
 
 def option_group(
-    name: str, build: Callable[..., object], options: Sequence[Callable[[Any], Any]]
+    name: str, build: Callable[..., object], options: Sequence[Decorator] = ()
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds click options to a verb.
 
     The verb gets one argument `name`, which is what `build` returns. The parameters of `build` have the names
-    of the options; a parameter whose option the verb does not have keeps its default.
+    of the options; a parameter whose option the verb does not have keeps its default. A settings class has
+    its options itself.
     """
     parameters = inspect.signature(build).parameters
+    if dataclasses.is_dataclass(build):
+        own = (each.metadata[_DECORATOR](each.name) for each in dataclasses.fields(build) if each.metadata)
+        options = (*own, *options)
 
     def decorate(function: Function) -> Function:
         @wraps(function)
@@ -29,8 +96,8 @@ def option_group(
             return function(*args, **{name: build(**typed)}, **kwargs)
 
         decorated: Any = with_value
-        for option in reversed(options):
-            decorated = option(decorated)
+        for each in reversed(options):
+            decorated = each(decorated)
         return decorated  # type: ignore[no-any-return]
 
     return decorate

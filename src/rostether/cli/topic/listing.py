@@ -12,28 +12,7 @@ from rostether.cli.access.options import daemon_habits, msg_path_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
-from rostether.cli.topic.topics import TopicListing, topics_of
-
-_hidden_topics_option = click.option(
-    "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, include hidden topics (_name)."
-)
-_listing_options = option_group(
-    "wanted",
-    TopicListing,
-    (
-        click.argument("namespace", required=False, shell_complete=complete_topics),
-        click.option(
-            "-v", "--verbose", is_flag=True, help="Show types and how many nodes publish and subscribe."
-        ),
-        click.option("-p", "publishers", is_flag=True, help="Only topics that are published."),
-        click.option("-s", "subscribers", is_flag=True, help="Only topics that are subscribed to."),
-        click.option("--host", "by_host", is_flag=True, help="Group by machine."),
-        click.option("-t", "--show-types", is_flag=True, help="Show types."),
-        click.option("-c", "--count-topics", is_flag=True, help="Print only the number of topics."),
-        _hidden_topics_option,
-        json_option,
-    ),
-)
+from rostether.cli.topic.topics import TopicListing, hidden_topics_option, topics_of
 
 
 @click.command(
@@ -46,7 +25,7 @@ _listing_options = option_group(
     rostether topic list -t --ros2
     """,
 )
-@_listing_options
+@option_group("wanted", TopicListing)
 @graph_options()
 @daemon_habits
 def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
@@ -91,7 +70,7 @@ def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> Non
 
 @click.command("find", cls=Verb, examples="rostether topic find sensor_msgs/Range")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_message_types)
-@_hidden_topics_option
+@hidden_topics_option
 @json_option
 @graph_options()
 @daemon_habits

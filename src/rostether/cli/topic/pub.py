@@ -3,90 +3,15 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import click
 
 from rostether.cli.access.completions import complete_topic_type, complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option, qos_habits
+from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.verbs import Verb
 from rostether.cli.topic.topics import PubOptions, topics_of
-
-_pub_options = option_group(
-    "options",
-    PubOptions,
-    (
-        click.option(
-            "-1", "--once", is_flag=True, help="Publish one message, wait until it arrives, and exit."
-        ),
-        click.option(
-            "-r",
-            "--rate",
-            "rate_hz",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="HZ",
-            help="Publish repeatedly, this many times a second.",
-        ),
-        click.option(
-            "-l",
-            "--latch",
-            is_flag=True,
-            help="Also latch with -r, -f and pipes; a single message is always latched.",
-        ),
-        click.option(
-            "-f", "--file", type=click.Path(path_type=Path), help="Read the messages from a YAML file."
-        ),
-        click.option(
-            "-s", "--substitute-keywords", is_flag=True, help="With -r, fill `now` and `auto` in each time."
-        ),
-        click.option(
-            "--use-rostime", is_flag=True, help="Stamp with ROS time, not with this machine's clock."
-        ),
-        click.option("-v", "verbose", is_flag=True, help="Show what is published."),
-        click.option(
-            "-t",
-            "--times",
-            "--count",
-            type=click.IntRange(min=0),
-            default=0,
-            metavar="COUNT",
-            help="With --ros2, stop after COUNT messages.",
-        ),
-        click.option(
-            "-w",
-            "--wait-matching-subscriptions",
-            "wait_for",
-            type=click.IntRange(min=0),
-            metavar="COUNT",
-            help="With --ros2, wait for COUNT subscribers (1 with -1 and -t, else 0).",
-        ),
-        click.option(
-            "--max-wait-time-secs",
-            "max_wait_s",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="SECONDS",
-            help="With --ros2, give up waiting for subscribers.",
-        ),
-        click.option(
-            "-p",
-            "--print",
-            "print_nth",
-            type=click.IntRange(min=0),
-            metavar="N",
-            help="With --ros2, show only every N-th message.",
-        ),
-        click.option(
-            "--qos-durability",
-            type=click.Choice(["volatile", "transient_local", "system_default"]),
-            metavar="DURABILITY",
-            help="With --ros2, transient_local is the same as -l.",
-        ),
-        msg_path_option,
-    ),
-)
-
 
 # Not -1, which publishes once.
 _NEGATIVE = re.compile(r"-(?!1$)(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -127,7 +52,7 @@ class _Pub(Verb):
 @click.argument("topic", shell_complete=complete_topics)
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_topic_type)
 @click.argument("values", nargs=-1, metavar="[VALUES]...")
-@_pub_options
+@option_group("options", PubOptions)
 @graph_options(allow=TOOL_ALLOW)
 @qos_habits
 def pub(

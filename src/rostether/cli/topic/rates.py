@@ -13,7 +13,7 @@ import click
 from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
 from rostether.cli.access.options import daemon_habits, msg_path_option, window_option
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import COUNT, ignored_options, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -32,27 +32,17 @@ from rostether.cli.topic.windows import (
 )
 
 NOTHING_NEW = "no new messages"
+_count_option = click.option("-n", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT reports.")
 
 
 @dataclass(frozen=True, slots=True)
 class MeterOptions:
     """The options that the three commands share."""
 
-    window: int | None = None
-    count: int | None = None
-    as_json: bool = False
-    msg_paths: tuple[Path, ...] = ()
-
-
-_count_option = click.option(
-    "-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports."
-)
-_nodelay_option = click.option("--tcpnodelay", is_flag=True, expose_value=False, help="Accepted; always on.")
-_meter_options = option_group(
-    "options",
-    MeterOptions,
-    (window_option(None), _nodelay_option, _count_option, json_option, msg_path_option),
-)
+    window: int | None = shared(window_option(None), None)
+    count: int | None = shared(_count_option, None)
+    as_json: bool = shared(json_option, False)
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
 @click.command(
@@ -72,7 +62,8 @@ _meter_options = option_group(
     help="Count only messages m for which the Python expression is true.",
 )
 @click.option("--wall-time", is_flag=True, help="Use this machine's clock, even in a simulation.")
-@_meter_options
+@option_group("options", MeterOptions)
+@ignored_options(tcpnodelay="--tcpnodelay")
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
 def hz(
@@ -180,7 +171,8 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 
 @click.command("delay", cls=Verb, examples="rostether topic delay /imu_data")
 @click.argument("topic", shell_complete=complete_topics)
-@_meter_options
+@option_group("options", MeterOptions)
+@ignored_options(tcpnodelay="--tcpnodelay")
 @graph_options(allow=TOOL_ALLOW)
 @daemon_habits
 def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:

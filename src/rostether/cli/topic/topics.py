@@ -8,10 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+import click
+
+from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.option_group import COUNT, PATH, POSITIVE, argument, flag, option, shared
+from rostether.cli.shell.output import json_option
 
 if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
+
+hidden_topics_option = click.option(
+    "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, include hidden topics (_name)."
+)
 
 
 class Topics(Protocol):
@@ -59,38 +69,51 @@ def topics_of(graph: GraphOptions) -> Topics:
 class TopicListing:
     """The options of `topic list`."""
 
-    namespace: str | None = None
-    verbose: bool = False
-    publishers: bool = False
-    subscribers: bool = False
-    by_host: bool = False
-    show_types: bool = False
-    count_topics: bool = False
-    with_hidden: bool = False
-    as_json: bool = False
+    namespace: str | None = argument(required=False, shell_complete=complete_topics)
+    verbose: bool = flag("-v --verbose", "Show types and how many nodes publish and subscribe.")
+    publishers: bool = flag("-p", "Only topics that are published.")
+    subscribers: bool = flag("-s", "Only topics that are subscribed to.")
+    by_host: bool = flag("--host", "Group by machine.")
+    show_types: bool = flag("-t --show-types", "Show types.")
+    count_topics: bool = flag("-c --count-topics", "Print only the number of topics.")
+    with_hidden: bool = shared(hidden_topics_option, False)
+    as_json: bool = shared(json_option, False)
 
 
 @dataclass(frozen=True, slots=True)
 class EchoOptions:
     """The options of `topic echo`; `filter` decides which messages are shown."""
 
-    count: int | None = None
-    once: bool = False
-    plot: bool = False
-    as_json: bool = False
-    clear: bool = False
-    noarr: bool = False
-    nostr: bool = False
-    number_width: int | None = None
-    offset: bool = False
-    expression: str | None = None
-    field: str = ""
-    csv: bool = False
-    full_length: bool = False
-    truncate_length: int | None = None
-    flow_style: bool = False
-    timeout_s: float | None = None
-    msg_paths: tuple[Path, ...] = ()
+    count: int | None = option("-n --count", "Stop after COUNT messages.", type=COUNT, metavar="COUNT")
+    once: bool = flag("--once", "Stop after one message.")
+    plot: bool = flag("-p", "Print comma-separated values, for plotting.")
+    as_json: bool = shared(json_option, False)
+    clear: bool = flag("-c --clear", "Clear the screen before each message.")
+    noarr: bool = flag("--noarr --no-arr", "Leave arrays out.")
+    nostr: bool = flag("--nostr --no-str", "Leave strings out.")
+    number_width: int | None = option(
+        "-w", "Width of a number in columns.", type=click.IntRange(min=2), metavar="WIDTH"
+    )
+    offset: bool = flag("--offset", "Print times relative to now, in seconds.")
+    expression: str | None = option(
+        "--filter", "Print only messages m for which the Python expression is true.", metavar="EXPRESSION"
+    )
+    field: str = option(
+        "--field", "With --ros2, print only this field, e.g. header.stamp.", metavar="FIELD", default=""
+    )
+    csv: bool = flag("--csv", "With --ros2, print comma-separated values.")
+    full_length: bool = flag("-f --full-length", "With --ros2, do not truncate arrays and strings.")
+    truncate_length: int | None = option(
+        "-l --truncate-length",
+        "With --ros2, truncate arrays and strings to LENGTH (128).",
+        type=click.IntRange(min=0),
+        metavar="LENGTH",
+    )
+    flow_style: bool = flag("--flow-style", "With --ros2, print each message on one line.")
+    timeout_s: float | None = option(
+        "--timeout", "With --ros2, give up after SECONDS.", type=POSITIVE, metavar="SECONDS"
+    )
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
     @property
     def wanted_count(self) -> int | None:
@@ -110,16 +133,43 @@ class EchoOptions:
 class PubOptions:
     """The options of `topic pub`."""
 
-    once: bool = False
-    rate_hz: float | None = None
-    latch: bool = False
-    file: Path | None = None
-    substitute_keywords: bool = False
-    use_rostime: bool = False
-    verbose: bool = False
-    times: int = 0
-    wait_for: int | None = None
-    max_wait_s: float | None = None
-    print_nth: int | None = None
-    qos_durability: str | None = None
-    msg_paths: tuple[Path, ...] = ()
+    once: bool = flag("-1 --once", "Publish one message, wait until it arrives, and exit.")
+    rate_hz: float | None = option(
+        "-r --rate", "Publish repeatedly, this many times a second.", type=POSITIVE, metavar="HZ"
+    )
+    latch: bool = flag("-l --latch", "Also latch with -r, -f and pipes; a single message is always latched.")
+    file: Path | None = option("-f --file", "Read the messages from a YAML file.", type=PATH)
+    substitute_keywords: bool = flag(
+        "-s --substitute-keywords", "With -r, fill `now` and `auto` in each time."
+    )
+    use_rostime: bool = flag("--use-rostime", "Stamp with ROS time, not with this machine's clock.")
+    verbose: bool = flag("-v", "Show what is published.")
+    times: int = option(
+        "-t --times --count",
+        "With --ros2, stop after COUNT messages.",
+        type=click.IntRange(min=0),
+        metavar="COUNT",
+        default=0,
+    )
+    wait_for: int | None = option(
+        "-w --wait-matching-subscriptions",
+        "With --ros2, wait for COUNT subscribers (1 with -1 and -t, else 0).",
+        type=click.IntRange(min=0),
+        metavar="COUNT",
+    )
+    max_wait_s: float | None = option(
+        "--max-wait-time-secs",
+        "With --ros2, give up waiting for subscribers.",
+        type=POSITIVE,
+        metavar="SECONDS",
+    )
+    print_nth: int | None = option(
+        "-p --print", "With --ros2, show only every N-th message.", type=click.IntRange(min=0), metavar="N"
+    )
+    qos_durability: str | None = option(
+        "--qos-durability",
+        "With --ros2, transient_local is the same as -l.",
+        type=click.Choice(["volatile", "transient_local", "system_default"]),
+        metavar="DURABILITY",
+    )
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())

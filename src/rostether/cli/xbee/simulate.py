@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import PATH, option, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 # The limit of boards on one radio.
 _MAX_BOARDS = 64
+_PROBABILITY = click.FloatRange(0.0, 1.0)
 _KINDS = ("series1", "series3", "digimesh")
 
 
@@ -30,80 +31,52 @@ _KINDS = ("series1", "series3", "digimesh")
 class SimulationOptions:
     """The settings of a simulation."""
 
-    boards: int
-    link_path: Path | None
-    fresh_path: Path | None
-    kind: str
-    loss: float
-    repeat: float
-    delay_ms: float
-    rssi_dbm: int
-    rate_hz: float
-    seed: int
-
-
-_probability = click.FloatRange(0.0, 1.0)
-_simulation_options = option_group(
-    "options",
-    SimulationOptions,
-    (
-        click.option(
-            "--boards",
-            type=click.IntRange(1, _MAX_BOARDS),
-            default=1,
-            show_default=True,
-            help="How many boards have a radio.",
-        ),
-        click.option(
-            "--link",
-            "link_path",
-            type=click.Path(path_type=Path),
-            help="Create the serial port of the host's radio at PATH.",
-        ),
-        click.option(
-            "--fresh",
-            "fresh_path",
-            type=click.Path(path_type=Path),
-            help="Create the serial port of a radio in its factory settings at PATH.",
-        ),
-        click.option(
-            "--kind", type=click.Choice(_KINDS), default=_KINDS[0], show_default=True, help="The radios."
-        ),
-        click.option(
-            "--loss", type=_probability, default=0.0, help="The share of lost transmissions, e.g. 0.05."
-        ),
-        click.option(
-            "--repeat", type=_probability, default=0.0, help="The share of packets that arrive twice."
-        ),
-        click.option(
-            "--delay",
-            "delay_ms",
-            type=click.FloatRange(0.0, 10_000.0),
-            default=0.0,
-            metavar="MS",
-            help="The additional delay of each packet.",
-        ),
-        click.option(
-            "--signal",
-            "rssi_dbm",
-            type=click.IntRange(-120, -1),
-            default=-60,
-            show_default=True,
-            metavar="DBM",
-            help="The signal strength.",
-        ),
-        click.option(
-            "--rate",
-            "rate_hz",
-            type=click.FloatRange(0.1, 100.0),
-            default=5.0,
-            show_default=True,
-            metavar="HZ",
-            help="How often each board publishes.",
-        ),
-        click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, help="The seed of the losses."),
-    ),
-)
+    boards: int = option(
+        "--boards",
+        "How many boards have a radio.",
+        type=click.IntRange(1, _MAX_BOARDS),
+        show_default=True,
+        default=1,
+    )
+    link_path: Path | None = option(
+        "--link", "Create the serial port of the host's radio at PATH.", type=PATH
+    )
+    fresh_path: Path | None = option(
+        "--fresh", "Create the serial port of a radio in its factory settings at PATH.", type=PATH
+    )
+    kind: str = option(
+        "--kind", "The radios.", type=click.Choice(_KINDS), show_default=True, default=_KINDS[0]
+    )
+    loss: float = option(
+        "--loss", "The share of lost transmissions, e.g. 0.05.", type=_PROBABILITY, default=0.0
+    )
+    repeat: float = option(
+        "--repeat", "The share of packets that arrive twice.", type=_PROBABILITY, default=0.0
+    )
+    delay_ms: float = option(
+        "--delay",
+        "The additional delay of each packet.",
+        type=click.FloatRange(0.0, 10_000.0),
+        metavar="MS",
+        default=0.0,
+    )
+    rssi_dbm: int = option(
+        "--signal",
+        "The signal strength.",
+        type=click.IntRange(-120, -1),
+        show_default=True,
+        metavar="DBM",
+        default=-60,
+    )
+    rate_hz: float = option(
+        "--rate",
+        "How often each board publishes.",
+        type=click.FloatRange(0.1, 100.0),
+        show_default=True,
+        metavar="HZ",
+        default=5.0,
+    )
+    seed: int = option("--seed", "The seed of the losses.", type=click.IntRange(0, 2**32 - 1), default=0)
 
 
 @click.command(
@@ -117,7 +90,7 @@ _simulation_options = option_group(
     """,
 )
 @click.argument("sketch", type=click.Path(path_type=Path), required=False)
-@_simulation_options
+@option_group("options", SimulationOptions)
 @msg_path_option
 def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
     """Run a simulated XBee network: a radio for the host, and boards with a radio each.
