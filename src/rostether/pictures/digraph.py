@@ -9,6 +9,7 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import TypeAlias
 
+from rostether.mechanisms.text import escape_text
 from rostether.pictures.layered_layout import Size, lay_out
 from rostether.pictures.scene import Anchor, Color, Point, Scene, ellipse, rectangle, text_width
 
@@ -83,12 +84,17 @@ def dot(graph: Digraph) -> str:
     """Return the graph in Graphviz's language."""
     lines = ["digraph graph_of_nodes {", "  rankdir=LR;", '  node [fontname="DejaVu Sans Mono"];']
     lines += [
-        f"  {_quoted(each.key)} [label={_quoted(each.label)}, shape={each.shape}];" for each in graph.vertices
+        f"  {quoted(each.key)} [label={quoted(each.label)}, shape={each.shape}];" for each in graph.vertices
     ]
     for edge in graph.edges:
-        label = f" [label={_quoted(edge.label)}]" if edge.label else ""
-        lines.append(f"  {_quoted(edge.source)} -> {_quoted(edge.target)}{label};")
+        label = f" [label={quoted(edge.label)}]" if edge.label else ""
+        lines.append(f"  {quoted(edge.source)} -> {quoted(edge.target)}{label};")
     return "\n".join([*lines, "}", ""])
+
+
+def quoted(text: str) -> str:
+    """Return any text as a string of Graphviz's language, on one line and without control characters."""
+    return '"' + escape_text(text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")) + '"'
 
 
 def draw(graph: Digraph) -> Scene:
@@ -163,7 +169,3 @@ def _curve(route: Sequence[Point]) -> list[Point]:
 
 def _moved(point: Point) -> Point:
     return point[0] + _MARGIN, point[1] + _MARGIN
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'

@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from rostether.robot.tf_buffer import MAX_DEPTH, TransformBuffer
+from rostether.pictures.digraph import quoted
+from rostether.pictures.tree import branch
+from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.transform import StampedTransform, rpy_from_quaternion
 from rostether.rostime import NS_PER_S
 
@@ -53,7 +55,7 @@ def frames_as_dot(buffer: TransformBuffer) -> str:
     """Return the tree in the dot language of Graphviz, like view_frames."""
     lines = ["digraph G {"]
     for each in frame_facts(buffer):
-        label = "\\n".join(
+        label = "\n".join(
             (
                 f"Broadcaster: {each.broadcaster}",
                 "static" if each.is_static else f"Average rate: {each.rate_hz:.3f} Hz",
@@ -61,7 +63,7 @@ def frames_as_dot(buffer: TransformBuffer) -> str:
                 f"Buffer length: {each.buffer_length_s:.3f} sec",
             )
         )
-        lines.append(f'"{_quoted(each.parent)}" -> "{_quoted(each.frame)}" [label="{_quoted_label(label)}"];')
+        lines.append(f"{quoted(each.parent)} -> {quoted(each.frame)} [label={quoted(label)}];")
     return "\n".join([*lines, "}"])
 
 
@@ -80,13 +82,8 @@ def frame_tree(buffer: TransformBuffer) -> Iterator[str]:
             shown.add(frame)
             yield lead + frame + _described(facts.get(frame))
             children = [child for child in sorted(below.get(frame, ())) if child not in shown]
-            if len(below_lead) > 3 * MAX_DEPTH:
-                continue
             for place, child in reversed(list(enumerate(children))):
-                last = place == len(children) - 1
-                waiting.append(
-                    (child, below_lead + ("└─ " if last else "├─ "), below_lead + ("   " if last else "│  "))
-                )
+                waiting.append((child, *branch(below_lead, is_last=place == len(children) - 1)))
 
     for frame in buffer.frames:
         if frame not in facts:
@@ -121,11 +118,3 @@ def _described(facts: FrameFacts | None) -> str:
 
 def _numbers(numbers: tuple[float, ...]) -> str:
     return f"[{', '.join(f'{each:.3f}' for each in numbers)}]"
-
-
-def _quoted(text: str) -> str:
-    return text.replace("\\", "\\\\").replace('"', '\\"')
-
-
-def _quoted_label(text: str) -> str:
-    return text.replace('"', '\\"')

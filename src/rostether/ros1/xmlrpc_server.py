@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import errno
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from time import monotonic
 
 from rostether.errors import ConfigError, GraphError
@@ -24,6 +24,9 @@ IDLE_TIMEOUT_S = 90.0
 FIRST_BYTE_LIMIT_S = 15.0
 # A client that reads has its answer within milliseconds; one that does not read is not waited for.
 _CLOSE_GRACE_S = 1.0
+# The share of connections without a complete request that clients in use make room for. Half-open connections
+# above it replace each other; they would otherwise take the place of every node that waits between two calls.
+_NEWCOMERS_SHARE = 0.25
 # How many of the largest requests may be received, and of the largest answers wait to be read, at once.
 _LARGEST_AT_ONCE = 4
 # Trying to get one free port on several addresses: a clash is rare, and two in a row have another cause.
@@ -139,11 +142,11 @@ class XmlRpcServer:
         if not self._admission.admits(transport):
             return False
         if len(self._connections) >= self._limits.xmlrpc_connections:
-            _idlest(self._connections).abort()
+            _least_useful(self._connections).abort()
         if not is_loopback(connection.host):
             same = [each for each in self._connections if each.host == connection.host]
             if len(same) >= self._limits.xmlrpc_connections_per_host:
-                _idlest(same).abort()
+                _least_useful(same).abort()
         self._connections[connection] = None
         if self._sweep is None:
             self._sweep_later()
@@ -207,5 +210,9 @@ class XmlRpcServer:
         return not connection.has_spoken and waited_s > self._first_byte_limit_s
 
 
-def _idlest(connections: Iterable[ServerConnection]) -> ServerConnection:
+def _least_useful(connections: Collection[ServerConnection]) -> ServerConnection:
+    """Return the connection that makes room: the first without a request, or the longest idle."""
+    newcomers = [each for each in connections if not each.has_spoken]
+    if len(newcomers) > len(connections) * _NEWCOMERS_SHARE:
+        return newcomers[0]
     return min(connections, key=lambda each: (not each.is_idle, each.last_active_s))

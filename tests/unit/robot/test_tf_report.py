@@ -40,8 +40,20 @@ def test_frames_in_a_loop_are_shown_as_such() -> None:
     assert len(lines) == 3
 
 
+def test_the_lines_of_a_long_chain_are_bounded() -> None:
+    buffer = TransformBuffer()
+    for level in range(2000):
+        buffer.set_transform(StampedTransform(f"f{level}", f"f{level + 1}", 1, Transform()))
+    lines = list(frame_tree(buffer))
+    assert len(lines) == 2001, "no frame is shown as a loop"
+    assert max(map(len, lines)) < 400
+
+
 def test_dot_quotes_names(buffer: TransformBuffer) -> None:
-    assert '"a" -> "a\\"1"' in frames_as_dot(buffer)
+    buffer.set_transform(StampedTransform("a", "\x1b\n\\", 1, Transform()), authority='/end"\\')
+    text = frames_as_dot(buffer)
+    assert '"a" -> "a\\"1"' in text
+    assert '"a" -> "\\u001b\\n\\\\" [label="Broadcaster: /end\\"\\\\\\nAverage rate' in text
 
 
 def test_the_facts_of_a_frame(buffer: TransformBuffer) -> None:

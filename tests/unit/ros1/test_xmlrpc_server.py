@@ -135,6 +135,24 @@ async def test_the_idlest_connection_makes_room() -> None:
             await raw.close()
 
 
+async def test_half_open_requests_displace_each_other_and_no_client_in_use() -> None:
+    async with serving({"ping": lambda: 1}, limits=GraphLimits(xmlrpc_connections=4)) as server:
+        resting = await RawClient.connect(server)
+        resting.writer.write(request("ping"))
+        assert await resting.answer() == 1
+        half_open = [await RawClient.connect(server) for _ in range(12)]
+        for raw in half_open[-2:]:
+            # The bytes that trickle in make no connection more useful.
+            raw.writer.write(request("ping")[:-1])
+        newcomer = await RawClient.connect(server)
+        for raw in (newcomer, resting):
+            raw.writer.write(request("ping"))
+            assert await raw.answer() == 1
+        assert await half_open[0].reader.read() == b""
+        for raw in (resting, newcomer, *half_open):
+            await raw.close()
+
+
 async def test_a_busy_port_is_named() -> None:
     async with serving({}) as server:
         second = XmlRpcServer({}, port=server.port)

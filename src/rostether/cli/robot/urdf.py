@@ -14,6 +14,7 @@ from rostether.cli.shell.input import read_bytes
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.mechanisms.text import escape_line
+from rostether.pictures.tree import MAX_INDENTED, branch
 
 if TYPE_CHECKING:
     from rostether.robot.robot_model import Joint, RobotModel
@@ -56,7 +57,7 @@ def check(file: Path, mappings: tuple[str, ...]) -> None:
     waiting = [(1, place, joint) for place, joint in _numbered_backward(model, model.root)]
     while waiting:
         depth, place, joint = waiting.pop()
-        write_line(f"{'    ' * depth}child({place}):  {escape_line(joint.child)}")
+        write_line(f"{'    ' * min(depth, MAX_INDENTED)}child({place}):  {escape_line(joint.child)}")
         waiting += [(depth + 1, below, each) for below, each in _numbered_backward(model, joint.child)]
     for problem in model.problems:
         warn(f"left out: {escape_line(problem)}")
@@ -103,8 +104,7 @@ def _tree_lines(model: RobotModel) -> Iterator[str]:
     def push(link: str, lead: str) -> None:
         joints = model.joints_below(link)
         for place, joint in reversed(list(enumerate(joints))):
-            last = place == len(joints) - 1
-            waiting.append((lead + ("└─ " if last else "├─ "), lead + ("   " if last else "│  "), joint))
+            waiting.append((*branch(lead, is_last=place == len(joints) - 1), joint))
 
     push(model.root, "")
     while waiting:

@@ -47,6 +47,20 @@ def test_check_reports_errors(tmp_path: Path, shell: Shell) -> None:
     assert "left out: line 1: visual of link 'a' has no geometry" in shell("urdf", "check", str(file)).err
 
 
+def test_a_chain_of_thousands_of_links_fills_no_disk(tmp_path: Path, shell: Shell) -> None:
+    file = tmp_path / "chain.urdf"
+    links = "".join(f'<link name="l{place}"/>' for place in range(2001))
+    joints = "".join(
+        f'<joint name="j{place}" type="fixed"><parent link="l{place}"/><child link="l{place + 1}"/></joint>'
+        for place in range(2000)
+    )
+    file.write_text(f'<robot name="chain">{links}{joints}</robot>')
+    for verb in ("check", "tree"):
+        text = shell.output("urdf", verb, str(file))
+        assert "l2000" in text
+        assert len(text) < 1_000_000
+
+
 def test_tree_names_joints(tmp_path: Path, arm: str, shell: Shell) -> None:
     assert shell.output("urdf", "tree", arm).splitlines()[:2] == [
         "base",
