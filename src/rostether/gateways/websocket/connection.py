@@ -32,10 +32,13 @@ from rostether.gateways.websocket.plain_response import (
     plain_response,
 )
 from rostether.gateways.websocket.site import Site, refusal
+from rostether.gateways.websocket.tls_start import encrypted
 from rostether.transports.read_turn import ReadTurn
 from rostether.transports.sockets import READ_BYTES, read_buffer
 
 if TYPE_CHECKING:
+    import ssl
+
     from rostether.gateways.websocket.server import WebSocketServer
 
 # The time for a client to answer a close; then the connection is aborted.
@@ -94,6 +97,9 @@ class Connection(asyncio.BufferedProtocol):
         self._turn = ReadTurn(READ_BYTES)
         self._assembler = MessageAssembler()
         self._is_reading = True
+        # What arrives between the TLS handshake and the encrypted transport; None from then on.
+        self._early: bytearray | None = None
+        self._encrypting: asyncio.Task[None] | None = None
         self._is_shaken = False
         self._timer: asyncio.TimerHandle | None = None
         self._is_ending = False
@@ -109,6 +115,11 @@ class Connection(asyncio.BufferedProtocol):
         """Whether messages can be sent."""
         # An invalid frame in the chunk of the request ends sending, but the state becomes open.
         return self._is_shaken and self._websocket.state is OPEN and not self._websocket.eof_sent
+
+    @property
+    def is_newcomer(self) -> bool:
+        """Whether it has not sent a whole request yet."""
+        return not self._is_shaken and not self._is_answered
 
     @property
     def unsent_bytes(self) -> int:
@@ -129,14 +140,18 @@ class Connection(asyncio.BufferedProtocol):
     # Methods that asyncio calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Wait for the request, if the connection is admitted."""
+        """Wait for the request, if the connection is admitted; encrypt it first if the server does that."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         transport.set_write_buffer_limits(high=self._limits.unsent_bytes)
-        if self._server.admit(self, transport):
-            self._set_timer(self._limits.handshake_s, self.abort)
-        else:
+        if not self._server.admit(self, transport):
             self.abort()
+            return
+        self._set_timer(self._limits.handshake_s, self.abort)
+        if (context := self._server.encryption) is not None:
+            self._early = bytearray()
+            transport.pause_reading()
+            self._encrypting = asyncio.ensure_future(self._encrypt(transport, context))
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Lend the event loop's read buffer until `buffer_updated`."""
@@ -144,6 +159,9 @@ class Connection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Handle bytes."""
+        if self._early is not None:
+            self._early += self._buffer[:nbytes]
+            return
         began_s = time.thread_time()
         self._receive(bytes(self._buffer[:nbytes]))
         self._turn.note_cost(nbytes, time.thread_time() - began_s)
@@ -159,6 +177,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def eof_received(self) -> bool:
         """Handle the end of the client's data."""
+        if self._early is not None:
+            return False
         if self._is_answered and self._download is None:
             return False
         if self._download is not None:
@@ -247,6 +267,18 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.abort()
 
     # Internal methods.
+
+    async def _encrypt(self, transport: asyncio.Transport, context: ssl.SSLContext) -> None:
+        wire = await encrypted(transport, self, context, self._limits.handshake_s)
+        early, self._early = self._early, None
+        if wire is None:
+            # asyncio does not report connections that end during the handshake.
+            self.connection_lost(None)
+            return
+        self._transport = wire
+        wire.set_write_buffer_limits(high=self._limits.unsent_bytes)
+        if early:
+            self._receive(bytes(early))
 
     def _handle_events(self) -> None:
         for event in self._websocket.events_received():

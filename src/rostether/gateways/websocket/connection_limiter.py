@@ -19,13 +19,21 @@ class ConnectionLimiter:
     """Admits and counts connections, and reports those that it refuses at a limited rate.
 
     `allow` are the networks that may connect (none: all networks); `most` is the maximum of connections.
+    `make_room` ends a connection when there are so many, and returns whether it did.
     """
 
-    def __init__(self, allow: Sequence[str], most: int, report: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        allow: Sequence[str],
+        most: int,
+        report: Callable[[str], None],
+        make_room: Callable[[], bool] = lambda: False,
+    ) -> None:
         self.open_count = 0
         self._allow = AllowList(allow)
         self._most = most
         self._report = report
+        self._make_room = make_room
         self._reported: set[str] = set()
         self._reported_until_s = 0.0
         self._omitted_count = 0
@@ -63,7 +71,7 @@ class ConnectionLimiter:
             return "it is gone"
         if not self._allow.allows_connection(peer[0], own[0]):
             return f"{peer[0]} is not in the networks of --allow"
-        if self.open_count >= self._most:
+        if self.open_count >= self._most and not self._make_room():
             return f"the limit of open connections ({self._most}) is reached"
         return ""
 

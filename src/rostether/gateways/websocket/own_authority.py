@@ -30,6 +30,8 @@ _AUTHORITY_DAYS = 3650
 # Browsers refuse certificates of servers that are valid for more than 398 days.
 _SERVER_DAYS = 390
 _RENEW_DAYS = 30
+# Two programs of one robot that start together may each replace the files of the other.
+_ATTEMPTS = 10
 _LOCAL_NETWORKS = (
     "10.0.0.0/8",
     "100.64.0.0/10",
@@ -67,8 +69,10 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
     made = OwnCertificate(folder / "server.pem", folder / "server.key", folder / "authority.pem")
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        authority, key = _authority(folder, wanted_names, addresses)
-        if not _is_good(made, authority, wanted_names, addresses):
+        for _ in range(_ATTEMPTS):
+            authority, key = _authority(folder, wanted_names, addresses)
+            if _is_good(made, authority, wanted_names, addresses):
+                return made
             _make_server(made, authority, key, wanted_names, addresses)
     except OSError as error:
         raise ConfigError(f"the certificate cannot be kept in {folder}: {error.strerror}") from None
@@ -76,7 +80,7 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
         raise ConfigError(
             f"a certificate in {folder} cannot be read: {error}; delete that folder to make a new one"
         ) from None
-    return made
+    raise ConfigError(f"another program changes the certificates in {folder}; try again")
 
 
 def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:
@@ -87,9 +91,17 @@ def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:
             addresses.add(ipaddress.ip_address(name))
         except ValueError:
             if name:
-                hosts.add(name.lower())
+                hosts.add(_ascii_name(name))
     # Public IPv6 addresses change daily, and each new address would need another authority.
     return hosts, {each for each in addresses if each.version == 4 or _is_local(each)}
+
+
+def _ascii_name(name: str) -> str:
+    """Return a host name as certificates have it. Raises ConfigError."""
+    try:
+        return name.lower().encode("idna").decode()
+    except UnicodeError:
+        raise ConfigError(f"{name!r:.200} is not a host name; correct ROS_HOSTNAME or --listen") from None
 
 
 def _is_local(address: _Address) -> bool:
@@ -112,6 +124,7 @@ def _authority(
         if not isinstance(key, ec.EllipticCurvePrivateKey):
             raise ValueError("its key is of another kind")
         is_valid = certificate.not_valid_after_utc > _now() + datetime.timedelta(days=_SERVER_DAYS)
+        is_valid = is_valid and certificate.public_key() == key.public_key()
         if is_valid and _may_sign(certificate, names, addresses):
             return certificate, key
     key = ec.generate_private_key(ec.SECP256R1())
@@ -133,8 +146,7 @@ def _authority(
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
         .sign(key, hashes.SHA256())
     )
-    _write_key(key_file, key)
-    _write(certificate_file, certificate)
+    _write_pair(key_file, key, certificate_file, certificate)
     return certificate, key
 
 
@@ -170,8 +182,7 @@ def _make_server(
         )
         .sign(authority_key, hashes.SHA256())
     )
-    _write_key(made.key, key)
-    _write(made.certificate, certificate)
+    _write_pair(made.key, key, made.certificate, certificate)
 
 
 def _is_good(
@@ -179,6 +190,7 @@ def _is_good(
 ) -> bool:
     from cryptography import x509
     from cryptography.exceptions import InvalidSignature
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
     if not made.certificate.exists() or not made.key.exists():
         return False
@@ -186,6 +198,9 @@ def _is_good(
     try:
         certificate.verify_directly_issued_by(authority)
     except (InvalidSignature, ValueError):
+        return False
+    # Only one of both is new if the program was killed between them.
+    if load_pem_private_key(made.key.read_bytes(), None).public_key() != certificate.public_key():
         return False
     held = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     return (
@@ -230,20 +245,23 @@ def _key_usage(*, signs_certificates: bool) -> x509.KeyUsage:
     )
 
 
-def _write_key(file: Path, key: EllipticCurvePrivateKey) -> None:
+def _write_pair(
+    key_file: Path, key: EllipticCurvePrivateKey, certificate_file: Path, certificate: x509.Certificate
+) -> None:
     from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 
-    text = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
-    file.unlink(missing_ok=True)
     # Other users must not be able to read it.
-    with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
-        opened.write(text)
+    _replace(key_file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()), 0o600)
+    _replace(certificate_file, certificate.public_bytes(Encoding.PEM), 0o644)
 
 
-def _write(file: Path, certificate: x509.Certificate) -> None:
-    from cryptography.hazmat.primitives.serialization import Encoding
-
-    file.write_bytes(certificate.public_bytes(Encoding.PEM))
+def _replace(file: Path, content: bytes, mode: int) -> None:
+    """Write a file at once: other programs see the old content or the new one."""
+    new = file.with_name(f"{file.name}.{os.getpid()}")
+    new.unlink(missing_ok=True)
+    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as opened:
+        opened.write(content)
+    new.replace(file)
 
 
 def _now() -> datetime.datetime:

@@ -67,6 +67,7 @@ class WebSocketServer:
         self.subprotocols = subprotocols
         self.deflates = deflates
         self.site = site
+        self.encryption: ssl.SSLContext | None = None
         self._open_user = open_user
         self._routes = routes or {}
         own_names = OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
@@ -81,7 +82,9 @@ class WebSocketServer:
         )
         self._name = name
         self._settings = settings
-        self._limiter = ConnectionLimiter(settings.allow, limits.clients + limits.others, report_refused)
+        self._limiter = ConnectionLimiter(
+            settings.allow, limits.clients + limits.others, report_refused, self._make_room
+        )
         self._servers: list[asyncio.Server] = []
         self._connections: dict[Connection, asyncio.Transport] = {}
         self._is_closed = False
@@ -113,13 +116,13 @@ class WebSocketServer:
         """Listen. Raises TransportOpenError, and ConfigError for an invalid certificate."""
         host, port = self._settings.host, self._settings.port
         hosts = _LOOPBACK_HOSTS if host == DEFAULT_HOST else (host or None,)
-        encryption = server_encryption(self._settings.certificate, self._settings.key)
+        self.encryption = server_encryption(self._settings.certificate, self._settings.key)
         loop = asyncio.get_running_loop()
         for each in hosts:
             try:
                 async with system_bind_errors(each, port):
                     server = await loop.create_server(
-                        lambda: Connection(self), each, port, ssl=encryption, backlog=self.limits.clients
+                        lambda: Connection(self), each, port, backlog=self.limits.clients
                     )
             except OSError as error:
                 if self._servers:
@@ -160,6 +163,16 @@ class WebSocketServer:
         if self._is_closed or not self._limiter.admit(transport):
             return False
         self._connections[connection] = transport
+        return True
+
+    def _make_room(self) -> bool:
+        """End the oldest connection that is not a WebSocket, rather one that has sent no request."""
+        plain = [each for each in self._connections if not each.is_open]
+        oldest = next((each for each in plain if each.is_newcomer), plain[0] if plain else None)
+        if oldest is None:
+            return False
+        self.forget(oldest)
+        oldest.abort()
         return True
 
     def forget(self, connection: Connection) -> None:

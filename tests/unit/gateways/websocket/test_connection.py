@@ -87,6 +87,33 @@ async def test_a_silent_client_is_disconnected() -> None:
         writer.close()
 
 
+@pytest.mark.parametrize("is_encrypted", [False, True])
+async def test_silent_connections_displace_each_other_and_no_client(
+    tmp_path: Path, is_encrypted: bool
+) -> None:
+    certificate, key = _certificate(tmp_path) if is_encrypted else ("", "")
+    limits = FoxgloveLimits(clients=2, others=1, handshake_s=3600.0)
+    settings = FoxgloveSettings(port=0, limits=limits, certificate=certificate, key=key)
+    trust = ssl.create_default_context(cafile=certificate) if is_encrypted else None
+    async with stage(settings) as there:
+        port = there.gateway.port
+        url = f"{'wss' if is_encrypted else 'ws'}://localhost:{port}"
+
+        def viewer() -> connect:
+            protocols = [Subprotocol("foxglove.sdk.v1")]
+            return connect(url, ssl=trust, subprotocols=protocols, proxy=None, open_timeout=LIMIT_S)
+
+        async with viewer() as first:
+            silent = [await open_connection(port, b"") for _ in range(5)]
+            assert await ended(silent[0][0]) == b"", "before its TLS handshake, too"
+            async with viewer() as second:
+                for each in (first, second):
+                    assert await asyncio.wait_for(each.recv(), LIMIT_S)
+                assert there.gateway.client_count == 2
+        for _, writer in silent:
+            writer.close()
+
+
 async def test_a_silent_client_counts_as_a_connection() -> None:
     async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(clients=1, others=0))) as there:
         _, writer = await shaken(there.gateway.port)

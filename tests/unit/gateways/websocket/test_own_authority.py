@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import datetime
 import ipaddress
+import os
 import socket
 import ssl
 import stat
@@ -47,10 +48,32 @@ async def test_a_device_that_trusts_the_authority_trusts_the_server(tmp_path: Pa
 
 
 def test_other_users_cannot_read_the_keys(tmp_path: Path) -> None:
-    made = own_certificate(tmp_path / "tls")
+    before = os.umask(0)
+    try:
+        made = own_certificate(tmp_path / "tls")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE(made.authority.stat().st_mode) == 0o644
     for key in (made.key, tmp_path / "tls" / "authority.key"):
         assert stat.S_IMODE(key.stat().st_mode) == 0o600
     assert stat.S_IMODE((tmp_path / "tls").stat().st_mode) == 0o700
+
+
+@pytest.mark.parametrize("stale", ["server.key", "authority.key"])
+def test_files_of_a_program_that_was_killed_between_them_are_made_again(tmp_path: Path, stale: str) -> None:
+    own_certificate(tmp_path / "other")
+    made = own_certificate(tmp_path / "tls")
+    (tmp_path / "other" / stale).replace(tmp_path / "tls" / stale)
+    assert own_certificate(tmp_path / "tls") == made
+    assert server_encryption(str(made.certificate), str(made.key))
+    authority = x509.load_pem_x509_certificate(made.authority.read_bytes())
+    x509.load_pem_x509_certificate(made.certificate.read_bytes()).verify_directly_issued_by(authority)
+
+
+def test_a_name_that_no_certificate_can_have_is_named(tmp_path: Path) -> None:
+    assert own_certificate(tmp_path, ["röbot.local"])
+    with pytest.raises(ConfigError, match=r"'a\.\.b' is not a host name; correct ROS_HOSTNAME"):
+        own_certificate(tmp_path, ["a..b"])
 
 
 def test_the_authority_signs_for_this_machine_and_local_networks_alone(
