@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-# Ten times the levels of real robots. Without a limit, the text of a chain grows with the square of its length.
+# Ten times the levels of real robots. Otherwise, the text of a chain grows as the square of its length.
 MAX_INDENTED = 100
 
 
