@@ -19,7 +19,7 @@ class ConnectionLimiter:
     """Admits and counts connections, and reports those that it refuses at a limited rate.
 
     `allow` are the networks that may connect (none: all networks); `most` is the maximum of connections.
-    `make_room` ends a connection when there are so many, and returns whether it did.
+    `make_room` ends a connection at that maximum, and returns whether it did.
     """
 
     def __init__(
