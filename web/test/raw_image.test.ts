@@ -57,6 +57,17 @@ test("signed, double and 16 bit numbers", () => {
   );
 });
 
+test("colors in a plane of their own", () => {
+  // Two rows of luma, then u and v of all four pixels: red.
+  const red = toRgba(image("nv12", 2, 2, [81, 81, 81, 81, 90, 240], 2));
+  assert.deepEqual([...red.subarray(12)], [254, 0, 0, 255]);
+  assert.deepEqual(toRgba(image("nv21", 2, 2, [81, 81, 81, 81, 240, 90], 2)), red);
+  const blue = toRgba(image("nv24", 2, 1, [81, 41, 90, 240, 240, 110], 2));
+  assert.deepEqual([...blue], [254, 0, 0, 255, 0, 0, 255, 255]);
+  assert.throws(() => toRgba(image("nv12", 2, 2, [81, 81, 81, 81, 90], 2)), /needs more than 5 bytes/);
+  assert.throws(() => toRgba(image("nv21", 3, 2, [1, 2, 3, 4, 5, 6, 7, 8, 9], 3)), /even width/);
+});
+
 test("yuv422 in both orders", () => {
   const white = toRgba(image("yuv422", 2, 1, [128, 235, 128, 235]));
   assert.deepEqual([...white], [255, 255, 255, 255, 255, 255, 255, 255]);

@@ -1,6 +1,7 @@
 // What the overview offers without configuration.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { drivableTopics } from "../src/panels/drive/drivable.ts";
 import type { Graph } from "../src/panels/panel.ts";
 import { plotSuggestions } from "../src/panels/plots/suggestions.ts";
 import { simulationPanel } from "../src/panels/simulation/simulation.ts";
@@ -42,4 +43,13 @@ test("a simulated board has a card", () => {
   const state = new Topic("/sonar_simulation/state", "std_msgs/String", "string data", 1);
   const [card] = simulationPanel.matches!(graph([state], [], []));
   assert.deepEqual([card!.title, card!.settings], ["/sonar", { topic: state.name }]);
+});
+
+test("a command that only the page receives drives nothing", () => {
+  const topics = ["/cmd_vel", "/other"].map((name) => new Topic(name, "geometry_msgs/Twist", "", 1));
+  const subscribers: [string, string[]][] = [
+    ["/cmd_vel", ["/page"]],
+    ["/other", ["/base", "/page"]],
+  ];
+  assert.deepEqual(drivableTopics(graph(topics, [["/cmd_vel", ["/teleop"]]], subscribers)), ["/other"]);
 });

@@ -12,3 +12,8 @@ export function graphOf(robot: Robot): Graph {
     ownNode: robot.info.value?.metadata?.node,
   };
 }
+
+/** Whether a node subscribes to a topic; the gateway's node does so only to show it. */
+export function hasSubscriber({ subscribers, ownNode }: Graph, topic: string): boolean {
+  return subscribers.get(topic)?.some((node) => node !== ownNode) ?? false;
+}

@@ -70,6 +70,7 @@ function Navigation({ groups, active }: { groups: Panel[][]; active: string }) {
       <button
         type="button"
         class="more"
+        aria-current={active !== "" && !tabs.some((each) => each.id === active) ? "page" : undefined}
         aria-expanded={isOpen.value}
         onClick={() => {
           isOpen.value = !isOpen.value;

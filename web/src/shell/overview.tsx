@@ -49,6 +49,7 @@ export function Overview({ robot }: { robot: Robot }) {
   }
   return (
     <>
+      <h1 class="for-readers">{texts.panels.overview}</h1>
       <div class="cards">
         {cards.value.map((each) => (
           <CardView

@@ -9,7 +9,8 @@ import { type ControlKind, controlKind } from "./control_kind.ts";
 import { JointSliders } from "./joint_sliders.tsx";
 import { TopicPublisher } from "./topic_publisher.ts";
 
-type Send = (message: Draft, smoothly?: boolean) => void;
+/** Returns whether it was sent. */
+type Send = (message: Draft, smoothly?: boolean) => boolean;
 
 /** Ranges of sliders that the user changed, by topic. */
 export interface ControlSettings {
@@ -37,8 +38,10 @@ export function Control({ context, topicName }: { context: PanelContext; topicNa
       if (smoothly) publisher.publisher.publishSmoothly(message);
       else if (!publisher.publisher.publish(message)) throw new Error(texts.controls.notSent);
       problem.value = "";
+      return true;
     } catch (error) {
       problem.value = (error as Error).message;
+      return false;
     }
   };
   return (
@@ -87,7 +90,7 @@ function ControlOf(props: { context: PanelContext; topicName: string; type: Stru
   }
 }
 
-export function PushButton({ send, label }: { send: Send; label: string }) {
+export function PushButton({ send, label }: { send: (message: Draft) => unknown; label: string }) {
   const count = useSignal(0);
   return (
     <button
@@ -104,22 +107,33 @@ export function PushButton({ send, label }: { send: Send; label: string }) {
   );
 }
 
-export function Toggle({ field, label, send }: { field: string; label: string; send: Send }) {
-  const isOn = useSignal(false);
+/** `send` returns whether the receiver has the new state. */
+export function Toggle(props: {
+  field: string;
+  label: string;
+  send: (message: Draft) => boolean | Promise<boolean>;
+}) {
+  const { field, label, send } = props;
+  // Nothing reports the state that the receiver begins with.
+  const state = useSignal<boolean | undefined>(undefined);
+  const set = async (next: boolean) => {
+    state.value = next;
+    const isDone = await send({ [field]: next });
+    if (!isDone && state.value === next) state.value = undefined;
+  };
+  const { on, off, unknown } = texts.controls;
   return (
+    // biome-ignore lint/a11y/useSemanticElements: an input has no attribute for the state "mixed".
     <button
       type="button"
-      role="switch"
+      role="checkbox"
       class="switch"
-      aria-checked={isOn.value}
+      aria-checked={state.value ?? "mixed"}
       aria-label={label}
-      onClick={() => {
-        isOn.value = !isOn.value;
-        send({ [field]: isOn.value });
-      }}
+      onClick={() => void set(!state.value)}
     >
       <span class="switch-knob" />
-      <span>{isOn.value ? texts.controls.on : texts.controls.off}</span>
+      <span>{state.value === undefined ? unknown : state.value ? on : off}</span>
     </button>
   );
 }

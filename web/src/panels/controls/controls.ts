@@ -18,7 +18,7 @@ export const controlsPanel: Panel = {
   icon: "controls",
   onTabBar: true,
   matches: (graph) =>
-    controllableTopics(graph, graph.ownNode)
+    controllableTopics(graph)
       .filter((name) => {
         const topic = graph.topics.get(name);
         return topic !== undefined && fitsCard(topic);

@@ -18,7 +18,7 @@ function ControlsPanel({ context }: { context: PanelContext }) {
   const { topic } = (context.settings as Signal<ControlsSettings>).value;
   const { robot } = context;
   if (topic !== undefined) return <Control context={context} topicName={topic} />;
-  const topics = controllableTopics(graphOf(robot), robot.info.value?.metadata?.node);
+  const topics = controllableTopics(graphOf(robot));
   const services = tappableServices(robot.services.value.values());
   if (topics.length === 0 && services.length === 0)
     return <EmptyState icon="controls" title={texts.controls.none} text={texts.controls.noneText} />;

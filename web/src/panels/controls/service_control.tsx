@@ -38,9 +38,11 @@ export function ServiceControl({ context, service }: { context: PanelContext; se
       const message = await callService(context.robot, service, request);
       isProblem.value = message.success === false;
       answer.value = typeof message.message === "string" ? message.message : brief(message);
+      return !isProblem.value;
     } catch (error) {
       isProblem.value = true;
       answer.value = (error as Error).message;
+      return false;
     }
   };
   return (
@@ -53,7 +55,7 @@ export function ServiceControl({ context, service }: { context: PanelContext; se
         {field === "" ? (
           <PushButton send={() => void call({})} label={service.name.split("/").at(-1) ?? service.name} />
         ) : (
-          <Toggle field={field} label={service.name} send={(request) => void call(request as Message)} />
+          <Toggle field={field} label={service.name} send={(request) => call(request as Message)} />
         )}
       </fieldset>
       {answer.value && <p class={isProblem.value ? "problem" : "empty-line"}>{answer.value}</p>}

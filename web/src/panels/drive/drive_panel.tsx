@@ -3,11 +3,13 @@ import { type Signal, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
+import { graphOf } from "../graph_of.ts";
 import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { DEFAULT_LIMITS, type Limits } from "./commands.ts";
+import { drivableTopics } from "./drivable.ts";
 import type { Driver } from "./driver.ts";
-import { drivableTopics, driverOf } from "./drivers.ts";
+import { driverOf } from "./drivers.ts";
 import { followGamepad, followKeys } from "./inputs.ts";
 import { StickPad } from "./stick.tsx";
 
@@ -20,7 +22,7 @@ interface DriveSettings {
 function DrivePanel({ context }: { context: PanelContext }) {
   const settings = context.settings as Signal<DriveSettings>;
   const { robot } = context;
-  const topics = useComputed(() => drivableTopics(robot)).value;
+  const topics = useComputed(() => drivableTopics(graphOf(robot))).value;
   const wanted = settings.value.topic ?? "";
   const topic = topics.includes(wanted) ? wanted : topics[0];
   if (topic === undefined)

@@ -1,19 +1,11 @@
 // The drivers of the page, one a topic, and the stop for all of them.
 import type { Robot } from "../../store/robot.ts";
-import { DEFAULT_LIMITS, DRIVE_TYPES } from "./commands.ts";
+import { graphOf } from "../graph_of.ts";
+import { DEFAULT_LIMITS } from "./commands.ts";
+import { drivableTopics } from "./drivable.ts";
 import { Driver } from "./driver.ts";
 
 const drivers = new Map<string, { driver: Driver; definition: string }>();
-
-/** The command topics that something listens to. */
-export function drivableTopics(robot: Robot): string[] {
-  const names: string[] = [];
-  for (const topic of robot.topics.value.values()) {
-    if (DRIVE_TYPES.includes(topic.typeName) && (robot.subscribers.value.get(topic.name)?.length ?? 0) > 0)
-      names.push(topic.name);
-  }
-  return names.sort();
-}
 
 /** The driver of a topic, shared by all callers. Undefined when the topic has ended or its type is not readable. */
 export function driverOf(robot: Robot, topicName: string): Driver | undefined {
@@ -33,7 +25,7 @@ export function driverOf(robot: Robot, topicName: string): Driver | undefined {
 
 /** Stop everything that this page can drive. */
 export function stopAll(robot: Robot): void {
-  for (const topic of drivableTopics(robot)) driverOf(robot, topic)?.stop();
+  for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic)?.stop();
 }
 
 /** A page that is hidden or left lets go. */

@@ -11,6 +11,8 @@ import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { type Box, type Drawing, type Edge, layout, MAX_BOXES, MAX_LABEL, shortLabel } from "./layout.ts";
 
+// A box that a finger hits, in pixels.
+const FINGER = 44;
 // The number that fits on a screen.
 const MAX_RATES = 60;
 const LARGE_TYPES: readonly string[] = [
@@ -35,6 +37,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
       settings.value.filter ?? "",
       settings.value.plumbing ?? false,
       robot.info.value?.metadata?.node,
+      matchMedia("(pointer: coarse)").matches ? FINGER : undefined,
     ),
   ).value;
   useRates(context, drawing);
@@ -86,7 +89,8 @@ function GraphPanel({ context }: { context: PanelContext }) {
         <EmptyState icon="graph" title={texts.graph.empty} text={texts.graph.emptyText} />
       )}
       {drawing !== undefined && drawing.boxes.length > 0 && (
-        <div class="graph-scroll">
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: keys scroll it.
+        <div class="graph-scroll" tabIndex={0}>
           {/* biome-ignore lint/a11y/useSemanticElements: SVG has no group element for readers; "img" hides its buttons. */}
           <svg
             class="graph-drawing"
@@ -147,10 +151,12 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
       tabIndex={0}
       onClick={open}
       onKeyDown={(event) => {
-        if (event.key === "Enter") open();
+        if (event.key !== "Enter" && event.key !== " ") return;
+        event.preventDefault();
+        open();
       }}
     >
-      <rect width={box.width} height={box.height} rx={box.kind === "node" ? 15 : 4} />
+      <rect width={box.width} height={box.height} rx={box.kind === "node" ? box.height / 2 : 4} />
       <text x={box.width / 2} y={box.height / 2} text-anchor="middle" dominant-baseline="central">
         {shortLabel(box.label)}
       </text>

@@ -47,6 +47,7 @@ const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/dia
  * @param filter part of the name of a node or topic; its neighbours are drawn too.
  * @param withPlumbing draw /rosout and similar topics, and the page's own subscriptions.
  * @param ownNode the node that receives for the page.
+ * @param boxHeight in pixels.
  * @returns undefined when there is more than can be drawn.
  */
 export function layout(
@@ -54,6 +55,7 @@ export function layout(
   filter: string,
   withPlumbing: boolean,
   ownNode = "",
+  boxHeight = 30,
 ): Drawing | undefined {
   const pairs: Pair[] = [];
   const add = (table: GraphInput["publishers"], publishes: boolean) => {
@@ -65,11 +67,12 @@ export function layout(
   };
   add(graph.publishers, true);
   add(graph.subscribers, false);
-  const wanted = pairs.filter(({ node, topic }) => node.includes(filter) || topic.includes(filter));
+  const text = filter.trim().toLowerCase();
+  const wanted = pairs.filter(({ node, topic }) => `${node} ${topic}`.toLowerCase().includes(text));
   const drawing = boxesOf(wanted.map((pair) => ({ ...pair, members: [pair.topic] })));
-  if (drawing.nodes.size + drawing.topics.size <= MAX_BOXES) return place(drawing);
+  if (drawing.nodes.size + drawing.topics.size <= MAX_BOXES) return place(drawing, boxHeight);
   const merged = boxesOf(mergeTopics(wanted));
-  return merged.nodes.size + merged.topics.size <= MAX_BOXES ? place(merged) : undefined;
+  return merged.nodes.size + merged.topics.size <= MAX_BOXES ? place(merged, boxHeight) : undefined;
 }
 
 interface Pair {
@@ -132,7 +135,7 @@ export function shortLabel(name: string): string {
   return `${name.slice(0, half)}…${name.slice(-half)}`;
 }
 
-function place({ nodes, topics, pairs }: Boxes): Drawing {
+function place({ nodes, topics, pairs }: Boxes, boxHeight: number): Drawing {
   const graph = new dagre.graphlib.Graph();
   graph.setGraph({ rankdir: "LR", nodesep: 14, ranksep: 56, marginx: 12, marginy: 12 });
   graph.setDefaultEdgeLabel(() => ({}));
@@ -140,7 +143,13 @@ function place({ nodes, topics, pairs }: Boxes): Drawing {
   const addBox = (kind: Box["kind"], label: string, members: readonly string[] = [label]) => {
     const id = `${kind} ${label}`;
     const named = { id, label, kind, search: commonStart(members), isOne: members.length === 1 };
-    const box = { ...named, x: 0, y: 0, width: shortLabel(label).length * CHARACTER_WIDTH + 24, height: 30 };
+    const box = {
+      ...named,
+      x: 0,
+      y: 0,
+      width: shortLabel(label).length * CHARACTER_WIDTH + 24,
+      height: boxHeight,
+    };
     boxes.set(id, box);
     graph.setNode(id, { width: box.width, height: box.height });
   };

@@ -2,6 +2,8 @@
 
 import type { Feed } from "../../store/feed.ts";
 import { frameTask } from "../../store/frames.ts";
+import { decodeDepth, isCompressedDepth } from "./compressed_depth.ts";
+import { decodeGrey16 } from "./grey_png.ts";
 import { type RawImage, toRgba } from "./raw_image.ts";
 
 export interface Turn {
@@ -85,15 +87,19 @@ export class ImageView {
     const message = this.feed.lastMessage();
     if (message === undefined) return undefined;
     if (message instanceof Error) throw message;
-    if ("encoding" in message) {
-      const raw = message as unknown as RawImage;
-      return createImageBitmap(new ImageData(toRgba(raw), raw.width, raw.height));
-    }
+    if ("encoding" in message) return bitmapOf(message as unknown as RawImage);
     const { format, data } = message as unknown as { format: string; data: Uint8Array<ArrayBuffer> };
+    if (isCompressedDepth(format)) return bitmapOf(await decodeDepth(format, data));
+    const grey = await decodeGrey16(data);
+    if (grey !== undefined) return bitmapOf(grey);
     try {
       return await createImageBitmap(new Blob([data]));
     } catch {
       throw new Error(`This picture (${format.slice(0, 40) || "no format"}) cannot be decoded.`);
     }
   }
+}
+
+function bitmapOf(raw: RawImage): Promise<ImageBitmap> {
+  return createImageBitmap(new ImageData(toRgba(raw), raw.width, raw.height));
 }

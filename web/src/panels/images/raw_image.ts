@@ -9,7 +9,7 @@ export interface RawImage {
 }
 
 /** 40 million pixels are 160 MB on a canvas. */
-const MAX_PIXELS = 40_000_000;
+export const MAX_PIXELS = 40_000_000;
 
 type Fill = (image: RawImage, out: Uint8ClampedArray) => void;
 
@@ -57,7 +57,16 @@ function stretched(bytes: 2 | 4 | 8, read: ReadNumber): Fill {
   };
 }
 
-/** Two pixels share their colour: bytes u y v y (uyvy) or y u y v (yuyv). ITU-R BT.601, as OpenCV. */
+/** ITU-R BT.601, as OpenCV; cb and cr from -128 to 127. */
+function putColor(out: Uint8ClampedArray, to: number, y: number, cb: number, cr: number): void {
+  const luma = 1.164 * (y - 16);
+  out[to] = luma + 1.596 * cr;
+  out[to + 1] = luma - 0.813 * cr - 0.391 * cb;
+  out[to + 2] = luma + 2.018 * cb;
+  out[to + 3] = 255;
+}
+
+/** Two pixels share their colour: bytes u y v y (uyvy) or y u y v (yuyv). */
 function yuv422(firstY: 0 | 1): Fill {
   const u = 1 - firstY;
   const v = u + 2;
@@ -66,13 +75,23 @@ function yuv422(firstY: 0 | 1): Fill {
     for (let y = 0; y < height; y++)
       for (let x = 0; x < width; x++, to += 4) {
         const pair = y * step + (x >> 1) * 4;
-        const luma = 1.164 * ((data[pair + firstY + (x & 1) * 2] as number) - 16);
-        const cb = (data[pair + u] as number) - 128;
-        const cr = (data[pair + v] as number) - 128;
-        out[to] = luma + 1.596 * cr;
-        out[to + 1] = luma - 0.813 * cr - 0.391 * cb;
-        out[to + 2] = luma + 2.018 * cb;
-        out[to + 3] = 255;
+        const y0 = data[pair + firstY + (x & 1) * 2] as number;
+        putColor(out, to, y0, (data[pair + u] as number) - 128, (data[pair + v] as number) - 128);
+      }
+  };
+}
+
+/** All y, then pairs of u and v, or v and u: one pair for 2 x 2 pixels (`shared` 1) or for each pixel (0). */
+function planes(firstU: 0 | 1, shared: 0 | 1): Fill {
+  return ({ width, height, step, data }, out) => {
+    let to = 0;
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < width; x++, to += 4) {
+        const row = step * height + (y >> shared) * (shared === 1 ? step : 2 * step);
+        const pair = row + (x >> shared) * 2;
+        const cb = (data[pair + firstU] as number) - 128;
+        const cr = (data[pair + 1 - firstU] as number) - 128;
+        putColor(out, to, data[y * step + x] as number, cb, cr);
       }
   };
 }
@@ -134,6 +153,9 @@ const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> 
   uyvy: [2, yuv422(1)],
   yuv422_yuy2: [2, yuv422(0)],
   yuyv: [2, yuv422(0)],
+  nv12: [1, planes(0, 1)],
+  nv21: [1, planes(1, 1)],
+  nv24: [1, planes(0, 0)],
   bayer_rggb8: [1, bayer("rggb", 1)],
   bayer_rggb16: [2, bayer("rggb", 2)],
   bayer_bggr8: [1, bayer("bggr", 1)],
@@ -143,6 +165,9 @@ const ENCODINGS: Readonly<Record<string, readonly [bytes: number, fill: Fill]>> 
   bayer_grbg8: [1, bayer("grbg", 1)],
   bayer_grbg16: [2, bayer("grbg", 2)],
 };
+
+/** Two pixels side by side share their color. */
+const EVEN_WIDTH = /yuv|uyvy|yuyv|nv12|nv21/;
 
 /** A broken publisher may write anything. */
 function shownEncoding(encoding: string): string {
@@ -167,13 +192,13 @@ export function toRgba(image: RawImage): Uint8ClampedArray<ArrayBuffer> {
     throw new Error(
       `The rows of this ${encoding} picture have ${step} bytes; ${width} pixels need ${width * bytes}.`,
     );
-  if (step * (height - 1) + width * bytes > data.length)
+  const chromaRows = encoding === "nv24" ? 2 * height : encoding.startsWith("nv") ? Math.ceil(height / 2) : 0;
+  if (step * (height + chromaRows - 1) + width * bytes > data.length)
     throw new Error(`A ${encoding} picture of ${width} x ${height} needs more than ${data.length} bytes.`);
   if (encoding.startsWith("bayer") && (width < 2 || height < 2))
     throw new Error("This picture is too small.");
-  if (encoding.includes("yuv") || encoding === "uyvy" || encoding === "yuyv") {
-    if (width % 2 === 1) throw new Error("A yuv422 picture has an even width.");
-  }
+  if (EVEN_WIDTH.test(encoding) && width % 2 === 1)
+    throw new Error(`A ${encoding} picture has an even width.`);
   const out = new Uint8ClampedArray(width * height * 4);
   fill(image, out);
   return out;

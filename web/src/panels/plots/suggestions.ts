@@ -29,7 +29,7 @@ export function mainPaths(topic: Topic): string[] {
 export function plotSuggestions(graph: Graph): Suggestion[] {
   const found: Suggestion[] = [];
   // Topics that only this page publishes are in its controls.
-  const controlled = new Set(controllableTopics(graph, graph.ownNode));
+  const controlled = new Set(controllableTopics(graph));
   for (const topic of graph.topics.values()) {
     if (!topic.isPublished || controlled.has(topic.name)) continue;
     const paths = mainPaths(topic);

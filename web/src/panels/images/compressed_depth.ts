@@ -1,0 +1,41 @@
+// Depth as compressed_depth_image_transport sends it: a header, then a PNG with 16 bits of grey.
+import { decodeGrey16 } from "./grey_png.ts";
+import type { RawImage } from "./raw_image.ts";
+
+/** int32 kind of compression, float32 a, float32 b. */
+const HEADER_BYTES = 12;
+
+export function isCompressedDepth(format: string): boolean {
+  return format.includes("compressedDepth");
+}
+
+/**
+ * Decode the picture of a message.
+ *
+ * @param format of the message, such as "32FC1; compressedDepth png".
+ * @returns millimetres (16UC1) or, of the encoding 32FC1, metres.
+ * @throws Error with a sentence when it cannot be shown.
+ */
+export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>): Promise<RawImage> {
+  if (format.includes("rvl"))
+    throw new Error("Depth that is compressed with RVL cannot be shown. Send it as PNG.");
+  const picture = await decodeGrey16(data.subarray(HEADER_BYTES));
+  if (picture === undefined) throw new Error("This compressedDepth picture has no PNG with 16 bits of grey.");
+  if (!format.startsWith("32FC1")) return picture;
+  const header = new DataView(data.buffer, data.byteOffset, HEADER_BYTES);
+  const [a, b] = [header.getFloat32(4, true), header.getFloat32(8, true)];
+  const steps = new DataView(picture.data.buffer);
+  // The step 0 is a missing measurement.
+  const metres = Float32Array.from({ length: picture.width * picture.height }, (_, at) => {
+    const step = steps.getUint16(2 * at);
+    return step === 0 ? Number.NaN : a / (step - b);
+  });
+  return {
+    ...picture,
+    encoding: "32FC1",
+    step: 4 * picture.width,
+    // Typed arrays have the byte order of the machine, which is little endian wherever browsers run.
+    is_bigendian: 0,
+    data: new Uint8Array(metres.buffer),
+  };
+}
