@@ -66,12 +66,12 @@ class Assembly:
     async def assemble(self, given: Sequence[Path], *, warnings: bool) -> Assembled:
         """Compile and link. `given` are the user's libraries. Raises SketchError."""
         roots = self._library_roots(given)
-        shelf = Shelf(self._libraries(roots, len(given)), self._ros)
+        choice = LibraryChoice(self._libraries(roots, len(given)), self._ros)
         try:
             async with asyncio.TaskGroup() as tasks:
                 # The core does not depend on the sketch, and is most of the work of a first build.
                 core = tasks.create_task(self._build_core())
-                sketch = tasks.create_task(self._build_sketch(shelf, "all" if warnings else "none"))
+                sketch = tasks.create_task(self._build_sketch(choice, "all" if warnings else "none"))
         except BaseExceptionGroup as failures:
             raise first_error(failures) from None
         objects, (archive, core_objects) = sketch.result(), core.result()
@@ -80,7 +80,7 @@ class Assembly:
         return Assembled(
             elf=elf,
             image=image,
-            libraries=shelf.used,
+            libraries=choice.used,
             output="".join(each.output for each in objects),
             files=frozenset((*files, *self._sketch.inos, *self._sketch.sources, elf, image)),
             folders=[self._sketch.folder, *roots],
@@ -96,11 +96,11 @@ class Assembly:
         objects = await _all(self._compiler.compile(each, self._core) for each in sources)
         return await self._compiler.archive([each.object for each in objects]), objects
 
-    async def _build_sketch(self, shelf: Shelf, warnings: str) -> list[Compiled]:
+    async def _build_sketch(self, choice: LibraryChoice, warnings: str) -> list[Compiled]:
         inos = [read_ino(each) for each in self._sketch.inos]
         main = [self._write_source(join(inos))] if inos else []
         unit = Unit([*main, *self._sketch.sources], [*self._core, self._sketch.folder])
-        units = await resolve(self._compiler, unit, shelf, self._core, self._sketch)
+        units = await resolve(self._compiler, unit, choice, self._core, self._sketch)
         sources = [each for each in unit.sources if each not in main]
         if inos:
             preprocessed = await self._compiler.preprocess(main[0], unit.includes)
@@ -152,7 +152,7 @@ class Unit:
     libraries: list[Library] = field(default_factory=list)
 
 
-class Shelf:
+class LibraryChoice:
     """The available libraries, and those chosen so far."""
 
     def __init__(self, libraries: Sequence[Library], ros: RosLibrary) -> None:
@@ -162,7 +162,7 @@ class Shelf:
 
     def libraries_for(self, headers: Sequence[str]) -> list[Library]:
         """Return the libraries that serve headers, each once."""
-        taken: dict[Path, Library] = {}
+        chosen: dict[Path, Library] = {}
         wants_ros = False
         for header in headers:
             found = choose(header, self._libraries)
@@ -170,21 +170,21 @@ class Shelf:
             if (found is None or found.origin is not Origin.GIVEN) and self._ros.wants(header):
                 wants_ros = True
             elif found is not None:
-                taken[found.folder] = found
+                chosen[found.folder] = found
         if wants_ros:
             library = self._ros.write()
-            taken[library.folder] = library
+            chosen[library.folder] = library
             # Only the last version of the generated library is kept; it has the most messages.
             self.used = [each for each in self.used if each.origin is not Origin.ROS]
-        self.used += [each for each in taken.values() if each not in self.used]
-        return list(taken.values())
+        self.used += [each for each in chosen.values() if each not in self.used]
+        return list(chosen.values())
 
 
 async def resolve(
-    compiler: Compiler, unit: Unit, shelf: Shelf, core: Sequence[Path], sketch: Sketch
+    compiler: Compiler, unit: Unit, choice: LibraryChoice, core: Sequence[Path], sketch: Sketch
 ) -> list[Unit]:
     """Complete a sketch's unit with the headers and sources it needs; return the libraries' units."""
-    await _complete(compiler, unit, shelf, sketch)
+    await _complete(compiler, unit, choice, sketch)
     units: list[Unit] = []
     done: set[Path] = set()
     pending = list(unit.libraries)
@@ -196,17 +196,17 @@ async def resolve(
         own = Unit(library.sources(), [*core, *library.include_folders])
         if not own.sources:
             continue
-        await _complete(compiler, own, shelf, None)
+        await _complete(compiler, own, choice, None)
         units.append(own)
         pending += own.libraries
     return units
 
 
-async def _complete(compiler: Compiler, unit: Unit, shelf: Shelf, sketch: Sketch | None) -> None:
+async def _complete(compiler: Compiler, unit: Unit, choice: LibraryChoice, sketch: Sketch | None) -> None:
     fixed = list(unit.includes)
     for _ in range(MAX_ROUNDS):
         scan = await compiler.scan(unit.sources, unit.includes)
-        new = shelf.libraries_for(scan.missing)
+        new = choice.libraries_for(scan.missing)
         new = [each for each in new if each not in unit.libraries]
         found = [] if sketch is None or sketch.owns_folder else _sources_of(scan.files, sketch, unit.sources)
         if not new and not found:

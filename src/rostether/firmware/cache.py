@@ -29,6 +29,9 @@ PRUNE_INTERVAL_S = 3600.0
 # Files used in the last hour are always kept: a parallel build may need them for linking.
 RECENT_S = 3600.0
 
+# The files that a build reads.
+_SOURCE_SUFFIXES = frozenset(["ino", "pde", "h", "hh", "hpp", "c", "cc", "cpp", "cxx", "S", "properties"])
+
 
 def cache_folder() -> Path:
     """Return the cache folder; its content can be rebuilt."""
@@ -148,10 +151,10 @@ class BuildCache:
             if total <= PRUNE_TO_BYTES or now_s - used_s < RECENT_S:
                 break
             # Remove it in one step, not file by file: no other process must find an incomplete entry.
-            doomed = entry.with_name(f".old-{entry.name}")
+            removed = entry.with_name(f".old-{entry.name}")
             with contextlib.suppress(OSError):
-                entry.rename(doomed)
-                shutil.rmtree(doomed) if doomed.is_dir() else doomed.unlink()
+                entry.rename(removed)
+                shutil.rmtree(removed) if removed.is_dir() else removed.unlink()
                 total -= size
 
     def _record(self, key: str) -> Path:
@@ -194,16 +197,4 @@ def listing(folder: Path) -> str:
 
 
 def _is_source(name: str) -> bool:
-    return name.rpartition(".")[2] in (
-        "ino",
-        "pde",
-        "h",
-        "hh",
-        "hpp",
-        "c",
-        "cc",
-        "cpp",
-        "cxx",
-        "S",
-        "properties",
-    )
+    return name.rpartition(".")[2] in _SOURCE_SUFFIXES

@@ -200,7 +200,7 @@ class _Count:
             self._add(group, section, stop - start)
         else:
             group = self._group_of_code(start, name)
-            for each, size in self._share(start, stop, group).items():
+            for each, size in self._bytes_by_group(start, stop, group).items():
                 self._add(each, section, size)
         flash = stop - start if section.has_bits else 0
         ram = stop - start if section.is_writable else 0
@@ -235,22 +235,22 @@ class _Count:
         if section.is_writable:
             self._add(TEXTS if section.has_bits else RUNTIME, section, stop - start)
             return
-        for group, size in self._share(start, stop, None).items():
+        for group, size in self._bytes_by_group(start, stop, None).items():
             self._add(group, section, size)
 
-    def _share(self, start: int, stop: int, otherwise: str | None) -> dict[str, int]:
+    def _bytes_by_group(self, start: int, stop: int, otherwise: str | None) -> dict[str, int]:
         """Return the number of bytes of each group in a range of code."""
         shares: dict[str, int] = {}
         position = start
         for each in self._ranges_between(start, stop):
-            self._give(shares, position, each.start, otherwise)
+            self._count_gap(shares, position, each.start, otherwise)
             group = self._origins.of_file(each.file) or otherwise or RUNTIME
             first, position = max(each.start, position), min(each.end, stop)
             shares[group] = shares.get(group, 0) + max(position - first, 0)
-        self._give(shares, position, stop, otherwise)
+        self._count_gap(shares, position, stop, otherwise)
         return {group: size for group, size in shares.items() if size}
 
-    def _give(self, shares: dict[str, int], start: int, stop: int, otherwise: str | None) -> None:
+    def _count_gap(self, shares: dict[str, int], start: int, stop: int, otherwise: str | None) -> None:
         if stop > start:
             group = otherwise or self._unnamed_group(start)
             shares[group] = shares.get(group, 0) + stop - start
@@ -302,7 +302,7 @@ def _readable_stack(stack: StackEstimate, readable: Mapping[str, str]) -> StackE
 
     return replace(
         stack,
-        way=tuple(name(each) for each in stack.way),
-        interrupt_way=tuple(name(each) for each in stack.interrupt_way),
+        main_path=tuple(name(each) for each in stack.main_path),
+        interrupt_path=tuple(name(each) for each in stack.interrupt_path),
         unknown=tuple(_MANGLED.sub(lambda match: name(match[0]), each) for each in stack.unknown),
     )

@@ -14,9 +14,9 @@ from rostether.firmware.call_graph import CallGraph
 from rostether.firmware.elf import ElfFile
 
 # About half a second of search. Only programs with many nested callbacks have more paths.
-MAX_WAYS = 50_000
+MAX_PATHS = 50_000
 
-
+# One of two similar callbacks may already be on the path.
 _KEPT_OF_A_SHAPE = 2
 # The node handle limits the recursion of its own functions.
 _BOUNDED = "_ZN3ros"
@@ -31,8 +31,8 @@ class StackEstimate:
 
     main_bytes: int
     interrupt_bytes: int
-    way: tuple[str, ...]
-    interrupt_way: tuple[str, ...]
+    main_path: tuple[str, ...]
+    interrupt_path: tuple[str, ...]
     unknown: tuple[str, ...]
 
     @property
@@ -42,7 +42,7 @@ class StackEstimate:
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _Path:
     depth_bytes: int
     entries: tuple[int, ...]
 
@@ -57,8 +57,8 @@ def estimate_stack(elf: ElfFile) -> StackEstimate:
     return StackEstimate(
         main_bytes=main.depth_bytes,
         interrupt_bytes=interrupt.depth_bytes,
-        way=tuple(graph.name(each) for each in main.entries),
-        interrupt_way=tuple(graph.name(each) for each in interrupt.entries),
+        main_path=tuple(graph.name(each) for each in main.entries),
+        interrupt_path=tuple(graph.name(each) for each in interrupt.entries),
         unknown=tuple(_unknown(graph, elf))
         + (("not all call paths were followed",) if search.gave_up else ()),
     )
@@ -73,73 +73,72 @@ class _Search:
 
     def __init__(self, graph: CallGraph) -> None:
         self._graph = graph
-        self._known: dict[tuple[int, frozenset[int]], _Way] = {}
+        self._known: dict[tuple[int, frozenset[int]], _Path] = {}
         self._circles: dict[int, frozenset[int]] = {}
-        self._closed: dict[int, _Way] = {}
+        self._closed: dict[int, _Path] = {}
         self._open: dict[int, list[tuple[int, int]]] = {}
         self.gave_up = False
 
-    def deepest(self, roots: Iterable[int]) -> _Way:
+    def deepest(self, roots: Iterable[int]) -> _Path:
         """Return the deepest path from some functions, 0 if there are none."""
-        ways = (self._way(root, frozenset()) for root in roots)
-        best = max(ways, key=lambda way: way.depth_bytes, default=None)
+        paths = (self._path(root, frozenset()) for root in roots)
+        best = max(paths, key=lambda path: path.depth_bytes, default=None)
         if best is None:
-            return _Way(0, ())
-        return _Way(best.depth_bytes + self._graph.return_bytes, best.entries)
+            return _Path(0, ())
+        return _Path(best.depth_bytes + self._graph.return_bytes, best.entries)
 
-    def _way(self, entry: int, above: frozenset[int]) -> _Way:
+    def _path(self, entry: int, above: frozenset[int]) -> _Path:
         key = (entry, above & self._circle(entry))
         if key in self._known:
             return self._known[key]
-        best = self._closed_way(entry)
-        if len(self._known) > MAX_WAYS:
+        best = self._closed_path(entry)
+        if len(self._known) > MAX_PATHS:
             self.gave_up = True
             return best
         above |= {entry}
         for target, depth in self._open_calls(entry):
             if target not in above:
-                below = self._way(target, above)
+                below = self._path(target, above)
                 if depth + below.depth_bytes >= best.depth_bytes:
-                    best = _Way(depth + below.depth_bytes, (entry, *below.entries))
+                    best = _Path(depth + below.depth_bytes, (entry, *below.entries))
         self._known[key] = best
         return best
 
-    def _closed_way(self, entry: int) -> _Way:
+    def _closed_path(self, entry: int) -> _Path:
         """Return the deepest path through functions outside circles, which does not depend on those above."""
         if entry not in self._closed:
-            best = _Way(self._graph.walk(entry).depth_bytes, (entry,))
+            best = _Path(self._graph.walk(entry).depth_bytes, (entry,))
             for target, depth in self._graph.calls(entry).items():
                 if not self._circle(target):
-                    below = self._way(target, frozenset())
+                    below = self._path(target, frozenset())
                     if depth + below.depth_bytes >= best.depth_bytes:
-                        best = _Way(depth + below.depth_bytes, (entry, *below.entries))
+                        best = _Path(depth + below.depth_bytes, (entry, *below.entries))
             self._closed[entry] = best
         return self._closed[entry]
 
     def _open_calls(self, entry: int) -> list[tuple[int, int]]:
         """Return the calls into circles, without those that two other calls dominate.
 
-        A sketch with many topics has many similar callbacks. Two are kept, because one of them may already be
-        above.
+        A sketch with many topics has many similar callbacks.
         """
         if entry not in self._open:
             calls = [
                 (target, depth) for target, depth in self._graph.calls(entry).items() if self._circle(target)
             ]
             # The deepest first, so that the order decides between equals.
-            calls.sort(key=lambda call: (-call[1], -self._closed_way(call[0]).depth_bytes, call[0]))
+            calls.sort(key=lambda call: (-call[1], -self._closed_path(call[0]).depth_bytes, call[0]))
             kept: list[tuple[int, int]] = []
             for call in calls:
-                if sum(self._surpasses(each, call) for each in kept) < _KEPT_OF_A_SHAPE:
+                if sum(self._dominates(each, call) for each in kept) < _KEPT_OF_A_SHAPE:
                     kept.append(call)
             self._open[entry] = kept
         return self._open[entry]
 
-    def _surpasses(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
+    def _dominates(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
         (target, depth), (other_target, other_depth) = one, other
         if (
-            depth + self._closed_way(target).depth_bytes
-            < other_depth + self._closed_way(other_target).depth_bytes
+            depth + self._closed_path(target).depth_bytes
+            < other_depth + self._closed_path(other_target).depth_bytes
         ):
             return False
         calls = self._graph.calls(target)

@@ -86,8 +86,7 @@ async def upload(
         name = built.simulated_libraries[0]
         raise FirmwareError(
             f"{built.sketch.name} was built with the {name} library of simulated boards; install Arduino's "
-            f"own "
-            f"{name} library, or give its folder with --library"
+            f"own {name} library, or give its folder with --library"
         )
     if uses_arduino_cli or not built.board.is_avr:
         command = _arduino_cli_command(built, port)
@@ -102,8 +101,9 @@ async def upload(
         command = avrdude_command(program, built.board, port, built.image)
     if show is not None:
         show(command)
-    code, output = await _run(command)
-    if code:
+    ended = await run_program(command)
+    output = ended.output.decode("utf-8", "replace")
+    if ended.code:
         raise await asyncio.to_thread(_explain, output, built.board, port, Path(command[0]).name)
     return output
 
@@ -111,20 +111,10 @@ async def upload(
 def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[str]:
     """Return the command that flashes a HEX file through a board's boot loader."""
     return [
-        program,
-        "-q",
-        "-p",
-        board.mcu,
-        "-c",
-        board.upload_protocol,
-        "-P",
-        port,
-        "-b",
-        str(board.upload_speed_baud),
+        *(program, "-q", "-p", board.mcu, "-c", board.upload_protocol),
+        *("-P", port, "-b", str(board.upload_speed_baud)),
         # The boot loader erases the pages that it writes; a chip erase would remove the boot loader.
-        "-D",
-        "-U",
-        f"flash:w:{image}:i",
+        *("-D", "-U", f"flash:w:{image}:i"),
     ]
 
 
@@ -188,11 +178,6 @@ def _arduino_cli_command(built: BuiltFirmware, port: str) -> list[str]:
     program = find_arduino_cli(f"flashing {built.board.title}")
     folder = str(built.image.parent)
     return [program, "upload", "--fqbn", built.board.fqbn, "--port", port, "--input-dir", folder]
-
-
-async def _run(command: Sequence[str]) -> tuple[int, str]:
-    ended = await run_program(command)
-    return ended.code, ended.output.decode("utf-8", "replace")
 
 
 def _explain(output: str, board: Board, port: str, program: str) -> RostetherError:

@@ -10,7 +10,7 @@ from rostether.graph.ports import Level
 from rostether.platform.command_frame import NO_KEY
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import GroupAddress
-from rostether.platform.robot_table import RobotTable, SocketAddress
+from rostether.platform.robot_table import RobotTable, SocketAddress, hosts_of_duplicate_ids
 from rostether.platform.status_frame import Refusal, RobotStatus
 
 # Unicast to a large fleet overloads the Wi-Fi channel: 20 robots need about 400 datagrams a second.
@@ -77,7 +77,7 @@ class CommandChannel:
                 self._report(Level.WARN, refusal_text(status))
         if len(self.table.robots) == robot_count:
             return
-        for robot_id, hosts in self.table.duplicate_ids().items():
+        for robot_id, hosts in hosts_of_duplicate_ids(self.table.robots).items():
             if robot_id not in self._duplicates:
                 self._duplicates.add(robot_id)
                 self._report(Level.WARN, duplicate_text(robot_id, hosts))

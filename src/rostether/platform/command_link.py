@@ -157,7 +157,6 @@ class CommandReceiver:
         # effect.
         self._refused = (0, 0)
         self.is_moving = False
-        self.accepted_count = 0
         self.lost_count = 0
         self.refused_count = 0
         self.last_refusal = ""
@@ -200,7 +199,6 @@ class CommandReceiver:
         self._epoch_us, self._sequence = frame.epoch_us, frame.sequence
         self._deadline_s = None if Flags.RELEASE in frame.flags else now_s + frame.ttl_ms / 1000
         self.is_moving = frame.flags & _MOTION == Flags.ARMED
-        self.accepted_count += 1
         return frame
 
     def expired(self, now_s: float) -> bool:

@@ -103,10 +103,6 @@ class RobotTable:
             if robot.needs_unicast and now_s - robot.answered_s < _FORGET_S
         ]
 
-    def duplicate_ids(self) -> dict[int, list[str]]:
-        """Return the ids that several hosts share, with the hosts."""
-        return hosts_of_duplicate_ids(self.robots)
-
 
 def hosts_of_duplicate_ids(places: Iterable[Place]) -> dict[int, list[str]]:
     """Return the ids that several hosts share, with the hosts."""

@@ -112,9 +112,9 @@ class ActionRelay:
         action.on_goals, action.on_cancels = self._goals.publish_raw, cancels.publish_raw
         subscribers = []
         for (suffix, kind), take in (
-            (FEEDBACK, action.take_feedback),
-            (STATUS, action.take_statuses),
-            (RESULT, action.take_results),
+            (FEEDBACK, action.handle_feedback),
+            (STATUS, action.handle_statuses),
+            (RESULT, action.handle_results),
         ):
             message_type = type_of(kind if "/" in kind else self.type_name + kind)
             subscribers.append(await graph.subscribe(name + suffix, message_type, take, skip_own=True))

@@ -69,7 +69,7 @@ class JointSliders:
             self._states.set_position(name, _position(joint) + step)
 
     def lines(self, width: int, height: int) -> list[str]:
-        """Return the lines to show in a terminal with `columns` and `rows`."""
+        """Return the lines to show in a terminal of `width` columns and `height` rows."""
         if not self._names:
             return ["The robot has no joint that can be set."]
         name_width = min(max(map(len, self._names)), max(width - _MIN_BAR - 16, 8))

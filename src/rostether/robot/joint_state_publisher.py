@@ -9,7 +9,7 @@ from contextlib import aclosing
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
-from rostether.robot.joint_states import Dependence, JointStates, JointStateSettings
+from rostether.robot.joint_states import JointStates, JointStateSettings
 from rostether.robot.node_parameters import (
     node_bool,
     node_mapping,
@@ -18,7 +18,7 @@ from rostether.robot.node_parameters import (
     number,
     read_model,
 )
-from rostether.robot.robot_model import RobotModel
+from rostether.robot.robot_model import Mimic, RobotModel
 
 STATE_TYPE = "sensor_msgs/JointState"
 DEFAULT_RATE_HZ = 10.0
@@ -36,7 +36,7 @@ async def read_joint_states(graph: TypedGraph) -> JointStates:
     settings = JointStateSettings(
         zeros=await _zeros(graph, model),
         dependent_joints={
-            name: _dependence(name, value)
+            name: _mimic(name, value)
             for name, value in (await node_mapping(graph, "dependent_joints")).items()
         },
         use_mimic_tags=await node_bool(graph, "use_mimic_tags", True),
@@ -121,11 +121,11 @@ async def _zeros(graph: TypedGraph, model: RobotModel) -> dict[str, float]:
     return zeros
 
 
-def _dependence(name: str, value: ParamValue) -> Dependence:
+def _mimic(name: str, value: ParamValue) -> Mimic:
     if not isinstance(value, dict) or not isinstance(value.get("parent"), str):
         raise ConfigError(f"dependent_joints/{name} needs parent, and can have factor and offset")
     where = f"dependent_joints/{name}"
-    return Dependence(
+    return Mimic(
         str(value["parent"]),
         number(value.get("factor", 1.0), f"{where}/factor"),
         number(value.get("offset", 0.0), f"{where}/offset"),

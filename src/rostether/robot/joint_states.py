@@ -10,16 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rostether.errors import RobotModelError
-from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel
-
-
-@dataclass(frozen=True, slots=True)
-class Dependence:
-    """A joint that follows another one: factor * position + offset."""
-
-    parent: str
-    factor: float = 1.0
-    offset: float = 0.0
+from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, Mimic, RobotModel, mimic_chain
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +18,7 @@ class JointStateSettings:
     """Parameters of joint_state_publisher with its defaults; `delta` is added to each joint at each step."""
 
     zeros: Mapping[str, float] = field(default_factory=dict)
-    dependent_joints: Mapping[str, Dependence] = field(default_factory=dict)
+    dependent_joints: Mapping[str, Mimic] = field(default_factory=dict)
     use_mimic_tags: bool = True
     use_smallest_joint_limits: bool = True
     publish_default_positions: bool = True
@@ -73,8 +64,7 @@ class JointStates:
                 continue
             self._order.append(name)
             if settings.use_mimic_tags and joint.mimic is not None:
-                mimic = joint.mimic
-                self._dependent[name] = Dependence(mimic.joint, mimic.multiplier, mimic.offset)
+                self._dependent[name] = joint.mimic
             elif name not in self._dependent:
                 self.free[name] = self._free_joint(name, joint)
         self._leaders = {name: self._leader(name) for name in self._order if name not in self.free}
@@ -157,15 +147,7 @@ class JointStates:
         )
 
     def _leader(self, name: str) -> tuple[float, float, str]:
-        factor, offset, passed, leader = 1.0, 0.0, [name], name
-        while leader in self._dependent:
-            dependence = self._dependent[leader]
-            offset += factor * dependence.offset
-            factor *= dependence.factor
-            leader = dependence.parent
-            if leader in passed:
-                raise RobotModelError(f"joints mimic each other in a circle: {', '.join([*passed, leader])}")
-            passed.append(leader)
+        factor, offset, leader = mimic_chain(self._dependent, name)
         if leader not in self.free:
             raise RobotModelError(
                 f"joint {name!r} mimics {leader!r}, which is not a movable joint of the robot"

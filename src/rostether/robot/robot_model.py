@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from rostether.errors import RobotModelError
 from rostether.robot.transform import NO_TRANSFORM, Transform, Vector
 
 
@@ -36,7 +38,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """A joint that follows another: multiplier * position + offset."""
+    """A joint that follows another one: multiplier * position + offset."""
 
     joint: str
     multiplier: float = 1.0
@@ -106,9 +108,33 @@ class RobotModel:
     problems: tuple[str, ...] = ()
     _below: dict[str, list[Joint]] = field(default_factory=dict, repr=False, compare=False)
 
+    @property
+    def mimics(self) -> dict[str, Mimic]:
+        """The joints that follow others, by name."""
+        return {name: joint.mimic for name, joint in self.joints.items() if joint.mimic is not None}
+
     def joints_below(self, link: str) -> list[Joint]:
         """Return the joints whose parent is a link, sorted by name."""
         if not self._below:
             for _, joint in sorted(self.joints.items()):
                 self._below.setdefault(joint.parent, []).append(joint)
         return self._below.get(link, [])
+
+
+def mimic_chain(
+    mimics: Mapping[str, Mimic], name: str, given: Container[str] = ()
+) -> tuple[float, float, str]:
+    """Return factor, offset and name of the joint at the end of a chain of mimicking joints.
+
+    Joints in `given` end the chain. Raises RobotModelError for a circle.
+    """
+    factor, offset, passed = 1.0, 0.0, [name]
+    mimic = mimics.get(name)
+    while mimic is not None:
+        offset += factor * mimic.offset
+        factor *= mimic.multiplier
+        if mimic.joint in passed:
+            raise RobotModelError(f"joints mimic each other in a circle: {', '.join([*passed, mimic.joint])}")
+        passed.append(mimic.joint)
+        mimic = None if mimic.joint in given else mimics.get(mimic.joint)
+    return factor, offset, passed[-1]

@@ -2,8 +2,7 @@
 
 Fixed joints and planar joints (which one number cannot describe) have fixed transforms; the localization
 publishes those of floating joints. Moving joints are published as soon as a state contains them, but not more
-often
-than `publish_frequency_hz`.
+often than `publish_frequency_hz`.
 """
 
 from __future__ import annotations
@@ -12,8 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rostether.errors import RobotModelError
-from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel
+from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel, mimic_chain
 from rostether.robot.transform import (
     StampedTransform,
     Transform,
@@ -61,8 +59,8 @@ class RobotState:
                 self._moving[name] = joint
             elif joint.type is not JointType.FLOATING:
                 self._fixed.append(joint)
-            if joint.mimic is not None:
-                mimic_chain(model, joint)
+        for name in model.mimics:
+            mimic_chain(model.mimics, name)
         self._published_ns: dict[str, int] = {}
         self._last_call_ns = 0
         self.problem = ""
@@ -109,12 +107,7 @@ class RobotState:
         }
 
     def _is_led(self, name: str, known: dict[str, float]) -> bool:
-        joint: Joint | None = self._model.joints[name]
-        while joint is not None and joint.mimic is not None:
-            if joint.mimic.joint in known:
-                return True
-            joint = self._model.joints.get(joint.mimic.joint)
-        return False
+        return mimic_chain(self._model.mimics, name, known)[2] in known
 
     def _defect(self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int) -> str:
         if len(names) != len(positions):
@@ -167,34 +160,12 @@ def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, 
     Raises RobotModelError if joints mimic each other in a circle.
     """
     complete = dict(positions)
-    for name, joint in model.joints.items():
-        if joint.mimic is not None and name not in complete:
-            factor, offset, leader = mimic_chain(model, joint, positions)
-            if leader in positions:
-                complete[name] = factor * positions[leader] + offset
-            else:
-                complete[name] = offset
+    mimics = model.mimics
+    for name in mimics:
+        if name not in complete:
+            factor, offset, leader = mimic_chain(mimics, name, positions)
+            complete[name] = factor * positions[leader] + offset if leader in positions else offset
     return complete
-
-
-def mimic_chain(
-    model: RobotModel, joint: Joint, given: Mapping[str, object] | None = None
-) -> tuple[float, float, str]:
-    """Return factor, offset and name of the joint at the end of a chain of mimicking joints.
-
-    Joints in `given` end the chain. Raises RobotModelError for a circle.
-    """
-    factor, offset, passed = 1.0, 0.0, [joint.name]
-    current: Joint | None = joint
-    while current is not None and current.mimic is not None:
-        offset += factor * current.mimic.offset
-        factor *= current.mimic.multiplier
-        leader = current.mimic.joint
-        if leader in passed:
-            raise RobotModelError(f"joints mimic each other in a circle: {', '.join([*passed, leader])}")
-        passed.append(leader)
-        current = None if given is not None and leader in given else model.joints.get(leader)
-    return factor, offset, passed[-1]
 
 
 def _unit(vector: Vector) -> Vector:

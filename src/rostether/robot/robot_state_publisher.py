@@ -60,14 +60,10 @@ async def read_settings(graph: TypedGraph) -> RobotStateSettings:
     prefix = await graph.get_param(prefix_name) if prefix_name else ""
     return RobotStateSettings(
         publish_frequency_hz=number(await graph.get_param("~publish_frequency", 50.0), "publish_frequency"),
-        use_tf_static=bool(await _own(graph, "use_tf_static", default=True)),
-        ignore_timestamp=bool(await _own(graph, "ignore_timestamp", default=False)),
+        use_tf_static=bool(await graph.get_param("~use_tf_static", True)),
+        ignore_timestamp=bool(await graph.get_param("~ignore_timestamp", False)),
         tf_prefix=str(prefix),
     )
-
-
-async def _own(graph: TypedGraph, name: str, *, default: bool) -> object:
-    return await graph.get_param(f"~{name}", default)
 
 
 async def _publish_fixed(graph: TypedGraph, state: RobotState) -> None:

@@ -100,8 +100,7 @@ class SerialTransport(StreamTransport, asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Keep asyncio's transport; reading waits for `start`."""
-        # serialx reads 256 KiB each time, and the buffer costs 30 µs, but a terminal never
-        # has so much.
+        # serialx reads 256 KiB each time, and the buffer costs 30 µs, but a terminal never has so much.
         if hasattr(transport, "max_size"):
             transport.max_size = READ_CHUNK_BYTES
         super().connection_made(transport)

@@ -32,7 +32,7 @@ async def test_frames_and_calls_add_up(tmp_path: Path, board: str) -> None:
     found = await estimate(tmp_path, LEAF + "void setup() { sink = middle(sink); }\nvoid loop() {}\n", board)
     # Both frames, three return addresses, and the frame pointer saved twice; little more.
     assert 340 + 10 <= found.main_bytes <= 340 + 30
-    assert [name.strip("_") for name in found.way] == ["main", "Z6middlei", "Z4leafi"]
+    assert [name.strip("_") for name in found.main_path] == ["main", "Z6middlei", "Z4leafi"]
 
 
 async def test_return_addresses_are_longer_on_large_boards(tmp_path: Path) -> None:
@@ -92,7 +92,7 @@ async def test_the_shared_prologues_of_the_c_library_are_understood(tmp_path: Pa
     found = await estimate(tmp_path, text)
     # With the interrupt of the clock, a simulated Uno uses 69 bytes.
     assert 65 <= found.main_bytes <= 80
-    assert "vfprintf" in found.way
+    assert "vfprintf" in found.main_path
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from rostether.platform.command_link import (
     SenderSettings,
 )
 from rostether.platform.host_state import read_signal_dbm
-from rostether.platform.robot_table import Place, RobotTable
+from rostether.platform.robot_table import Place, RobotTable, hosts_of_duplicate_ids
 from rostether.platform.status_frame import HostState, Refusal, RobotStatus, decode_status
 from rostether.platform.status_reporter import StatusReporter
 
@@ -97,9 +97,9 @@ def test_a_robot_that_loses_more_than_a_tenth_gets_unicast_while_it_answers() ->
     assert receive(60, 5, 65, 3.0)
     assert table.unicast_addresses(3.0) == [("10.0.0.3", 5)]
     assert table.unicast_addresses(13.1) == []
-    assert table.duplicate_ids() == {}
+    assert hosts_of_duplicate_ids(table.robots) == {}
     assert table.receive(STATUS.encode(KEY), ("10.0.0.4", 5), 1_000, 3.0) is not None
-    assert table.duplicate_ids() == {3: ["10.0.0.3", "10.0.0.4"]}
+    assert hosts_of_duplicate_ids(table.robots) == {3: ["10.0.0.3", "10.0.0.4"]}
 
 
 def test_old_foreign_and_forged_statuses_are_ignored() -> None:

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from rostether.errors import RobotModelError
-from rostether.robot.joint_states import Dependence, JointStates, JointStateSettings
+from rostether.robot.joint_states import JointStates, JointStateSettings
+from rostether.robot.robot_model import Mimic
 from rostether.robot.urdf import parse_urdf
 from unit.robot.robots import ARM, GRIPPER, ROVER, joint, robot
 
@@ -43,7 +44,7 @@ def test_mimic_tags_may_be_ignored() -> None:
 
 
 def test_dependences_may_be_set() -> None:
-    settings = JointStateSettings(dependent_joints={"j1": Dependence("j0", 2.0, 0.5)})
+    settings = JointStateSettings(dependent_joints={"j1": Mimic("j0", 2.0, 0.5)})
     states = JointStates(parse_urdf(ARM), settings)
     states.receive(["j0"], [1.0], [0.25], [3.0])
     values = states.values()

@@ -88,6 +88,12 @@ def test_service_headers() -> None:
         handshake.check_server(server | {"md5sum": "1"}, "/s", SERVICE)
 
 
+def test_a_publisher_without_a_type_has_any_type() -> None:
+    assert handshake.type_of({}) == MessageType("*", "*", "")
+    answer = handshake.publisher_fields("/a", STRING, caller_id="/you", latch=False)
+    assert handshake.type_of(answer) == STRING
+
+
 def test_flags_of_publishers_and_subscribers() -> None:
     latched = handshake.publisher_fields("/a", STRING, caller_id="/you", latch=True)
     assert handshake.is_true(latched, "latching")

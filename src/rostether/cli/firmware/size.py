@@ -215,12 +215,12 @@ def _messages(endpoints: Sequence[Endpoint], buffer_bytes: int) -> Table:
 
 
 def _describe_stack(stack: StackEstimate) -> str:
-    names = [_short(each) for each in stack.way]
+    names = [_short(each) for each in stack.main_path]
     if len(names) > _SHOWN_WAY:
         names = [*names[: _SHOWN_WAY - 2], "...", names[-1]]
     lines = [f"Deepest stack: {stack.main_bytes} bytes in {' > '.join(names)}"]
     if stack.interrupt_bytes:
-        interrupted = " > ".join(_short(each) for each in stack.interrupt_way[:2])
+        interrupted = " > ".join(_short(each) for each in stack.interrupt_path[:2])
         lines.append(f"plus {stack.interrupt_bytes} bytes if {interrupted} interrupts it there.")
     if stack.unknown:
         lines.append(f"It can be more: {'; '.join(_short(each) for each in stack.unknown)}.")

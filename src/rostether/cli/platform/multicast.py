@@ -81,9 +81,8 @@ def multicast_topic_receiver(arguments: tuple[str, ...], ros2: str | None) -> No
 def fleet_monitor(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish the state of each robot (`fleet`), and stop robots (service `fleet_stop`).
 
-    Parameters: ~multicast_group_addr (239.255.82.83), ~sending_port (11412), ~interface (names or
-    addresses), ~ttl (1), ~groups (all), ~key_file, ~unicast (addresses of robots that multicast does not
-    reach).
+    Parameters: ~multicast_group_addr (239.255.82.83), ~sending_port (11412), ~interface (names or addresses),
+    ~ttl (1), ~groups (all), ~key_file, ~unicast (addresses of robots that multicast does not reach).
     """
     run_role("fleet_monitor", arguments, _monitor, ros2)
 

@@ -110,8 +110,7 @@ class FoxgloveSettings(ServerSettings):
     """How a gateway serves.
 
     `name` is the server's in the clients' windows, `metadata` is sent with it; log lines start with `label`.
-    The filters limit what
-    clients reach.
+    The filters limit what clients reach.
     """
 
     port: int = DEFAULT_PORT

@@ -26,9 +26,7 @@ class NodeCalls(Protocol):
 
 
 class TopicNotices:
-    """Notifies subscribers of the publishers of their topics; `work_later` runs the steps of long
-    work.
-    """
+    """Notifies subscribers of the publishers of their topics; `work_later` runs the steps of long work."""
 
     def __init__(
         self,

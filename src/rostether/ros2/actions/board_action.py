@@ -78,7 +78,7 @@ class BoardAction:
         if server is not None:
             await server.close()
 
-    def take_feedback(self, payloads: Sequence[bytes]) -> None:
+    def handle_feedback(self, payloads: Sequence[bytes]) -> None:
         """Publish the feedback of goals in progress."""
         if self._server is None:
             return
@@ -88,7 +88,7 @@ class BoardAction:
                 feedback = self._forms.to_native("Feedback", payload[content:])
                 self._server.feedback(bytes.fromhex(text), feedback)
 
-    def take_results(self, payloads: Sequence[bytes]) -> None:
+    def handle_results(self, payloads: Sequence[bytes]) -> None:
         """End goals with their results."""
         for payload in payloads:
             text, status, content = read_status(payload, after_header(payload))
@@ -98,7 +98,7 @@ class BoardAction:
                 final = GoalStatus.ABORTED if is_replaced else _FINAL.get(status, GoalStatus.ABORTED)
                 self._finish(text, final, self._forms.to_native("Result", payload[content:]))
 
-    def take_statuses(self, payloads: Sequence[bytes]) -> None:
+    def handle_statuses(self, payloads: Sequence[bytes]) -> None:
         """Abort the goals that the board no longer knows, because it was reset."""
         listed = read_statuses(payloads[-1])
         old = [text for text, sent_s in self._sent_s.items() if self._clock() - sent_s > LOST_AFTER_S]

@@ -98,13 +98,13 @@ class _BoardGraph:
     ) -> Publisher:
         """Advertise like `Graph.advertise`; topics of an action go to the action."""
         name = self._graph.resolve(topic)
-        for part, take in (
-            (FEEDBACK, BoardAction.take_feedback),
-            (RESULT, BoardAction.take_results),
-            (STATUS, BoardAction.take_statuses),
+        for part, handle in (
+            (FEEDBACK, BoardAction.handle_feedback),
+            (RESULT, BoardAction.handle_results),
+            (STATUS, BoardAction.handle_statuses),
         ):
             if _is(part, name, message_type):
-                return _ActionPublisher(name, message_type, self._topics(part, name), take)
+                return _ActionPublisher(name, message_type, self._topics(part, name), handle)
         return await self._graph.advertise(topic, message_type, latch=latch, queue_bytes=queue_bytes)
 
     async def subscribe(
@@ -166,17 +166,17 @@ class _ActionPublisher:
         topic: str,
         message_type: MessageType,
         topics: _Topics,
-        take: Callable[[BoardAction, Sequence[bytes]], None],
+        handle: Callable[[BoardAction, Sequence[bytes]], None],
     ) -> None:
         self.topic = topic
         self.type = message_type
         self._topics = topics
-        self._take = take
+        self._handle = handle
 
     def publish_raw(self, payloads: Sequence[bytes]) -> bool:
         """Pass the payloads to the action, if it is offered."""
         if self._topics.action is not None and payloads:
-            self._take(self._topics.action, payloads)
+            self._handle(self._topics.action, payloads)
         return True
 
     async def drained(self, timeout_s: float) -> None:

@@ -95,9 +95,9 @@ class Ros1ActionServer:
             self._feedback = await self._advertise(FEEDBACK)
             self._result = await self._advertise(RESULT)
             self._status = await self._advertise(STATUS, latch=True)
-            for part, take in ((CANCEL, self._take_cancels), (GOAL, self._take_goals)):
+            for part, handle in ((CANCEL, self._handle_cancels), (GOAL, self._handle_goals)):
                 subscriber = await self._ros1.subscribe(
-                    self.action + part[0], self._registry.message_type(self._type_name(part)), take
+                    self.action + part[0], self._registry.message_type(self._type_name(part)), handle
                 )
                 self._stack.push_async_callback(subscriber.close)
         except BaseException:
@@ -132,7 +132,7 @@ class Ros1ActionServer:
     def _type_name(self, part: tuple[str, str]) -> str:
         return part[1] if "/" in part[1] else self._action_type + part[1]
 
-    def _take_goals(self, payloads: Sequence[bytes]) -> None:
+    def _handle_goals(self, payloads: Sequence[bytes]) -> None:
         for payload in payloads:
             goal_id, content = GoalId.read(payload, after_header(payload))
             if goal_id.text not in self._goals:
@@ -181,7 +181,7 @@ class Ros1ActionServer:
         self._publish_statuses()
         self._result.publish_raw([write_header(self._ros1.now()) + goal.status_bytes() + content])
 
-    def _take_cancels(self, payloads: Sequence[bytes]) -> None:
+    def _handle_cancels(self, payloads: Sequence[bytes]) -> None:
         for payload in payloads:
             wanted, _ = GoalId.read(payload)
             for goal in self._goals.values():

@@ -115,7 +115,7 @@ class GoalCall:
         if on_feedback is None:
             return await self._run(goal, on_accepted)
 
-        def take(payloads: Sequence[bytes]) -> None:
+        def handle_feedback(payloads: Sequence[bytes]) -> None:
             for payload in payloads:
                 if payload[:ID_BYTES] == self.goal_id:
                     on_feedback(payload[ID_BYTES:])
@@ -124,7 +124,7 @@ class GoalCall:
         subscriber = await self._graph.subscribe(
             f"{self._action}/{FEEDBACK_TOPIC}",
             self._types.feedback_message,
-            take,
+            handle_feedback,
             on_connection=lambda _: connected.set(),
         )
         try:

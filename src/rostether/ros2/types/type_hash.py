@@ -1,8 +1,7 @@
 """The type hash of ROS 2 (REP-2011, RIHS01), which endpoints compare when they connect.
 
 It is the SHA-256 of the descriptions of a type and its nested types, in the JSON format of rcl. Field names
-and
-types count; comments, constants and defaults do not.
+and types count; comments, constants and defaults do not.
 """
 
 from __future__ import annotations
