@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import replace
 
 from rostether.bridge.endpoint.factory import EndpointFactory
+from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.board_health import BoardHealth
 from rostether.bridge.findings.required import RequiredTopics
@@ -34,6 +36,8 @@ LINE_PERIOD_S = 5.0
 RESUME_LINES = 60
 # How often the number of omitted lines is reported.
 SUMMARY_PERIOD_S = 60.0
+# A graph does not report that a subscriber has connected.
+_SUBSCRIBER_POLL_S = 0.005
 
 
 class BoardNode:
@@ -85,6 +89,15 @@ class BoardNode:
             return self.store.layout(info.message_type).fixed_size_bytes
         except RostetherError:
             return None
+
+    async def wait_for_subscribers(self) -> None:
+        """Wait until every topic of the board to which nodes have subscribed is connected to one of them."""
+        topics = (await self.graph.snapshot()).topics
+        for _, endpoint in tuple(self.endpoints):
+            if isinstance(endpoint, PublisherEndpoint):
+                entry = topics.get(self.graph.resolve(endpoint.info.topic_name))
+                while entry is not None and entry.subscribers and not endpoint.has_subscribers:  # noqa: ASYNC110
+                    await asyncio.sleep(_SUBSCRIBER_POLL_S)
 
     async def close(self) -> None:
         """Leave the graph with all endpoints. Idempotent."""

@@ -136,6 +136,12 @@ class Supervisor:
         views = [view_board(board.node, board.session) for board in self._boards if board.node is not None]
         return sorted(views, key=lambda view: view.node)
 
+    async def wait_for_subscribers(self) -> None:
+        """Wait until every topic of a board to which nodes have subscribed is connected to one of them."""
+        for board in self._boards:
+            if board.node is not None:
+                await board.node.wait_for_subscribers()
+
     async def start(self, addresses: Sequence[Address]) -> None:
         """Start to serve; a node to keep joins first. Missing links are opened when they appear.
 

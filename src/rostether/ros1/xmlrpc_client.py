@@ -63,11 +63,13 @@ class XmlRpcClient:
         """
         limit_s = self._timeout_s if timeout_s is None else timeout_s
         try:
+            writer = DocumentWriter()
+            await run_in_slices(call_steps(writer, method, args))
+            # The work on large values here does not count: the server answers meanwhile, or has answered.
             async with asyncio.timeout(limit_s):
-                writer = DocumentWriter()
-                await run_in_slices(call_steps(writer, method, args))
-                reader = DocumentReader(await self._exchange(writer.document()))
-                await run_in_slices(reader.steps())
+                answer = await self._exchange(writer.document())
+            reader = DocumentReader(answer)
+            await run_in_slices(reader.steps())
             return reader.response()
         except TimeoutError:
             raise self._unreachable(

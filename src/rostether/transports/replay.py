@@ -13,15 +13,14 @@ from rostether.transports.transport import Transport
 # As many as a TCP listener accepts: a capture is untrusted, and each link becomes a session.
 MAX_LINKS = 128
 
-# Only while a capture is played without pauses.
 _TAKEN_POLL_S = 0.001
 
 
 class CaptureListener:
     """A listener whose peers are the links of a capture; they connect when it plays.
 
-    Bytes from the host are ignored. `speed` is the factor of the recorded speed; None: without pauses, only
-    with `settle()` after each chunk.
+    Bytes from the host are ignored. `speed` is the factor of the recorded speed; None: without pauses.
+    `settle()` is called after each chunk; it returns for how many seconds it delayed the rest.
     """
 
     def __init__(
@@ -30,7 +29,7 @@ class CaptureListener:
         on_transport: Callable[[Transport], None],
         *,
         speed: float | None = 1.0,
-        settle: Callable[[], Awaitable[object]] | None = None,
+        settle: Callable[[], Awaitable[float]] | None = None,
     ) -> None:
         self.address = str(capture.path)
         self.played_bytes = 0
@@ -54,10 +53,9 @@ class CaptureListener:
                         board.transport.write(data)
                         self.played_bytes += len(data)
                         await board.has_room.wait()
-                        if self._speed is None:
-                            await board.wait_until_read()
-                            if self._settle is not None:
-                                await self._settle()
+                        await board.wait_until_read()
+                        if self._settle is not None:
+                            began_s += await self._settle()
                     case LinkOpened(link=link):
                         self._unplug(link)
                         self._plug_in(link)

@@ -67,6 +67,11 @@ class PublisherEndpoint:
         """How many messages slow subscribers have lost; the graph reports which subscribers."""
         return self._publisher.dropped_count if self._publisher is not None else 0
 
+    @property
+    def has_subscribers(self) -> bool:
+        """Whether the topic is advertised and a subscriber is connected."""
+        return self._publisher is not None and self._publisher.subscriber_count > 0
+
     def attach(self, line: BoardLine, info: TopicInfo) -> None:
         """Handle the messages of a connection."""
         self.detach()

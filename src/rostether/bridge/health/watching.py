@@ -94,7 +94,9 @@ async def _watch(session: Session, clock: Callable[[], float], watch_s: float) -
         if session.watch.was_alive:
             alive_s = now_s if alive_s is None else alive_s
             is_doubtful = session.link.statistics.resets > 0 or session.watch.loop_speed.is_suspect
-            if now_s - alive_s >= (max(UNREST_S, watch_s) if is_doubtful else watch_s):
+            # On a slow machine the types of its topics may be found after the time.
+            wanted_s = max(UNREST_S, watch_s) if is_doubtful or session.is_searching else watch_s
+            if now_s - alive_s >= wanted_s:
                 break
         elif now_s - began_s >= NO_ANSWER_S:
             break

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
 
 # The time for subscribers to connect to a new topic in a replay without pauses.
 SUBSCRIBE_S = 0.5
+
+# The longest wait for subscribers that the graph lists: one that has crashed stays listed.
+LISTED_S = 5.0
 
 # How often a replay without pauses checks whether the types of new topics are found.
 SEARCH_POLL_S = 0.005
@@ -110,9 +114,8 @@ async def _replay(
     listeners: list[CaptureListener] = []
     settling: list[_Settling] = []
 
-    async def settle() -> None:
-        for each in settling:
-            await each.settle()
+    async def settle() -> float:
+        return sum([await each.settle() for each in settling])
 
     async def listen(
         address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
@@ -132,7 +135,7 @@ async def _replay(
             diagnostics=True,
             listen=listen,
         ) as supervisor:
-            settling.append(_Settling(supervisor))
+            settling.append(_Settling(supervisor, is_fast=speed is None))
             (listener,) = listeners
             await listener.play()
             await asyncio.sleep(AFTER_S)
@@ -148,20 +151,32 @@ async def _replay(
 class _Settling:
     """Waits until the bridge has read a chunk, and for subscribers if the chunk created a topic."""
 
-    def __init__(self, supervisor: Supervisor) -> None:
+    def __init__(self, supervisor: Supervisor, *, is_fast: bool) -> None:
         self._supervisor = supervisor
+        self._is_fast = is_fast
         self._known = 0
 
-    async def settle(self) -> None:
-        """Wait."""
+    async def settle(self) -> float:
+        """Wait; returns for how many seconds, 0.0 if nothing was new."""
         await asyncio.sleep(0)
+        loop = asyncio.get_running_loop()
+        began_s = loop.time()
+        boards = self._supervisor.boards()
         # A thread searches for a type; the end of the capture would cancel the search.
-        while any(board.is_searching for board in self._supervisor.boards()):  # noqa: ASYNC110
+        while any(board.is_searching for board in boards):
             await asyncio.sleep(SEARCH_POLL_S)
-        known = sum(len(board.endpoints) for board in self._supervisor.boards())
-        if known > self._known:
-            await asyncio.sleep(SUBSCRIBE_S)
+            boards = self._supervisor.boards()
+        known = sum(len(board.endpoints) for board in boards)
+        if known <= self._known:
+            self._known = known
+            return 0.0
         self._known = known
+        if self._is_fast:
+            await asyncio.sleep(SUBSCRIBE_S)
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(LISTED_S):
+                await self._supervisor.wait_for_subscribers()
+        return loop.time() - began_s
 
 
 def _node_name(file: Path) -> str:

@@ -45,13 +45,13 @@ class Site:
         self.known = KnownBoards()
         self.supervisor: Supervisor
 
-    async def start(self, toml: str = "", *addresses: str) -> None:
+    async def start(self, toml: str = "", *addresses: str, grace_s: float = GRACE_S) -> None:
         devices: DeviceBook = parse_devices_toml(toml)
         self.supervisor = Supervisor(
             self.join,
             STORE,
             reporter=self.reporter,
-            settings=BridgeSettings(grace_s=GRACE_S),
+            settings=BridgeSettings(grace_s=grace_s),
             devices=devices,
         )
         links = [parse_address(address) for address in addresses]
@@ -142,7 +142,7 @@ async def test_boards_that_are_there_already_are_found(site: Site) -> None:
 async def test_a_board_that_comes_back_as_another_port_is_the_same_node(
     marks: dict[str, Any], node: str, site: Site
 ) -> None:
-    await site.start()
+    await site.start(grace_s=60.0)
     heard = await site.heard()
     stop = asyncio.Event()
     async with site.machine.board("ttyACM0", **marks) as board:

@@ -125,7 +125,7 @@ async def test_no_file_is_overwritten(tmp_path: Path) -> None:
     assert file.read_text() == "precious"
 
 
-async def received_without_pauses(file: Path) -> int:
+async def received_of(file: Path, *options: str) -> int:
     """Replay a capture to a subscriber that waits; returns how many messages it got."""
     received = 0
     async with master() as environ, join("listener", environ=environ) as graph:
@@ -136,7 +136,7 @@ async def received_without_pauses(file: Path) -> int:
                 received += 1
 
         counting = asyncio.create_task(count())
-        async with started("link", "replay", str(file), "--fast", **environ) as play:
+        async with started("link", "replay", str(file), *options, **environ) as play:
             text = await play.finish()
         assert "1 topics and services, 1429 messages" in text
         seen = -1
@@ -149,12 +149,13 @@ async def received_without_pauses(file: Path) -> int:
     return received
 
 
-async def test_a_recorded_session_without_pauses() -> None:
+@pytest.mark.parametrize("options", [("--fast",), ("--speed", "1000")], ids=" ".join)
+async def test_a_recorded_session_without_pauses(options: tuple[str, ...]) -> None:
     """A subscriber that waits gets every message; the capture's own count of them is 1,429."""
     received = 0
     for _ in range(5):
         # On a busy machine a subscriber may need longer than the command waits for it.
-        received = max(received, await received_without_pauses(VECTORS / "adc.jsonl"))
+        received = max(received, await received_of(VECTORS / "adc.jsonl", *options))
         if received >= 1400:
             break
     # The first of them come in one chunk with the announcement, before a subscriber can have connected.
