@@ -149,8 +149,8 @@ class Peer:
         finally:
             self.node.destroy_client(client)
 
-    def act(self, action: str, type: str, goal: dict[str, Any]) -> Any:  # noqa: A002
-        """Send a goal; return the feedback, the final status and the result."""
+    def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
+        """Send a goal, and with `cancel` end it after a feedback; return feedback, status and result."""
         client: Any = ActionClient(self.node, find(type), action)
         feedback: list[Any] = []
         try:
@@ -160,6 +160,9 @@ class Peer:
                 fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
             )
             wait_for(sent.done, f"{action} does not answer")
+            if cancel:
+                wait_for(lambda: bool(feedback), f"{action} gives no feedback")
+                sent.result().cancel_goal_async()
             ended = sent.result().get_result_async()
             wait_for(ended.done, f"{action} does not end")
             return {

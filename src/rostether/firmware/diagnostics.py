@@ -26,6 +26,7 @@ _JOINED = re.compile(
 )
 # Packages of messages have such names, with types in camel case; folders of libraries rarely do.
 _BASE_CLASS = re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]")
+_FLASH_TEXT = re.compile(r"cannot convert .const __FlashStringHelper\s*\*")
 _TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
 
 # More errors of this kind do not help: all of them come from the same pasted page.
@@ -66,6 +67,10 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
         lines.append(
             "note: generated messages are not ros::Msg: make the function or class a template of the"
             " message's class, such as template <class M> void send(const M* message)"
+        )
+    if _FLASH_TEXT.search(output):
+        lines.append(
+            'note: a field of a message needs a text in RAM: remove F(). Logs accept it: nh.loginfo(F("..."))'
         )
     missing = dict.fromkeys(_MISSING_HEADER.findall(output))
     lines += [_explain_header(header) for header in missing]

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 import pytest_asyncio
 
+from firmware.examples.stage import EXAMPLES
 from firmware.ros2.mirrored import MIRROR, MIRRORED, NAMES
 from firmware.ros2.serving import serving, sim_address
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from interop_ros2.samples import ADDED, ros2_name
 from programs import Peer
+from rostether.firmware.build import BuildOptions, build_sketch, find_board
 
 pytestmark = [pytest.mark.rclpy, pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(300)]
 
 PATIENCE_S = 60.0
 WARN = 30
+SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +33,27 @@ def peer() -> Iterator[RclpyPeer]:
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module", autouse=True)
-async def bridge(peer: RclpyPeer) -> AsyncIterator[Peer]:
-    """The bridge with the board `/lab/arm`, one for all tests."""
+async def bridge(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Peer]:
+    """The bridge with the boards `/lab/arm` and `/lab/counter`, one for all tests."""
     address = await sim_address(MIRROR, "mega", "arm")
-    async with serving("--ros2", "rclpy", f"{address}&ns=lab") as bridge:
+    folder = tmp_path_factory.mktemp("counter")
+    counter = await counting_sketch(folder)
+    boards = (f"{address}&ns=lab", f"sim:{counter}?board=uno&name=counter&ns=lab")
+    async with serving("--ros2", "rclpy", "--msg-path", str(folder), *boards) as bridge:
         yield bridge
+
+
+async def counting_sketch(folder: Path) -> Path:
+    """Build the example ActionServer for an Uno, with an action that the peer's ROS 2 has."""
+    definition = folder / "test_msgs" / "action" / "Fibonacci.action"
+    definition.parent.mkdir(parents=True)
+    definition.write_text("int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n")
+    sketch = folder / "Counter" / "Counter.ino"
+    sketch.parent.mkdir()
+    example = (EXAMPLES / "ActionServer" / "ActionServer.ino").read_text()
+    sketch.write_text(example.replace("actionlib_tutorials", "test_msgs"))
+    built = await build_sketch(sketch, find_board("uno"), BuildOptions(msg_paths=(folder,), warnings=True))
+    return built.elf
 
 
 async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], object]) -> Any:
@@ -82,6 +102,19 @@ async def test_the_board_serves(peer: RclpyPeer) -> None:
         assert answered == {"success": data, "message": message}
     answered = await peer.ask("call", service="/lab/pull", type="std_srvs/srv/Trigger", request={})
     assert answered == {"success": True, "message": "bang"}
+
+
+async def test_the_board_serves_an_action(peer: RclpyPeer) -> None:
+    action = {"action": "/lab/fibonacci", "type": "test_msgs/action/Fibonacci"}
+    reached = await peer.ask("act", **action, goal={"order": 3})
+    assert (reached["status"], reached["result"]) == (SUCCEEDED, {"sequence": [0, 1, 1, 2]})
+    canceled = await peer.ask("act", **action, goal={"order": 19}, cancel=True)
+    assert canceled["feedback"][0]["sequence"][:3] == [0, 1, 1]
+    # On a busy machine the board has counted on before the cancel arrives.
+    assert canceled["status"] == CANCELED
+    assert canceled["result"]["sequence"][:3] == [0, 1, 1]
+    refused = await peer.ask("act", **action, goal={"order": 40})
+    assert (refused["status"], refused["result"]) == (ABORTED, {"sequence": []})
 
 
 async def test_the_board_calls(peer: RclpyPeer) -> None:

@@ -48,3 +48,11 @@ def test_pins_of_the_opencr_have_a_hint(tmp_path: Path) -> None:
     text = _explained(tmp_path, "void setup() {}\n", output)
     assert text.count("note:") == 1
     assert "build with --board opencr, or name a pin here: -D BDPIN_LED_USER_1=13" in text
+
+
+def test_a_flash_text_in_a_message(tmp_path: Path) -> None:
+    output = (
+        "S.ino:6:24: error: cannot convert 'const __FlashStringHelper*' to "
+        "'std_msgs::String::_data_type {aka const char*}' in assignment\n"
+    )
+    assert "remove F()" in _explained(tmp_path, 'text.data = F("hello");', output)

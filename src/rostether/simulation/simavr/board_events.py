@@ -34,10 +34,21 @@ def parse_event(line: bytes) -> BoardEvent:
         raise BoardError(f"the simulated board's runner printed an unknown line: {line[:80]!r}") from error
 
 
+# What a problem means for the user, where its name and values do not say it.
+_MEANINGS = {
+    "behind": "this computer was too busy to simulate the board in real time",
+    "overrun": "the program had interrupts off for too long, and received bytes were lost",
+    "lost_serial": "no program read these bytes in time",
+    "lost_events": "these events were not read in time",
+    "stack": "the stack came close to the variables: the program needs more RAM than is safe",
+    "stack_overflow": "the stack overwrote variables: the program needs more RAM than the board has",
+}
+
+
 def show_event(event: BoardEvent) -> str:
-    """Format an event in one line: the board's time in seconds, the event, its values."""
+    """Format an event in one line: the board's time in seconds, the event, its values, the meaning."""
     values = dict(event.values)
-    text = values.pop("text", "")
+    text = values.pop("text", "") or _MEANINGS.get(event.name, "")
     pin = values.pop("pin", None)
     parts = [event.name.replace("_", " "), *([str(pin)] if pin is not None else [])]
     parts += [f"{key}={_show(value)}" for key, value in values.items() if value != ""]

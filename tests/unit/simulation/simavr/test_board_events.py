@@ -27,7 +27,11 @@ def test_what_is_no_event(line: bytes) -> None:
         ),
         (BoardEvent("power", 2.0, {"on": False}), "    2.000000  power on=no"),
         (BoardEvent("asleep", 3.0, {"text": "it sleeps"}), "    3.000000  asleep: it sleeps"),
-        (BoardEvent("stack_overflow", 3.0, {"free_bytes": 0}), "    3.000000  stack overflow free_bytes=0"),
+        (
+            BoardEvent("stack_overflow", 3.0, {"free_bytes": 0}),
+            "    3.000000  stack overflow free_bytes=0: the stack overwrote variables: the program needs"
+            " more RAM than the board has",
+        ),
     ],
 )
 def test_an_event_for_people(event: BoardEvent, line: str) -> None:
