@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 from collections.abc import Sequence
 
-from rostether.errors import GraphError
+from rostether.errors import ConfigError, GraphError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import Ros1Graph, join_ros1
+from rostether.ros1.own_host import describe_unknown_host
 
 ROSOUT_AGG = "/rosout_agg"
 # `rosnode kill -a` also ends /rosout; roscore starts it again, with a delay in case it is killed repeatedly.
@@ -45,7 +47,8 @@ class Roscore:
     ) -> Roscore:
         """Start where the environment lets us listen; port 0 takes a free one.
 
-        Raises GraphError when the port is taken, ConfigError when an address is not this machine's.
+        Raises GraphError when the port is taken, ConfigError when an address is not this machine's or its
+        own host name is unknown.
         """
         master = await MasterServer.start(
             environment.listen_hosts,
@@ -58,8 +61,10 @@ class Roscore:
         core = cls(master, environment, respawn_pause_s=respawn_pause_s)
         try:
             core._rosout = await core._join_rosout()
-        except BaseException:
+        except BaseException as error:
             await master.close()
+            if isinstance(error.__cause__, socket.gaierror):
+                raise ConfigError(describe_unknown_host(environment.advertised_host)) from error
             raise
         core._keeper = asyncio.get_running_loop().create_task(core._keep_rosout(core._rosout))
         return core

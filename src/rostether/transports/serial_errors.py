@@ -46,7 +46,7 @@ def explain_open_error(
         )
     if isinstance(error, PermissionError):
         return TransportOpenError(explain_permission(path))
-    if isinstance(error, OSError) and code in (errno.ENOTTY, errno.EISDIR):
+    if code in (errno.ENOTTY, errno.EISDIR) or (code == errno.EINVAL and not _is_terminal(path)):
         return TransportOpenError(f"{path} is not a serial port; {_describe_ports(list_ports)}")
     if isinstance(error, OSError) and code in (errno.ENXIO, errno.ENODEV, errno.EIO):
         return TransportOpenError(f"no device answers on {path}; {_describe_ports(list_ports)}")
@@ -57,6 +57,18 @@ def explain_open_error(
     return ConfigError(
         f"{path} does not support {address.baud} baud ({error}); choose another with ?baud=57600"
     )
+
+
+def _is_terminal(path: str) -> bool:
+    """Return whether a device has a line; /dev/urandom refuses every setting as a line refuses a speed."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
+    except OSError:
+        return True
+    try:
+        return os.isatty(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def find_holder(path: str) -> str | None:

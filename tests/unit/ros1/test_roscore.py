@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
+from dataclasses import replace
 
 import pytest
 
-from rostether.errors import GraphError
+from rostether.errors import ConfigError, GraphError
 from rostether.graph.log_message import LOG_TYPE
 from rostether.graph.ports import Level
 from rostether.ros1.environment import RosEnvironment
@@ -62,6 +63,18 @@ async def test_rosout_comes_back_when_it_is_killed(core: Roscore, node: Ros1Grap
     await killer.close()
     await until(lambda: core._rosout not in (None, first))
     await logs_arrive(node)
+
+
+async def test_a_host_name_without_an_address_is_reported(
+    core: Roscore, caplog: pytest.LogCaptureFixture
+) -> None:
+    unknown = replace(RosEnvironment(), advertised_host="no-such-host.invalid")
+    with pytest.raises(ConfigError, match=r"does not know the host name no-such-host\.invalid"):
+        await Roscore.start(unknown, port=0)
+    assert not caplog.messages
+    node = await join_ros1("stranger", environment=unknown.with_master(core.uri))
+    await until(lambda: any("other nodes cannot connect" in message for message in caplog.messages))
+    await node.close()
 
 
 async def test_a_busy_port_is_reported(core: Roscore) -> None:

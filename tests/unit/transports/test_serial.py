@@ -238,7 +238,8 @@ async def test_a_missing_port_is_reported_with_what_is_there(
 async def test_a_file_is_no_serial_port(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_text("x")
-    for place in (path, tmp_path):
+    # The random numbers refuse every speed, as a port refuses an unknown one.
+    for place in (path, tmp_path, Path("/dev/urandom")):
         with pytest.raises(TransportOpenError, match="is not a serial port"):
             await open_serial(SerialAddress(str(place)))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Unpack
 
 from rostether.errors import GraphError
@@ -23,6 +24,7 @@ from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
 from rostether.ros1.node.subscription import OnPublisher, Subscription
 from rostether.ros1.node.tcpros_listener import TcprosListener
+from rostether.ros1.own_host import check_own_host
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.xmlrpc.values import XmlRpcValue
 
@@ -82,8 +84,9 @@ class Endpoints:
         self._is_open = True
 
     def start_watch(self, interval_s: float) -> None:
-        """Start to check the registrations, and repeat them if the master has lost them."""
+        """Check the node's host name, and repeat registrations that the master has lost."""
         self._registrations.start_watch(interval_s)
+        check_own_host(self._environment.advertised_host, partial(self._report, Level.WARN))
 
     @property
     def node_uri(self) -> str:
