@@ -36,15 +36,18 @@ def rostether() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; never raises for anything a user did."""
     _make_output_forgiving()
-    plain, specials = _split_special(sys.argv[1:] if arguments is None else arguments)
+    plain, specials = split_special(sys.argv[1:] if arguments is None else arguments)
     code = exit_code_of(
         lambda: rostether.main(plain, prog_name="rostether", standalone_mode=False, obj=specials)
     )
     return _flush_output(code)
 
 
-def _split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    # roslaunch adds them to every command it starts. Arguments after `run` belong to the node.
+def split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Return a command line without its ROS arguments such as `__name:=x`, and these.
+
+    roslaunch adds them to every command it starts. Arguments after `run` belong to the node.
+    """
     if arguments and arguments[0] in _SORTING_THEMSELVES:
         return list(arguments), {}
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}

@@ -37,7 +37,14 @@ from rostether.cli.bridge.options import (
     read_limits,
     unchosen_lines,
 )
-from rostether.cli.bridge.serving import bridge, loopback_lines, read_links, read_web_boards, shortage_lines
+from rostether.cli.bridge.serving import (
+    bridge,
+    check_addresses,
+    loopback_lines,
+    read_links,
+    read_web_boards,
+    shortage_lines,
+)
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.gateway.gateways import served_gateways
@@ -131,7 +138,13 @@ class ServeOptions:
     """,
 )
 @option_group("options", ServeOptions)
-@click.argument("addresses", nargs=-1, metavar="[ADDRESS...]", shell_complete=complete_ports)
+@click.argument(
+    "addresses",
+    nargs=-1,
+    metavar="[ADDRESS...]",
+    shell_complete=complete_ports,
+    callback=check_addresses,
+)
 @graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
 @dashboard_option
 @gateway_options

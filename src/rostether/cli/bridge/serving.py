@@ -19,6 +19,8 @@ from rostether.transports.typed_port import check_typed_port
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import click
+
     from rostether.bridge.reporter import Reporter
     from rostether.bridge.settings import BridgeSettings
     from rostether.bridge.supervisor import Listen, Supervisor
@@ -26,6 +28,13 @@ if TYPE_CHECKING:
     from rostether.ports.device_book import DeviceBook
     from rostether.transports.transport import Transport
     from rostether.transports.web_boards import WebBoards
+
+
+def check_addresses(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...]:
+    """Return link addresses, unchanged. Raises ConfigError."""
+    for text in texts:
+        parse_address(text)
+    return texts
 
 
 def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str, ...] = ()) -> list[Address]:

@@ -158,15 +158,14 @@ def _clean(installation: Installation) -> None:
 @_place_options
 def status(for_user: bool | None, root: Path | None) -> None:
     """Show what starts at boot, and whether it runs."""
-    from rostether.cli.verb_table import VERBS
-    from rostether.platform.boot.robot_file import read_robot_file
+    from rostether.cli.platform.robot_check import read_robot
 
     installation = _installation(for_user)
     file = path_below(root, installation.robot_file)
     if not path_below(root, installation.unit).exists():
         write_line("nothing starts at boot; to change that: rostether install")
         raise click.exceptions.Exit(1)
-    robot = read_robot_file(file, VERBS)
+    robot = read_robot(file)
     write_line(f"{robot.name or 'this machine'}: {', '.join(part.name for part in robot.parts)}  ({file})")
     if root is None:
         scope = [] if installation.is_system else ["--user"]
@@ -204,17 +203,20 @@ def _has_group(name: str) -> bool:
 
 
 def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> str:
+    from rostether.cli.platform.robot_check import check_robot, parse_robot
     from rostether.platform.boot.machine import Kind, Machine
-    from rostether.platform.boot.robot_file import check_interface
+    from rostether.platform.boot.robot_file import check_interface, read_robot_text
 
     if answers["given"] is not None:
         given: Path = answers["given"]
-        _check(given)
-        return given.read_text(encoding="utf-8")
+        text = read_robot_text(given)
+        check_robot(parse_robot(text, str(given)), str(given))
+        return text
     kept = path_below(root, file)
     if not any(answers.values()) and kept.exists():
-        _check(kept)
-        return kept.read_text(encoding="utf-8")
+        text = read_robot_text(kept)
+        parse_robot(text, str(kept))
+        return text
     kind = Kind(answers["machine"] or _ask("What is this machine", "both", _KINDS))
     name = answers["name"] or _ask("Name of this machine", os.uname().nodename)
     core, interface = answers["core"] or "", answers["interface"] or ""
@@ -230,7 +232,9 @@ def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> st
         if not separator or not key:
             raise ConfigError(f"--part {each!r} must be NAME=COMMAND, such as joystick='role joy-node'")
         parts[key] = words
-    return Machine(kind, name, core, answers["address"] or "", interface, answers["boards"], parts).text
+    text = Machine(kind, name, core, answers["address"] or "", interface, answers["boards"], parts).text
+    check_robot(parse_robot(text, "the new robot.toml"), "the new robot.toml")
+    return text
 
 
 def _ask_interface() -> str:
@@ -240,13 +244,6 @@ def _ask_interface() -> str:
     listed = ", ".join(f"{name} ({address})" for name, address in found.items()) or "none has an address now"
     answer = _ask(f"Network interface of the fleet: {listed}; any for none in particular", "any")
     return "" if answer == "any" else answer
-
-
-def _check(file: Path) -> None:
-    from rostether.cli.verb_table import VERBS
-    from rostether.platform.boot.robot_file import read_robot_file
-
-    read_robot_file(file, VERBS)
 
 
 def _ask(question: str, default: str | None = None, choices: Sequence[str] | None = None) -> str:

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 # If the part `core` does not answer for this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
 ADDRESS_PERIOD_S = 0.5
-# Commands that would start this one again, or change what starts at boot.
-NOT_PARTS = ("up", "install", "uninstall")
 
 
 @click.command(
@@ -37,19 +35,20 @@ NOT_PARTS = ("up", "install", "uninstall")
     """,
 )
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--check", is_flag=True, help="Only check the file.")
+@click.option("--check", is_flag=True, help="Only check the file, and the arguments of each part.")
 def up(file: Path, check: bool) -> None:
     """Run the parts of a robot that FILE lists, and restart each part that ends.
 
     Each part is a rostether command. A part that hangs for 20 s is ended and started again. `rostether
     install` starts this command at boot.
     """
-    from rostether.cli.verb_table import VERBS
+    from rostether.cli.platform.robot_check import check_robot, read_robot
     from rostether.platform.boot.part_process import PartProcess
-    from rostether.platform.boot.robot_file import INTERFACE_VARIABLE, read_robot_file
+    from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
 
-    robot = read_robot_file(file, VERBS.keys() - set(NOT_PARTS))
+    robot = read_robot(file)
     if check:
+        check_robot(robot, str(file))
         write_line(f"{file}: {', '.join(part.name for part in robot.parts)}")
         return
     if not hasattr(os, "killpg"):

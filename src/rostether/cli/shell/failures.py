@@ -76,15 +76,20 @@ def _report_usage(error: click.ClickException) -> int:
     if isinstance(error, click.exceptions.NoArgsIsHelpError):
         click.echo(error.format_message(), err=True)
         return error.exit_code
+    print_error(usage_text(error))
+    return error.exit_code
+
+
+def usage_text(error: click.ClickException) -> str:
+    """Return the text of an error in a command line as one line."""
     context = getattr(error, "ctx", None)
     text = fold_line(error.format_message()).rstrip(".")
     for clicks, ours in _PLAINER.items():
         text = text.replace(clicks, ours)
     # Rostether's usage errors name the next step; those of click only name the problem.
     if context is not None and (type(error) is not click.UsageError or "unexpected extra" in text):
-        text = f"{text}; see `{context.command_path} --help`"
-    print_error(text)
-    return error.exit_code
+        return f"{text}; see `{context.command_path} --help`"
+    return text
 
 
 def _report(error: Exception) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -56,7 +57,7 @@ class Machine:
             parts["sensors"] = "role sensing-manager"
             parts["dashboard"] = "dashboard --no-open --listen 0.0.0.0 --port 8765"
         if self.kind is not Kind.BASE:
-            parts["boards"] = " ".join(["serve", *self.boards])
+            parts["boards"] = shlex.join(["serve", *self.boards])
         return parts | dict(self.parts)
 
 

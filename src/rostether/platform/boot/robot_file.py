@@ -46,16 +46,24 @@ class RobotFile:
     parts: tuple[Part, ...] = ()
 
 
-def read_robot_file(path: Path, commands: Collection[str]) -> RobotFile:
-    """Read and check a robot.toml; each part's first argument must be in `commands`. Raises ConfigError."""
+def read_robot_text(path: Path) -> str:
+    """Return the text of a robot.toml. Raises ConfigError."""
     try:
-        content = parse_toml(read_toml_text(path), str(path))
+        return read_toml_text(path)
     except FileNotFoundError:
         raise ConfigError(f"{path}: there is no such file") from None
+
+
+def parse_robot_file(text: str, file: str, commands: Collection[str]) -> RobotFile:
+    """Return the content of a robot.toml; `file` is its name in errors. Raises ConfigError.
+
+    Each part's first argument must be in `commands`.
+    """
+    content = parse_toml(text, file)
     try:
         return _robot(content, commands)
     except ConfigError as error:
-        raise ConfigError(f"{path}: {error}") from None
+        raise ConfigError(f"{file}: {error}") from None
 
 
 def check_interface(name: str) -> None:

@@ -57,6 +57,8 @@ class PictureFolder:
             pillow()
         self._folder = folder
         self._change = change
+        # A damaged file ends a run; the next run continues after it, so that it does not hide the others.
+        self._last_name = ""
 
     def check(self) -> None:
         """Raise OSError or BoardError if the folder has no pictures."""
@@ -67,12 +69,17 @@ class PictureFolder:
         pace = Pace(rate_hz)
         while True:
             for path in await asyncio.to_thread(self._files):
+                if path.name <= self._last_name:
+                    continue
+                self._last_name = path.name
                 yield await asyncio.to_thread(self._read, path)
                 await pace.wait()
+            self._last_name = ""
 
     def _files(self) -> list[Path]:
         names = itertools.islice(self._folder.iterdir(), MAX_FILES)
-        found = sorted(each for each in names if each.suffix.lower() in (".jpg", ".jpeg"))
+        # Opening a named pipe would wait for its writer.
+        found = sorted(each for each in names if each.suffix.lower() in (".jpg", ".jpeg") and each.is_file())
         if not found:
             raise BoardError(f"{self._folder} has no .jpg files")
         return found
@@ -82,4 +89,7 @@ class PictureFolder:
             data = file.read(MAX_PICTURE_BYTES)
         if not data.startswith(b"\xff\xd8"):
             raise BoardError(f"{path} is not a JPEG picture")
-        return data if self._change.is_none else changed_jpeg(data, self._change)
+        try:
+            return data if self._change.is_none else changed_jpeg(data, self._change)
+        except BoardError as error:
+            raise BoardError(f"{path}: {error}") from None

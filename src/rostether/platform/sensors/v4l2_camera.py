@@ -33,6 +33,17 @@ class V4l2Camera:
 
     async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
         """Yield pictures. Raises OSError, BoardError."""
+        try:
+            async with aclosing(self._captured(rate_hz)) as pictures:
+                async for picture in pictures:
+                    yield picture
+        except OSError as error:
+            if error.filename:
+                raise
+            # Only an error of opening names the device.
+            raise BoardError(f"{self._path}: {error.strerror or error}") from None
+
+    async def _captured(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
         change = self._change
         device = await asyncio.to_thread(self._open)
         try:

@@ -53,10 +53,12 @@ def test_install_again_and_uninstall(scope: str, root: Path, shell: Shell) -> No
 def test_a_dry_run_writes_nothing(root: Path, shell: Shell) -> None:
     words = ["install", "--machine", "robot", "--name", "r 2", "--core", "base.local", "--root", str(root)]
     words += ["--interface", "wlan0"]
-    shown = shell.output(*words, "--system", "--board", "/dev/ttyACM0", "--part", "eye=role x", "--dry-run")
+    shown = shell.output(
+        *words, "--system", "--board", "/dev/ttyACM0", "--part", "eye=role camera", "--dry-run"
+    )
     assert 'master = "http://base.local:11311"' in shown
     assert 'boards = "serve /dev/ttyACM0"' in shown
-    assert 'eye = "role x"' in shown
+    assert 'eye = "role camera"' in shown
     assert 'interface = "wlan0"' in shown
     assert not root.exists()
 
@@ -88,7 +90,47 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     nested = tmp_path / "nested.toml"
     nested.write_text("[parts]\na = 'up robot.toml'\n")
     assert "parts.a must be a rostether command" in shell.failure("up", str(nested))
+    assert "parts.a must be a rostether command" in shell.failure("install", "--from", str(nested), *place)
+    words = ("install", "--machine", "both", "--name", "r", "--board", "demo:")
+    assert "the new robot.toml: parts.boards: unknown kind of link 'demo'" in shell.failure(*words, *place)
     assert not root.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("[parts]\na = 'serve /dev/ttyACM0 tpc://:11411'", "parts.a: unknown kind of link 'tpc'"),
+        ("[parts]\na = 'core --lissten 0.0.0.0'", "parts.a: No such option"),
+        ("[parts]\na = 'core'\nb = 'role gsp'", "parts.b: no such command 'gsp'; did you mean gps"),
+        ("[parts]\na = 'topic'", "parts.a: give a command after topic"),
+        (
+            "[parts]\na = 'dashboard --port x'",
+            "parts.a: Invalid value for '-p' / '--port': 'x' is not a whole number; see `rostether dash",
+        ),
+        ("[parts]\na = 'core --version'", "parts.a: No such option"),
+        ("address = '10.0.0.256'\n[parts]\na = 'core'", "ROS_IP='10.0.0.256' is not an IP address"),
+        ("master = 'http://base'\n[parts]\na = 'core'", "ROS_MASTER_URI: 'http://base' is not a URI"),
+    ],
+)
+def test_a_part_that_cannot_start(text: str, reason: str, shell: Shell, tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text(text)
+    assert f"{robot}: {reason}" in shell.failure("up", str(robot), "--check")
+
+
+def test_parts_that_can_start(shell: Shell, tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text(
+        """
+        [parts]
+        board = "serial-node /dev/ttyACM0 _baud:=115200 __name:=arm"
+        boards = "serve '/dev/ttyACM1?name=arm' --config away.toml --dashboard"
+        play = "bag play away.bag --loop"
+        gps = "rostether role gps _port:=/dev/ttyACM2 _frame_id:=gps --ros2"
+        robot = "launch away.launch"
+        """
+    )
+    assert shell.output("up", str(robot), "--check") == f"{robot}: board, boards, play, gps, robot\n"
 
 
 async def test_the_address_is_that_of_the_interface(tmp_path: Path) -> None:

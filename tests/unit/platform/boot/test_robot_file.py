@@ -6,20 +6,17 @@ import pytest
 
 from rostether.errors import ConfigError
 from rostether.platform.boot.machine import Kind, Machine
-from rostether.platform.boot.robot_file import Part, read_robot_file
+from rostether.platform.boot.robot_file import Part, RobotFile, parse_robot_file, read_robot_text
 
 COMMANDS = {"serve", "core", "role", "dashboard"}
 
 
-def read(tmp_path: Path, text: str) -> object:
-    file = tmp_path / "robot.toml"
-    file.write_text(text)
-    return read_robot_file(file, COMMANDS)
+def parse(text: str) -> RobotFile:
+    return parse_robot_file(text, "robot.toml", COMMANDS)
 
 
-def test_a_robot(tmp_path: Path) -> None:
-    file = tmp_path / "robot.toml"
-    file.write_text(
+def test_a_robot() -> None:
+    robot = parse(
         """
         name = "r1"
         master = "http://base:11311"
@@ -31,7 +28,6 @@ def test_a_robot(tmp_path: Path) -> None:
         boards = "serve '/dev/my board'"
         """
     )
-    robot = read_robot_file(file, COMMANDS)
     assert robot.parts == (Part("core", ("core",)), Part("boards", ("serve", "/dev/my board")))
     assert robot.environment == {
         "ROS_DOMAIN_ID": "3",
@@ -59,29 +55,27 @@ def test_a_robot(tmp_path: Path) -> None:
         ("[parts]\n" + "".join(f"p{n} = 'core'\n" for n in range(65)), "65 parts; at most 64"),
     ],
 )
-def test_what_is_wrong_is_named_in_one_line(text: str, reason: str, tmp_path: Path) -> None:
+def test_what_is_wrong_is_named_in_one_line(text: str, reason: str) -> None:
     with pytest.raises(ConfigError, match=reason) as error:
-        read(tmp_path, text)
+        parse(text)
     assert "\n" not in str(error.value)
 
 
 def test_a_missing_file() -> None:
     with pytest.raises(ConfigError, match="there is no such file"):
-        read_robot_file(Path("/nowhere/robot.toml"), COMMANDS)
+        read_robot_text(Path("/nowhere/robot.toml"))
 
 
 @pytest.mark.parametrize("kind", Kind)
-def test_the_file_of_a_machine_can_be_read(kind: Kind, tmp_path: Path) -> None:
+def test_the_file_of_a_machine_can_be_read(kind: Kind) -> None:
     machine = Machine(
-        kind, 'my "robot"', "base", "10.0.0.2", "wlan0", ["/dev/ttyACM0"], {"two words": "role x"}
+        kind, 'my "robot"', "base", "10.0.0.2", "wlan0", ["sim:my sketch"], {"two words": "role x"}
     )
-    file = tmp_path / "robot.toml"
-    file.write_text(machine.text)
-    robot = read_robot_file(file, COMMANDS)
+    robot = parse(machine.text)
     assert robot.name == 'my "robot"'
     assert robot.environment["ROSTETHER_INTERFACE"] == "wlan0"
     names = [part.name for part in robot.parts]
     assert ("core" in names) == (kind is not Kind.ROBOT)
-    assert ("boards" in names) == (kind is not Kind.BASE)
+    assert (Part("boards", ("serve", "sim:my sketch")) in robot.parts) == (kind is not Kind.BASE)
     assert names[-1] == "two words"
     assert robot.environment.get("ROS_MASTER_URI") == ("http://base:11311" if kind is Kind.ROBOT else None)
