@@ -265,6 +265,7 @@ export const texts = {
     angular: "Max turn rate (rad/s)",
     ready: (topic: string) => `Ready to drive ${topic}`,
     driving: (topic: string) => `You drive ${topic}`,
+    blocked: "The robot has stopped. Let go, then drive again.",
     taken: (driver: string) => `Now driven by ${driver}`,
     notConnected: "Not connected: commands are not sent",
     hint: "Drag the stick, hold W A S D or the arrow keys, or use a gamepad. Space stops. The robot stops when you let go.",

@@ -33,7 +33,7 @@ MAX_TOPICS = 1000
 
 # The newest ones are listed.
 MAX_LISTED = 200
-_NAME = re.compile(r"[\w.-]+\.(?:bag|mcap)")
+_NAME = re.compile(r"[^.].*\.(?:bag|mcap)")
 
 
 class Recordings:
@@ -179,16 +179,19 @@ class Recordings:
             return [
                 file
                 for file in self._folder.iterdir()
-                if _NAME.fullmatch(file.name) and file.is_file() and not file.is_symlink()
+                # A name that cannot be printed is not text for a page either.
+                if _NAME.fullmatch(file.name)
+                and file.name.isprintable()
+                and file.is_file()
+                and not file.is_symlink()
             ]
         except OSError:
             return []
 
     def _files(self) -> list[dict[str, Any]]:
-        newest = sorted(self._finished(), key=lambda file: file.name, reverse=True)[:MAX_LISTED]
-        files = []
-        for file in newest:
+        files: list[dict[str, Any]] = []
+        for file in self._finished():
             with contextlib.suppress(OSError):
                 facts = file.stat()
                 files.append({"name": file.name, "bytes": facts.st_size, "time": round(facts.st_mtime, 3)})
-        return files
+        return sorted(files, key=lambda each: (each["time"], each["name"]), reverse=True)[:MAX_LISTED]

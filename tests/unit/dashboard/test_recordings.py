@@ -155,14 +155,15 @@ async def test_a_failure_is_reported(robot: Robot, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize(
-    "name", ["../secret.bag", "secret.bag/..", "link.bag", "notes.txt", "run.bag.active", ""]
+    "name",
+    ["../secret.bag", "secret.bag/..", "link.bag", "notes.txt", "run.bag.active", ".a.bag", "", "a\n.bag"],
 )
 def test_only_finished_recordings_are_found(tmp_path: Path, name: str) -> None:
     folder = tmp_path / "bags"
     folder.mkdir()
     (tmp_path / "secret.bag").write_text("secret")
     (folder / "link.bag").symlink_to(tmp_path / "secret.bag")
-    for each in ("run.bag", "run.bag.active", "notes.txt"):
+    for each in ("run.bag", "my run #2 ü.bag", "run.bag.active", "notes.txt", ".a.bag", "a\n.bag"):
         (folder / each).write_text("x")
 
     async def join() -> Graph:
@@ -170,6 +171,7 @@ def test_only_finished_recordings_are_found(tmp_path: Path, name: str) -> None:
 
     recordings = Recordings(folder, join, lambda _: None)
     assert recordings.find("run.bag") == folder / "run.bag"
+    assert recordings.find("my run #2 ü.bag") == folder / "my run #2 ü.bag"
     assert recordings.find(name) is None
 
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
 from typing import BinaryIO, Protocol
+from urllib.parse import quote, unquote
 
 from rostether.errors import ConfigError
 
@@ -159,7 +160,7 @@ class Site:
         if path.startswith(TILES):
             return self._open_tile(path)
         assert self._downloads is not None
-        name = path.removeprefix(DOWNLOADS).partition("?")[0]
+        name = unquote(path.removeprefix(DOWNLOADS).partition("?")[0])
         found = self._downloads.find(name)
         try:
             opened = found.open("rb") if found is not None else None
@@ -171,7 +172,8 @@ class Site:
         headers = (
             *_ALWAYS,
             ("Content-Type", "application/octet-stream"),
-            ("Content-Disposition", f'attachment; filename="{name}"'),
+            # RFC 8187: the form for names with any character.
+            ("Content-Disposition", f"attachment; filename*=UTF-8''{quote(name, safe='')}"),
         )
         return Reply(HTTPStatus.OK, headers, b"", size), opened
 

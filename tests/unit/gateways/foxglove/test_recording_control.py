@@ -133,7 +133,7 @@ class Folder:
         self._folder = folder
 
     def find(self, name: str) -> Path | None:
-        return self._folder / name if name == "drive.bag" else None
+        return self._folder / name if name in ("drive.bag", "Fahrt ü #1.bag") else None
 
 
 async def fetched(there: Stage, path: str, more: str = "") -> bytes:
@@ -151,10 +151,15 @@ async def test_a_recording_is_downloaded_whole(tmp_path: Path) -> None:
     async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
         head, _, body = (await fetched(there, "/recordings/drive.bag")).partition(b"\r\n\r\n")
         assert head.startswith(b"HTTP/1.1 200 OK\r\n")
-        assert b'attachment; filename="drive.bag"' in head
+        assert b"attachment; filename*=UTF-8''drive.bag" in head
         assert f"Content-Length: {len(content)}".encode() in head
         assert body == content
+        (tmp_path / "Fahrt ü #1.bag").write_bytes(b"renamed")
+        renamed = await fetched(there, "/recordings/Fahrt%20%C3%BC%20%231.bag")
+        assert b"filename*=UTF-8''Fahrt%20%C3%BC%20%231.bag" in renamed
+        assert renamed.endswith(b"renamed")
         assert (await fetched(there, "/recordings/none.bag")).startswith(b"HTTP/1.1 404 ")
+        assert (await fetched(there, "/recordings/..%2Findex.html")).startswith(b"HTTP/1.1 404 ")
         assert (await fetched(there, "/recordings/../index.html")).startswith(b"HTTP/1.1 404 ")
         await until(lambda: there.gateway.connection_count == 0)
 

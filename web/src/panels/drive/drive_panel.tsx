@@ -88,7 +88,9 @@ function Drive(props: {
             ? texts.drive.taken(lease.driver)
             : lease.state === "driving"
               ? texts.drive.driving(topic)
-              : texts.drive.ready(topic)}
+              : driver.isBlocked.value
+                ? texts.drive.blocked
+                : texts.drive.ready(topic)}
       </p>
       <StickPad driver={driver} />
       <div class="drive-limits">

@@ -9,6 +9,8 @@ import { CENTER, commandOf, type Limits, type Stick } from "./commands.ts";
 
 // The gateway stops the robot 125 ms after the last command; two may be lost.
 const PERIOD_MS = 40;
+// A page that slept for longer has left the robot standing; starting again needs a new touch.
+const ASLEEP_MS = 1000;
 // Other sources of commands must not be masked for ever.
 const ZEROS_MS = 500;
 
@@ -16,13 +18,15 @@ export class Driver {
   readonly lease: Signal<Lease> = signal({ state: "free", driver: "" });
   /** Where the stick is, for display. */
   readonly stick: Signal<Stick> = signal(CENTER);
+  /** Whether what is held does nothing until it is released. */
+  readonly isBlocked: Signal<boolean> = signal(false);
   limits: Limits;
   private readonly robot: Robot;
   private readonly type: StructNode;
   private readonly encode: (message: unknown) => Uint8Array;
   private readonly id: number;
   private timer: ReturnType<typeof setInterval> | undefined;
-  private isBlocked = false;
+  private repeatedMs = 0;
   private releasedMs: number | undefined;
 
   /** Throws DefinitionError when the type is not known. */
@@ -34,10 +38,7 @@ export class Driver {
     const channel = { topic: topic.name, schemaName: topic.typeName, schema: topic.definition };
     this.id = robot.gateway.advertiseDriven(channel, nameOfDevice(), (lease) => {
       // Another client drives or has stopped the robot: a stick that is still held must not start it again.
-      if (lease.state === "taken" && this.timer !== undefined) {
-        this.isBlocked = true;
-        this.end();
-      }
+      if (lease.state === "taken" && this.timer !== undefined) this.block();
       this.lease.value = lease;
     });
   }
@@ -54,10 +55,16 @@ export class Driver {
 
   /** Drive with this stick position until `release`. */
   hold(stick: Stick): void {
-    if (this.isBlocked) return;
+    if (this.isBlocked.peek()) return;
+    if (this.timer === undefined && this.lease.peek().state === "taken" && stick !== CENTER) {
+      // It must not begin to drive when the other client lets go.
+      this.isBlocked.value = true;
+      return;
+    }
     this.releasedMs = undefined;
     this.stick.value = stick;
     if (this.timer === undefined) {
+      this.repeatedMs = performance.now();
       this.timer = setInterval(() => this.repeat(), PERIOD_MS);
       this.repeat();
     }
@@ -65,7 +72,7 @@ export class Driver {
 
   /** Let go: the robot stops. */
   release(): void {
-    this.isBlocked = false;
+    this.isBlocked.value = false;
     this.stick.value = CENTER;
     if (this.timer === undefined) return;
     this.releasedMs ??= performance.now();
@@ -74,7 +81,7 @@ export class Driver {
 
   /** Stop now, also when nothing was held. */
   stop(): void {
-    this.isBlocked = false;
+    this.isBlocked.value = false;
     this.hold(CENTER);
     this.release();
   }
@@ -86,10 +93,20 @@ export class Driver {
   }
 
   private repeat(): void {
-    this.publish(this.releasedMs === undefined ? this.stick.value : CENTER);
-    if (this.releasedMs !== undefined && performance.now() - this.releasedMs > ZEROS_MS) {
-      this.end();
+    const nowMs = performance.now();
+    const wasAsleep = nowMs - this.repeatedMs > ASLEEP_MS;
+    this.repeatedMs = nowMs;
+    if (this.releasedMs === undefined && (wasAsleep || !this.robot.canCommand.peek())) {
+      this.block();
+      return;
     }
+    this.publish(this.releasedMs === undefined ? this.stick.value : CENTER);
+    if (this.releasedMs !== undefined && nowMs - this.releasedMs > ZEROS_MS) this.end();
+  }
+
+  private block(): void {
+    this.isBlocked.value = true;
+    this.end();
   }
 
   private end(): void {

@@ -1,0 +1,73 @@
+// What is held drives only while that is meant.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { signal } from "@preact/signals";
+import type { Lease } from "../src/connection/protocol.ts";
+import { DEFAULT_LIMITS } from "../src/panels/drive/commands.ts";
+import { Driver } from "../src/panels/drive/driver.ts";
+import type { Robot } from "../src/store/robot.ts";
+import { Topic } from "../src/store/topics.ts";
+
+const TWIST =
+  "Vector3 linear\nVector3 angular\n" +
+  `${"=".repeat(80)}\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z`;
+const AHEAD = { x: 0, y: 1 };
+
+function stage(isConnected = true) {
+  const sent: number[] = [];
+  let onLease = (_: Lease) => {};
+  const gateway = {
+    advertiseDriven: (_channel: object, _name: string, report: typeof onLease) => {
+      onLease = report;
+      return 1;
+    },
+    publish: (_id: number, bytes: Uint8Array) =>
+      sent.push(new DataView(bytes.buffer, bytes.byteOffset).getFloat64(0, true)),
+    unadvertise: () => {},
+  };
+  const robot = { gateway, canCommand: signal(isConnected) } as unknown as Robot;
+  const topic = new Topic("/cmd_vel", "geometry_msgs/Twist", TWIST, undefined);
+  const driver = new Driver(robot, topic, DEFAULT_LIMITS);
+  return { driver, sent, lease: (state: Lease["state"]) => onLease({ state, driver: "other" }) };
+}
+
+test("what is held while another client drives needs a new touch", () => {
+  const { driver, sent, lease } = stage();
+  lease("taken");
+  driver.hold(AHEAD);
+  lease("free");
+  driver.hold(AHEAD);
+  assert.deepEqual(sent, []);
+  driver.release();
+  driver.hold(AHEAD);
+  assert.equal(sent.length, 1);
+  assert.ok(sent[0]! > 0);
+  driver.dispose();
+});
+
+test("a stop is sent while another client drives", () => {
+  const { driver, sent, lease } = stage();
+  lease("taken");
+  driver.stop();
+  assert.equal(sent[0], 0);
+  driver.dispose();
+});
+
+test("a page that was asleep does not drive on", async (context) => {
+  const { driver, sent } = stage();
+  driver.hold(AHEAD);
+  const now = performance.now.bind(performance);
+  context.mock.method(performance, "now", () => now() + 5000);
+  while (driver.stick.value.y !== 0) await new Promise((resolve) => setTimeout(resolve, 10));
+  driver.hold(AHEAD);
+  assert.equal(sent.length, 1);
+  driver.dispose();
+});
+
+test("nothing that is held without a connection drives after it", () => {
+  const { driver, sent } = stage(false);
+  driver.hold(AHEAD);
+  driver.hold(AHEAD);
+  assert.deepEqual(sent, []);
+  driver.dispose();
+});
