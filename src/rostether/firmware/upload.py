@@ -70,6 +70,25 @@ def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
     raise FirmwareError(f"several serial ports: {names}; choose one with --port")
 
 
+async def prepare_upload(
+    board: Board,
+    port: str | None,
+    *,
+    uses_arduino_cli: bool = False,
+    list_ports: ListPorts = list_serial_ports,
+) -> str:
+    """Return the port of a board, `port` if it is given, once it is known that it can be flashed there.
+
+    Raises FirmwareError or TransportOpenError: no program, no port, port busy, no permission.
+    """
+    chosen = choose_port(board, list_ports) if port is None else port
+    if uses_arduino_cli or not board.is_avr:
+        find_arduino_cli(f"flashing {board.title}")
+    else:
+        await _find_avrdude(chosen, list_ports)
+    return chosen
+
+
 async def upload(
     built: BuiltFirmware,
     port: str,
@@ -91,11 +110,7 @@ async def upload(
     if uses_arduino_cli or not built.board.is_avr:
         command = _arduino_cli_command(built, port)
     else:
-        program = shutil.which("avrdude")
-        if program is None:
-            raise FirmwareError(_INSTALL_AVRDUDE)
-        # In a thread, because finding the program that uses the port reads /proc.
-        await asyncio.to_thread(check_port, port, list_ports)
+        program = await _find_avrdude(port, list_ports)
         if built.board.needs_touch:
             port = await touch(port, list_ports)
         command = avrdude_command(program, built.board, port, built.image)
@@ -106,6 +121,16 @@ async def upload(
     if ended.code:
         raise await asyncio.to_thread(_explain, output, built.board, port, Path(command[0]).name)
     return output
+
+
+async def _find_avrdude(port: str, list_ports: ListPorts) -> str:
+    """Return the path of avrdude, if it can use the port."""
+    program = shutil.which("avrdude")
+    if program is None:
+        raise FirmwareError(_INSTALL_AVRDUDE)
+    # In a thread, because finding the program that uses the port reads /proc.
+    await asyncio.to_thread(check_port, port, list_ports)
+    return program
 
 
 def avrdude_command(program: str, board: Board, port: str, image: Path) -> list[str]:

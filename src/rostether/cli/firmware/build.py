@@ -140,16 +140,20 @@ def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: 
 
 async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> str:
     """Build and flash a sketch; returns the port of the board. Raises FirmwareError, ConfigError."""
+    from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure_built
-    from rostether.firmware.upload import choose_port, upload
+    from rostether.firmware.sketch import open_sketch
+    from rostether.firmware.upload import prepare_upload, upload
 
+    open_sketch(sketch)
+    # First, because a build may take half a minute.
+    chosen = await prepare_upload(find_board(board_name), port, uses_arduino_cli=options.uses_arduino_cli)
     built = await build(sketch, board_name, options)
     elf = ElfFile.read(built.elf)
     await refuse_too_large(built, elf)
     for line in (await measure_built(built)).warnings():
         warn(f"WARNING: {line}")
-    chosen = choose_port(built.board) if port is None else port
     write_line(f"flashing {built.board.title} on {chosen}: {describe_sizes(built, elf)}")
     await upload(built, chosen, uses_arduino_cli=options.uses_arduino_cli, show=options.show)
     write_line("done; the board now runs the sketch")

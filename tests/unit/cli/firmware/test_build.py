@@ -188,6 +188,18 @@ def test_upload_builds_and_flashes(
     assert len(avrdude.calls) == 1
 
 
+def test_upload_reports_what_it_lacks_before_it_builds(
+    shell: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "bin").mkdir()
+    write_sketch(tmp_path, "Broken", "this does not compile")
+    FakeProgram(tmp_path / "bin", "avrdude", monkeypatch)
+    assert "no serial port /dev/nowhere" in shell.failure(
+        "firmware", "upload", "Broken", "--port", "/dev/nowhere"
+    )
+    assert "contains no sketch" in shell.failure("firmware", "upload", ".", "--port", "/dev/nowhere")
+
+
 def test_upload_flashes_nothing_that_does_not_fit(
     shell: Shell, tmp_path: Path, port: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
