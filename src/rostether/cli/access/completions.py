@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, chosen_middleware
+from rostether.cli.shell.completion import is_plain
 from rostether.errors import RostetherError
 
 if TYPE_CHECKING:
@@ -184,4 +185,6 @@ def _complete_ros2(
 
 def _beginning(names: Iterable[str], incomplete: str) -> list[str]:
     # Commands accept `chatter` for `/chatter`, so it completes to that.
-    return sorted(name for name in names if name.startswith((incomplete, f"/{incomplete}")))
+    return sorted(
+        name for name in names if name.startswith((incomplete, f"/{incomplete}")) and is_plain(name)
+    )

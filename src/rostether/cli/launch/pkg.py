@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.launch.served_nodes import served_nodes
+from rostether.cli.shell.completion import is_plain
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import ConfigError
@@ -46,7 +47,8 @@ MAX_TOLD = 3
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the packages on disk or built in that begin with the typed text."""
     ours = {package for package, _ in served_nodes()}
-    return [name for name in sorted({*_packages_here(), *ours}) if name.startswith(incomplete)]
+    names = sorted({*_packages_here(), *ours})
+    return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
 
 def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -57,7 +59,7 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
     found = {kind for role, kind in served_nodes() if role == package}
     if folder := _packages_here().get(package):
         found.update(each.name for each in programs(folder))
-    return [name for name in sorted(found) if name.startswith(incomplete)]
+    return [name for name in sorted(found) if name.startswith(incomplete) and is_plain(name)]
 
 
 def _packages_here() -> dict[str, Path]:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.shell.completion import is_plain
 from rostether.errors import ConfigError
 from rostether.names.remap import ASSIGNMENT
 from rostether.packages.locate import package_folders
@@ -93,7 +94,7 @@ def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str
         names = launch_files(packages[words[0]])
     else:
         names = sorted(name for name, folder in packages.items() if launch_files(folder))
-    return [name for name in names if name.startswith(incomplete)]
+    return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
 
 def launch_files(folder: Path) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import click
@@ -15,6 +16,7 @@ SHELLS = ("bash", "zsh", "fish")
 
 _PROGRAM = "rostether"
 _VARIABLE = "_ROSTETHER_COMPLETE"
+_PLAIN = re.compile(r"[\w/.:@%+,-][\w/.:@%+,=~-]*")
 
 
 @click.command(
@@ -41,3 +43,12 @@ def completion(shell: str | None) -> None:
     writer = found(click.Command(_PROGRAM), {}, _PROGRAM, _VARIABLE)
     # `source` first checks the version of bash, which takes as long as starting it.
     write_line((writer.source_template % writer.source_vars()).strip())
+
+
+def is_plain(word: str) -> bool:
+    """Return whether a word means itself in every shell.
+
+    Shells insert a completed word as it is, and any node or file can be called `$(command)`: only plain words
+    may be offered.
+    """
+    return _PLAIN.fullmatch(word) is not None

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from xmlrpc.client import ServerProxy
 
 import click
 import pytest
@@ -43,6 +44,14 @@ def board(graph: LiveGraph) -> None:
 @pytest.mark.usefixtures("board")
 def test_names_that_begin_with_what_was_typed(complete: Complete, typed: str, found: list[str]) -> None:
     assert complete(CONTEXT, PARAMETER, typed) == found
+
+
+@pytest.mark.usefixtures("board")
+def test_names_that_a_shell_would_execute_are_not_offered(graph: LiveGraph) -> None:
+    with ServerProxy(graph.uri) as api:
+        for name in ("/z$(reboot)", "/z`reboot`", "/z;reboot", "/z'", "/z*", "/z&", "/zebra~1"):
+            assert api.registerPublisher("/odd", name, "std_msgs/Empty", "http://127.0.0.1:1/")[0] == 1  # type: ignore[index]
+    assert completions.complete_topics(CONTEXT, PARAMETER, "/z") == ["/zebra~1"]
 
 
 @pytest.mark.usefixtures("shell")

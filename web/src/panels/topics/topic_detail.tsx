@@ -3,6 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { formatBandwidth, formatDuration, formatRate } from "../../shell/format.ts";
 import { CopyButton, EmptyState, IconButton } from "../../shell/parts.tsx";
+import { shellWord } from "../../shell/shell_word.ts";
 import { texts } from "../../texts.ts";
 import type { Message } from "../../wire/decode.ts";
 import { useSubscription, useTick } from "../hooks.ts";
@@ -30,7 +31,7 @@ export function TopicDetail(props: { context: PanelContext; topicName: string; o
     <aside class="topics-detail" aria-label={topicName}>
       <div class="topics-detail-head">
         <h2>{topicName}</h2>
-        <CopyButton text={`rostether topic echo ${topicName}`} />
+        <CopyButton text={`rostether topic echo ${shellWord(topicName)}`} />
         <IconButton
           icon={isPaused.value ? "play" : "pause"}
           label={isPaused.value ? texts.topics.resume : texts.topics.pause}
