@@ -132,7 +132,7 @@ async def _plot_ros1(
     async with joined(graph_options, msg_paths, purpose="plot") as graph:
 
         async def follow(group: Sequence[str]) -> None:
-            topic = (await wait_for_topic(group[0], graph.store, environment)).topic
+            topic = (await wait_for_topic(group[0], graph, environment)).topic
             here = [name for name in group if in_namespace(name, topic)]
             async with asyncio.TaskGroup() as tasks:
                 if others := [name for name in group if name not in here]:

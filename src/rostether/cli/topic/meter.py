@@ -102,7 +102,7 @@ async def ros1_meter(
     async with joined(graph, msg_paths, purpose="rostopic") as node:
         names = []
         for topic in topics:
-            chosen = await wait_for_topic(resolve(topic, environment), node.store, environment)
+            chosen = await wait_for_topic(resolve(topic, environment), node, environment)
             names.append(chosen.topic)
         if not quiet and await node.get_param("/use_sim_time", False):
             warn("WARNING: may be using simulated time")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.access.ros1_access import master_client, resolve
 from rostether.cli.shell.output import warn
-from rostether.errors import ConfigError, DefinitionError, UnknownNameError
+from rostether.errors import ConfigError, DefinitionError, GraphError, UnknownNameError
 from rostether.graph.joint_marks import is_mark
 from rostether.mechanisms.text import did_you_mean
 from rostether.ros1.environment import RosEnvironment
@@ -17,6 +17,7 @@ from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.field_path import FieldPath
 
 if TYPE_CHECKING:
+    from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
 # How often the master is asked for a topic that is not there yet, as rostopic does.
@@ -62,24 +63,30 @@ def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> Ch
     return None
 
 
-async def wait_for_topic(name: str, store: TypeStore, environment: RosEnvironment) -> ChosenTopic:
+async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironment) -> ChosenTopic:
     """Return the topic that a full name means, as soon as its type is known.
 
-    Raises ConfigError for a field that a topic's type does not have.
+    Raises ConfigError for a field that a topic's type does not have, GraphError if the node is shut down
+    before that.
     """
     reported = False
-    while True:
-        topics = await fetch_topics(environment)
-        chosen = choose_topic(name, topics, store)
-        if chosen is not None:
-            return chosen
-        if not reported:
-            reported = True
-            _refuse_wrong_field(name, topics, store)
-            names = [topic.name for topic in topics if topic.known_type is not None]
-            hint = did_you_mean(name.partition("[")[0], names)
-            warn(f"WARNING: topic [{name}] does not appear to be published yet{hint and f'; {hint}'}")
-        await asyncio.sleep(POLL_S)
+    leaving = asyncio.ensure_future(graph.raw.wait_closed())
+    try:
+        while not leaving.done():
+            topics = await fetch_topics(environment)
+            chosen = choose_topic(name, topics, graph.store)
+            if chosen is not None:
+                return chosen
+            if not reported:
+                reported = True
+                _refuse_wrong_field(name, topics, graph.store)
+                names = [topic.name for topic in topics if topic.known_type is not None]
+                hint = did_you_mean(name.partition("[")[0], names)
+                warn(f"WARNING: topic [{name}] does not appear to be published yet{hint and f'; {hint}'}")
+            await asyncio.wait({leaving}, timeout=POLL_S)
+    finally:
+        leaving.cancel()
+    raise GraphError(f"the node was shut down before topic {name} was published")
 
 
 def _refuse_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore) -> None:

@@ -39,7 +39,7 @@ async def _echo(graph_options: GraphOptions, topic: str, options: EchoOptions) -
     environment = read_environment(graph_options)
     name = resolve_with_field(topic, environment)
     async with joined(graph_options, options.msg_paths, purpose="rostopic") as graph:
-        chosen = await wait_for_topic(name, graph.store, environment)
+        chosen = await wait_for_topic(name, graph, environment)
         printer = _Printer(graph, chosen.topic, chosen.field, options)
         hint = asyncio.ensure_future(_hint_at_silence(graph, chosen.topic, printer))
         try:

@@ -159,6 +159,21 @@ def test_a_topic_of_a_similar_name_is_suggested(
     assert "did you mean /ultraso" in shell.failure("topic", "info", "/ultrasonnd")
 
 
+def test_the_wait_for_a_topic_ends_when_the_node_is_shut_down(
+    graph: LiveGraph, shell: Shell, warned: threading.Event
+) -> None:
+    def end() -> None:
+        assert warned.wait(60)
+        name = command_node(graph)
+        assert name is not None
+        shut_down(graph, name)
+
+    in_background(end)
+    assert "the node was shut down before topic /late was published" in shell.failure(
+        "topic", "echo", "/late"
+    )
+
+
 def test_echo_ends_when_its_node_is_shut_down(graph: LiveGraph, shell: Shell) -> None:
     publisher = publish(graph, "/r", "sensor_msgs/Range", *RANGES)
 
