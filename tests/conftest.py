@@ -56,6 +56,10 @@ PEERS: dict[str, Callable[[], str]] = {
     "topic_tools": functools.partial(missing_program, "/usr/lib/topic_tools/mux", "topic-tools"),
     "fish": functools.partial(missing_program, "fish", "fish"),
     "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
+    "lx106": lambda: (
+        missing_program("xtensa-lx106-elf-g++", "gcc-xtensa-lx106 picolibc-xtensa-lx106-elf")
+        or missing_program("qemu-system-xtensa", "qemu-system-misc")
+    ),
     "systemd": functools.partial(missing_program, "systemd-analyze", "systemd"),
     "wine": functools.partial(missing_program, "wine", "wine"),
     "web": missing_web,

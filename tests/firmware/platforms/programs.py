@@ -16,6 +16,7 @@ NODE = EXTRAS / "platforms"
 EXAMPLES = client_library() / "examples"
 STUBS = EXTRAS / "stubs"
 CORTEX_M = EXTRAS / "cortexm"
+LX106 = EXTRAS / "lx106"
 WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
 
 
@@ -54,6 +55,20 @@ def compile_for_stm32(kit: str, source: Path, library: Path, output: Path) -> Pa
     """Compile a program for qemu's STM32F405, with the platform header of one of STM32_KITS."""
     calls, flags = STM32_KITS[kit]
     return _compile_for_core("cortex-m4", "stm32f405.ld", calls, source, library, output, *flags)
+
+
+def compile_for_esp8266(source: Path, library: Path, output: Path) -> Path:
+    """Compile a sketch with the ESP8266's compiler, for its core on a board that qemu simulates."""
+    # Where Debian's picolibc is.
+    libc = Path("/usr/lib/xtensa-lx106-elf")
+    command = [
+        *("xtensa-lx106-elf-g++", "-Os", "-mlongcalls", "-ffunction-sections", "-fdata-sections"),
+        *("-fno-exceptions", "-fno-rtti", "-nostdlib", "-Wl,--gc-sections", "-T", str(LX106 / "esp8266.ld")),
+        *("-isystem", str(libc / "include"), "-DARDUINO=10819", "-DESP8266", "-DESP_SERIAL"),
+        f"-I{STUBS}/arduino",
+    ]
+    sources = [source, LX106 / "esp8266_core.cpp", LX106 / "start.S"]
+    return compile_program(command, sources, library, output, "-L", str(libc / "lib"), "-lc", "-lgcc")
 
 
 def _compile_for_core(

@@ -6,7 +6,7 @@
 #include "platform_node.h"
 
 void setup() {
-#if defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP) || defined(ESP8266)
+#if defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP) || (defined(ESP8266) && !defined(ESP_SERIAL))
   IPAddress server(192, 168, 0, 11);
   const uint16_t port = 11411;
   nh.getHardware()->setConnection(server, port);

@@ -1,0 +1,13 @@
+/* Start of a program on an lx106, the core of the ESP8266, as qemu's lx60 board has it. */
+  .section .text.start, "ax"
+  .literal_position
+  .literal stack, stack_top
+  .literal run, runProgram
+  .align 4
+  .global startProgram
+startProgram:
+  l32r a1, stack
+  l32r a0, run
+  callx0 a0
+1:
+  j 1b

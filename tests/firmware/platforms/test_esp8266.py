@@ -1,0 +1,31 @@
+"""The node on the processor core of an ESP8266 in qemu, from its compiler, through the real bridge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.meeting import meeting
+from firmware.platforms.programs import NODE, compile_for_esp8266, running
+
+QEMU = (
+    "qemu-system-xtensa",
+    "-machine",
+    "lx60-nommu",
+    "-cpu",
+    "lx106",
+    "-display",
+    "none",
+    "-monitor",
+    "none",
+)
+
+
+@pytest.mark.lx106
+async def test_converses_over_its_serial_port(library: Path, tmp_path: Path) -> None:
+    program = compile_for_esp8266(NODE / "arduino.cpp", library, tmp_path / "node.elf")
+    async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as listening:
+        host = listening[0].removeprefix("tcp://")
+        async with running(*QEMU, "-serial", f"tcp:{host}", "-kernel", str(program)):
+            await met.converse()
