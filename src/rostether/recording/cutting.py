@@ -22,18 +22,22 @@ MAX_RECORDINGS = 1008
 MAX_OVERLAPPING = 200
 
 _ENDINGS = (".bag", ".mcap", ".db3", ".active")
-_CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}:\d\d(?::\d\d(?:\.\d{1,6})?)?)")
+_CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}:\d\d(?::\d\d(?:\.\d{1,6})?)?)(Z|[+-]\d\d:?\d\d)?")
 
 
 def find_recordings(paths: Sequence[Path]) -> list[Path]:
-    """Return the recordings among files and in folders. Raises ConfigError if there are none, or too many."""
+    """Return the recordings among files, in folders, and in folders of folders, such as one for each robot.
+
+    Raises ConfigError if there are none, or too many.
+    """
     found: list[Path] = []
     for path in paths:
-        if path.is_dir() and not (path / "metadata.yaml").exists():
-            inside = sorted(path.iterdir())
-            found += [each for each in inside if each.suffix in _ENDINGS or (each / "metadata.yaml").exists()]
-        else:
+        if not _is_folder(path):
             found.append(path)
+            continue
+        for inside in sorted(path.iterdir()):
+            deeper = sorted(inside.iterdir()) if _is_folder(inside) else (inside,)
+            found += [each for each in deeper if _is_recording(each)]
     if not found:
         raise ConfigError(f"no recordings in {', '.join(map(str, paths))}")
     if len(found) > MAX_RECORDINGS:
@@ -41,24 +45,46 @@ def find_recordings(paths: Sequence[Path]) -> list[Path]:
     return found
 
 
+def _is_folder(path: Path) -> bool:
+    return path.is_dir() and not (path / "metadata.yaml").exists()
+
+
+def _is_recording(path: Path) -> bool:
+    return (path.suffix in _ENDINGS and not _is_folder(path)) or (path / "metadata.yaml").exists()
+
+
 def moment_ns(text: str, last_ns: int) -> int:
     """Return a local time such as 14:02, 14:02:30 or 2026-11-23 14:02 in nanoseconds since the epoch.
 
-    Without a date it is the last such time before `last_ns`. Raises ConfigError.
+    Without a date it is the last such time before `last_ns`; with an offset such as +01:00 or Z, the time is
+    not local. Raises ConfigError.
     """
     found = _CLOCK.fullmatch(text.strip())
     last = datetime.fromtimestamp(last_ns // NS_PER_S).astimezone()
     try:
         if found is None:
             raise ValueError(text)
-        date, clock = found.groups()
+        date, clock, offset = found.groups()
         clock = clock.zfill(len(clock) + (clock.index(":") == 1))
-        moment = datetime.fromisoformat(f"{date or last.date().isoformat()}T{clock}").astimezone()
+        moment = datetime.fromisoformat(f"{date or last.date().isoformat()}T{clock}{offset or ''}")
     except (ValueError, OverflowError):
         raise ConfigError(f"{text!r:.100} is not a time; write 14:02, 14:02:30 or 2026-11-23 14:02") from None
-    if not date and moment > last:
-        moment = (moment.replace(tzinfo=None) - timedelta(days=1)).astimezone()
+    if not date and moment.astimezone() > last:
+        moment -= timedelta(days=1)
     return int(moment.timestamp()) * NS_PER_S + moment.microsecond * 1000
+
+
+def second_moment(text: str, start_ns: int) -> str:
+    """Return the later moment with the same local time, "" if there is none: clocks were set back.
+
+    `start_ns` is the moment of `text`, which may name its offset.
+    """
+    found = _CLOCK.fullmatch(text.strip())
+    if found is None or found[3]:
+        return ""
+    first = datetime.fromtimestamp(start_ns // NS_PER_S)
+    second = first.replace(fold=1)
+    return str(second.astimezone()) if second.timestamp() > first.timestamp() else ""
 
 
 class Cutting:
@@ -69,9 +95,11 @@ class Cutting:
         self._spans: dict[Path, tuple[int, int]] = {}
         # Recordings that cannot be read, and why: one damaged file must not hide the others.
         self.unreadable: dict[Path, str] = {}
+        self.topics: set[str] = set()
         for path in paths:
             try:
                 with closing(open_recording(path)) as reader:
+                    self.topics |= {each.topic for each in reader.counts}
                     if reader.span_ns is not None:
                         self._spans[path] = reader.span_ns
             except RecordingError as error:

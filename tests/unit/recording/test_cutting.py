@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.recording.cutting import Cutting, find_recordings, moment_ns
+from rostether.recording.cutting import Cutting, find_recordings, moment_ns, second_moment
 from rostether.recording.files import open_recording
 from rostether.rostime import NS_PER_S
 from unit.recording.bags import START_NS, write_bag
@@ -37,10 +37,22 @@ def shown(text: str, last: str) -> str:
         ("16:00", "2026-11-22 16:00:00"),
         ("2026-11-20 16:00", "2026-11-20 16:00:00"),
         ("2026-06-20T16:00:30", "2026-06-20 16:00:30"),
+        ("9:30Z", "2026-11-23 10:30:00"),
+        ("14:30Z", "2026-11-22 15:30:00"),
+        ("2026-06-20 16:00+0000", "2026-06-20 18:00:00"),
     ],
 )
 def test_times_are_local(text: str, moment: str) -> None:
     assert shown(text, "2026-11-23 15:00:00") == moment
+
+
+def test_a_time_that_occurs_twice() -> None:
+    first_ns = moment_ns("2026-10-25 02:30", START_NS)
+    second = second_moment("2026-10-25 02:30", first_ns)
+    assert second == "2026-10-25 02:30:00+01:00"
+    assert moment_ns(second, START_NS) == first_ns + 3600 * NS_PER_S
+    assert not second_moment("2026-10-25 02:30+02:00", first_ns)
+    assert not second_moment("2026-10-25 03:30", first_ns + 2 * 3600 * NS_PER_S)
 
 
 @pytest.mark.parametrize("text", ["", "14", "25:00", "yesterday", "2026-13-01 10:00"])
@@ -57,6 +69,8 @@ def test_a_span_of_several_recordings(tmp_path: Path) -> None:
     write_bag(folder / "R3_1.bag.active", closes=False)
     (folder / "notes.txt").write_text("none")
     (folder / "R3_2.bag").write_text("damaged")
+    # A folder for each robot.
+    assert find_recordings([tmp_path]) == find_recordings([folder])
     cutting = Cutting(find_recordings([folder]))
     assert list(cutting.unreadable) == [folder / "R3_2.bag"]
     assert cutting.span_ns == (written[0][1], written[-1][1])

@@ -18,6 +18,9 @@ from rostether.rostime import NS_PER_S
 if TYPE_CHECKING:
     from rostether.recording.recorded import Connection
 
+# A line with more is hard to read.
+_SHOWN_TOPICS = 10
+
 
 @click.command(
     "cut",
@@ -43,7 +46,8 @@ if TYPE_CHECKING:
     "start",
     required=True,
     metavar="TIME",
-    help="The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the last one recorded.",
+    help="The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the last one recorded; "
+    "+01:00 or Z after it names the time zone.",
 )
 @click.option(
     "--duration", type=DURATION, default=60.0, metavar="TIME", help="How much, e.g. 30, 30s, 5m or 2h (1m)."
@@ -56,19 +60,31 @@ def bag_cut(
 ) -> None:
     """Write the messages of a period to a new recording.
 
-    A RECORDING is a file, a ROS 2 bag, or a folder of them; a file that is being recorded works too.
+    A RECORDING is a file, a ROS 2 bag, a folder of them, or a folder of such folders; a file that is being
+    recorded works too.
     """
-    from rostether.recording.cutting import Cutting, find_recordings, moment_ns
+    from rostether.recording.cutting import Cutting, find_recordings, moment_ns, second_moment
 
     cutting = Cutting(find_recordings(sources))
     for why in cutting.unreadable.values():
         warn(f"left out: {why}")
     first_ns, last_ns = cutting.span_ns
     start_ns = moment_ns(start, last_ns)
+    if second := second_moment(start, start_ns):
+        warn(f"this time occurs twice, because clocks were set back; the second time is {second}")
+
+    def is_chosen(topic: str) -> bool:
+        return not topics or any(fnmatchcase(topic, each) for each in topics)
 
     def is_wanted(connection: Connection) -> bool:
-        return not topics or any(fnmatchcase(connection.topic, each) for each in topics)
+        return is_chosen(connection.topic)
 
+    if not any(map(is_chosen, cutting.topics)):
+        known = sorted(cutting.topics)
+        more = f" and {len(known) - _SHOWN_TOPICS} more" if len(known) > _SHOWN_TOPICS else ""
+        raise ConfigError(
+            f"no recorded topic is {' or '.join(topics)}; recorded: {', '.join(known[:_SHOWN_TOPICS])}{more}"
+        )
     count, recordings = cutting.write(target, is_wanted, start_ns, start_ns + int(duration * NS_PER_S))
     if not count:
         raise ConfigError(

@@ -335,3 +335,7 @@ def test_cut_a_time_out_of_a_folder(bag: Path, tmp_path: Path, shell: Shell) -> 
     failed = shell.failure("bag", "cut", str(bag), "-o", str(target), "--from", "2020-01-01 10:00")
     assert "nothing was recorded at Jan 01 2020 10:00:00.00" in failed
     assert "the recordings reach from Nov 1" in failed
+    failed = shell.failure(
+        "bag", "cut", str(bag), "-o", str(target), "--from", "10:00", "-t", "/A*", "-t", "/x"
+    )
+    assert "no recorded topic is /A* or /x; recorded: /a, /b" in failed
