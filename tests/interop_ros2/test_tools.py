@@ -11,11 +11,11 @@ import pytest
 
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from ros2_domains import own_domain
-from rostether.cli.topic.ros2_message_text import MessageText
-from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.types.message_text import MessageText
 from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.value_form import ValueForm
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 

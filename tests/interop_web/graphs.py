@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
-from rostether.cli.service.ros1_probe import probe_type
 from rostether.errors import MasterUnreachableError
 from rostether.gateways.rosbridge.values import Style
 from rostether.graph.memory_network import MemoryNetwork
@@ -19,6 +18,7 @@ from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import join_ros1
+from rostether.ros1.node.service_probe import probe_type
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeClasses, NativeTypes
 from rostether.serde.store import TypeStore

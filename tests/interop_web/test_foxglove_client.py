@@ -14,7 +14,6 @@ import pytest
 
 from contract.implementations import IMPLEMENTATIONS
 from interop_web.web_peers import WebPeers
-from rostether.cli.service.ros1_probe import probe_type
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.server_messages import SUBPROTOCOLS
 from rostether.gateways.foxglove.settings import CAPABILITIES, FoxgloveSettings
@@ -22,6 +21,7 @@ from rostether.graph.ports import JoinGraph
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.service_probe import probe_type
 from rostether.serde.store import TypeStore
 
 STORE = TypeStore(Registry())

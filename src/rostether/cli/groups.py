@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import click
 
-from rostether.cli.shell.verbs import LazyGroup, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, verb_entries
 
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "list": VerbEntry("rostether.cli.topic.listing:list_topics", "List the topics."),
-        "info": VerbEntry(
-            "rostether.cli.topic.listing:info", "Show a topic's type, publishers and subscribers."
-        ),
-        "type": VerbEntry("rostether.cli.topic.listing:type_of", "Print the type of a topic or of a field."),
-        "echo": VerbEntry("rostether.cli.topic.echo:echo", "Print the messages of a topic."),
-        "pub": VerbEntry("rostether.cli.topic.pub:pub", "Publish messages."),
-        "hz": VerbEntry("rostether.cli.topic.rates:hz", "Measure the message rate."),
-        "bw": VerbEntry("rostether.cli.topic.rates:bw", "Measure the bandwidth of a topic."),
-        "delay": VerbEntry("rostether.cli.topic.rates:delay", "Measure the age of messages on arrival."),
-        "find": VerbEntry("rostether.cli.topic.listing:find", "List the topics of a type."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.topic",
+        {
+            "list": ("listing:list_topics", "List the topics."),
+            "info": ("listing:info", "Show a topic's type, publishers and subscribers."),
+            "type": ("listing:type_of", "Print the type of a topic or of a field."),
+            "echo": ("echo:echo", "Print the messages of a topic."),
+            "pub": ("pub:pub", "Publish messages."),
+            "hz": ("rates:hz", "Measure the message rate."),
+            "bw": ("rates:bw", "Measure the bandwidth of a topic."),
+            "delay": ("rates:delay", "Measure the age of messages on arrival."),
+            "find": ("listing:find", "List the topics of a type."),
+        },
+    ),
     examples="""
     rostether topic list
     rostether topic echo /ultrasound
@@ -35,16 +36,17 @@ def topic() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "list": VerbEntry("rostether.cli.node.verbs:list_nodes", "List the running nodes."),
-        "info": VerbEntry(
-            "rostether.cli.node.verbs:info", "Show what a node publishes, subscribes to and serves."
-        ),
-        "ping": VerbEntry("rostether.cli.node.verbs:ping", "Check whether a node answers, and how quickly."),
-        "kill": VerbEntry("rostether.cli.node.verbs:kill", "Ask nodes to shut down."),
-        "cleanup": VerbEntry("rostether.cli.node.verbs:cleanup", "Unregister dead nodes from the master."),
-        "machine": VerbEntry("rostether.cli.node.verbs:machine", "List machines, or the nodes on one."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.node",
+        {
+            "list": ("verbs:list_nodes", "List the running nodes."),
+            "info": ("verbs:info", "Show what a node publishes, subscribes to and serves."),
+            "ping": ("verbs:ping", "Check whether a node answers, and how quickly."),
+            "kill": ("verbs:kill", "Ask nodes to shut down."),
+            "cleanup": ("verbs:cleanup", "Unregister dead nodes from the master."),
+            "machine": ("verbs:machine", "List machines, or the nodes on one."),
+        },
+    ),
     examples="""
     rostether node list
     rostether node info /board
@@ -57,19 +59,19 @@ def node() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "list": VerbEntry("rostether.cli.service.verbs:list_services", "List the services."),
-        "info": VerbEntry(
-            "rostether.cli.service.verbs:info",
-            "Show which node offers a service, its type and its arguments.",
-        ),
-        "call": VerbEntry("rostether.cli.service.verbs:call", "Call a service and print its response."),
-        "type": VerbEntry("rostether.cli.service.verbs:type_of", "Print the type of a service."),
-        "args": VerbEntry("rostether.cli.service.verbs:args", "Print the names of a service's arguments."),
-        "find": VerbEntry("rostether.cli.service.verbs:find", "List the services of a type."),
-        "node": VerbEntry("rostether.cli.service.verbs:node_of", "Print the node that offers a service."),
-        "uri": VerbEntry("rostether.cli.service.verbs:uri_of", "Print the URI of a service."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.service",
+        {
+            "list": ("verbs:list_services", "List the services."),
+            "info": ("verbs:info", "Show which node offers a service, its type and its arguments."),
+            "call": ("verbs:call", "Call a service and print its response."),
+            "type": ("verbs:type_of", "Print the type of a service."),
+            "args": ("verbs:args", "Print the names of a service's arguments."),
+            "find": ("verbs:find", "List the services of a type."),
+            "node": ("verbs:node_of", "Print the node that offers a service."),
+            "uri": ("verbs:uri_of", "Print the URI of a service."),
+        },
+    ),
     examples="""
     rostether service list
     rostether service call /set_led "data: true"
@@ -82,17 +84,18 @@ def service() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "list": VerbEntry("rostether.cli.param.verbs:list_params", "List the names of parameters."),
-        "get": VerbEntry("rostether.cli.param.verbs:get", "Print a parameter, or all of a namespace."),
-        "set": VerbEntry("rostether.cli.param.verbs:set_param", "Set a parameter."),
-        "delete": VerbEntry("rostether.cli.param.verbs:delete", "Delete a parameter, or all of a namespace."),
-        "describe": VerbEntry(
-            "rostether.cli.param.verbs:describe", "Describe the parameters of a ROS 2 node."
-        ),
-        "dump": VerbEntry("rostether.cli.param.verbs:dump_params", "Write parameters to a YAML file."),
-        "load": VerbEntry("rostether.cli.param.verbs:load", "Set the parameters of a YAML file."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.param",
+        {
+            "list": ("verbs:list_params", "List the names of parameters."),
+            "get": ("verbs:get", "Print a parameter, or all of a namespace."),
+            "set": ("verbs:set_param", "Set a parameter."),
+            "delete": ("verbs:delete", "Delete a parameter, or all of a namespace."),
+            "describe": ("verbs:describe", "Describe the parameters of a ROS 2 node."),
+            "dump": ("verbs:dump_params", "Write parameters to a YAML file."),
+            "load": ("verbs:load", "Set the parameters of a YAML file."),
+        },
+    ),
     examples="""
     rostether param set /blink_hz 2.5
     rostether param get /blink_hz
@@ -106,22 +109,21 @@ def param() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "record": VerbEntry("rostether.cli.bag.record:bag_record", "Record topics into a file."),
-        "play": VerbEntry("rostether.cli.bag.play:bag_play", "Replay recordings into the graph."),
-        "info": VerbEntry("rostether.cli.bag.info:bag_info", "Show the contents of a recording."),
-        "check": VerbEntry("rostether.cli.bag.check:bag_check", "Check a recording for errors."),
-        "filter": VerbEntry(
-            "rostether.cli.bag.filter:bag_filter", "Keep the messages that match an expression."
-        ),
-        "cut": VerbEntry("rostether.cli.bag.cut:bag_cut", "Keep what was recorded at a time."),
-        "convert": VerbEntry("rostether.cli.bag.convert:bag_convert", "Convert between formats."),
-        "compress": VerbEntry("rostether.cli.bag.repack:bag_compress", "Compress recordings."),
-        "decompress": VerbEntry("rostether.cli.bag.repack:bag_decompress", "Decompress recordings."),
-        "reindex": VerbEntry(
-            "rostether.cli.bag.repack:bag_reindex", "Repair recordings that were not closed."
-        ),
-    },
+    verbs=verb_entries(
+        "rostether.cli.bag",
+        {
+            "record": ("record:bag_record", "Record topics into a file."),
+            "play": ("play:bag_play", "Replay recordings into the graph."),
+            "info": ("info:bag_info", "Show the contents of a recording."),
+            "check": ("check:bag_check", "Check a recording for errors."),
+            "filter": ("filter:bag_filter", "Keep the messages that match an expression."),
+            "cut": ("cut:bag_cut", "Keep what was recorded at a time."),
+            "convert": ("convert:bag_convert", "Convert between formats."),
+            "compress": ("repack:bag_compress", "Compress recordings."),
+            "decompress": ("repack:bag_decompress", "Decompress recordings."),
+            "reindex": ("repack:bag_reindex", "Repair recordings that were not closed."),
+        },
+    ),
     examples="""
     rostether bag record --all -O drive.bag
     rostether bag info drive.bag
@@ -138,14 +140,15 @@ def bag() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "echo": VerbEntry("rostether.cli.robot.tf_echo:echo", "Print the transform between two frames."),
-        "tree": VerbEntry("rostether.cli.robot.tf_tree:tree", "Show the tree of frames."),
-        "monitor": VerbEntry(
-            "rostether.cli.robot.tf_monitor:monitor", "Show the delay and rate of transforms."
-        ),
-        "static": VerbEntry("rostether.cli.robot.tf_static:static", "Publish a static transform."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.robot",
+        {
+            "echo": ("tf_echo:echo", "Print the transform between two frames."),
+            "tree": ("tf_tree:tree", "Show the tree of frames."),
+            "monitor": ("tf_monitor:monitor", "Show the delay and rate of transforms."),
+            "static": ("tf_static:static", "Publish a static transform."),
+        },
+    ),
     examples="""
     rostether tf tree
     rostether tf echo base_link gripper
@@ -158,19 +161,16 @@ def tf() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "build": VerbEntry("rostether.cli.firmware.build:firmware_build", "Build a sketch."),
-        "size": VerbEntry(
-            "rostether.cli.firmware.size:firmware_size", "Show how much of the board's memory a sketch uses."
-        ),
-        "sim": VerbEntry(
-            "rostether.cli.firmware.build:firmware_sim", "Build a sketch and run it on a simulated board."
-        ),
-        "upload": VerbEntry(
-            "rostether.cli.firmware.build:firmware_upload", "Build a sketch and flash a board."
-        ),
-        "lib": VerbEntry("rostether.cli.firmware.lib:firmware_lib", "Generate the client library, ros_lib."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.firmware",
+        {
+            "build": ("build:firmware_build", "Build a sketch."),
+            "size": ("size:firmware_size", "Show how much of the board's memory a sketch uses."),
+            "sim": ("build:firmware_sim", "Build a sketch and run it on a simulated board."),
+            "upload": ("build:firmware_upload", "Build a sketch and flash a board."),
+            "lib": ("lib:firmware_lib", "Generate the client library, ros_lib."),
+        },
+    ),
     examples="""
     rostether firmware size blink.ino --board uno                will it fit?
     rostether firmware upload blink.ino --board uno              build and flash
@@ -183,11 +183,12 @@ def firmware() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "run": VerbEntry(
-            "rostether.cli.board.run:board_run", "Run a sketch or an ELF file on a simulated board."
-        ),
-    },
+    verbs=verb_entries(
+        "rostether.cli.board",
+        {
+            "run": ("run:board_run", "Run a sketch or an ELF file on a simulated board."),
+        },
+    ),
     examples="""
     rostether board run blink.ino --watch D13
     """,
@@ -198,14 +199,17 @@ def board() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "record": VerbEntry("rostether.cli.link.record:link_record", "Serve a board and record its line."),
-        "show": VerbEntry("rostether.cli.link.show:link_show", "List the frames of a capture."),
-        "replay": VerbEntry(
-            "rostether.cli.link.replay:link_replay",
-            "Replay a capture into the graph as if its board were connected.",
-        ),
-    },
+    verbs=verb_entries(
+        "rostether.cli.link",
+        {
+            "record": ("record:link_record", "Serve a board and record its line."),
+            "show": ("show:link_show", "List the frames of a capture."),
+            "replay": (
+                "replay:link_replay",
+                "Replay a capture into the graph as if its board were connected.",
+            ),
+        },
+    ),
     examples="""
     rostether link record /dev/ttyACM0 problem.jsonl
     rostether link show problem.jsonl
@@ -222,10 +226,13 @@ def link() -> None:
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "setup": VerbEntry("rostether.cli.xbee.setup:xbee_setup", "Set up a radio for a network of boards."),
-        "simulate": VerbEntry("rostether.cli.xbee.simulate:xbee_simulate", "Run a simulated radio network."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.xbee",
+        {
+            "setup": ("setup:xbee_setup", "Set up a radio for a network of boards."),
+            "simulate": ("simulate:xbee_simulate", "Run a simulated radio network."),
+        },
+    ),
     examples="""
     rostether xbee setup --coordinator /dev/ttyUSB0
     rostether xbee setup /dev/ttyUSB1 1

@@ -111,3 +111,8 @@ def resolve_remappings(remappings: Mapping[str, str], *, namespace: str, node_na
         )
         for source, target in remappings.items()
     }
+
+
+def in_namespace(name: str, namespace: str) -> bool:
+    """Return whether a full name is a namespace or in it."""
+    return name == namespace or name.startswith(namespace.rstrip("/") + "/")

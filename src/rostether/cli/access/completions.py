@@ -6,15 +6,16 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import click
+from click.shell_completion import CompletionItem
 
 from rostether.cli.access.graph_options import GraphOptions, chosen_middleware
 from rostether.cli.shell.completion import is_plain
 from rostether.errors import RostetherError
 
 if TYPE_CHECKING:
-    from rostether.cli.access.ros2_view import GraphView
     from rostether.msgdef.registry import Registry
     from rostether.ros1.node.master_client import MasterClient
+    from rostether.ros2.graph_view import GraphView
 
 # The longest wait after Tab; a master on this machine answers in milliseconds.
 TIMEOUT_S = 1.0
@@ -110,6 +111,16 @@ def complete_message_types(ctx: click.Context, _param: click.Parameter, incomple
 def complete_service_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the service types that begin with the typed text."""
     return _beginning(_registry(ctx).services(), incomplete)
+
+
+def complete_ports(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the serial ports that begin with the typed text; else let the shell complete files."""
+    from rostether.transports.opening import list_serial_ports
+
+    ports = [CompletionItem(port.path, help=port.description) for port in list_serial_ports()]
+    found = [each for each in ports if each.value.startswith(incomplete)]
+    # The shell does not know that `pty:` and `sim:` come before a path.
+    return found or [CompletionItem(incomplete, type="file")]
 
 
 def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import Any
 
 import click
 
-from rostether.cli.shell.option_group import Function, OptionalValueOption, option_group
+from rostether.cli.shell.option_group import EXISTING_FILE, Function, OptionalValueOption, option_group
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
@@ -114,10 +114,10 @@ class GraphOptions:
         return not self.uses_ros1
 
 
-TOOL_MASTER = "The ROS master (default: ROS_MASTER_URI, or http://localhost:11311)."
-SERVED_MASTER = "The ROS master to join; the command waits for it."
-TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS_IP is set); may be repeated."
-SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
+_TOOL_MASTER = "The ROS master (default: ROS_MASTER_URI, or http://localhost:11311)."
+_SERVED_MASTER = "The ROS master to join; the command waits for it."
+_TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS_IP is set); may be repeated."
+_SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
 
 _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced; with --ros2, use both."
 ROS1_OPTION = click.option("--ros1", is_flag=True, help=_ROS1_HELP)
@@ -165,7 +165,7 @@ _SERVING_OPTIONS = (
         "--params-file",
         "params_files",
         multiple=True,
-        type=click.Path(path_type=Path, exists=True, dir_okay=False),
+        type=EXISTING_FILE,
         metavar="FILE",
         help="With --ros2, a YAML file of node parameters; may be repeated.",
     ),
@@ -173,33 +173,30 @@ _SERVING_OPTIONS = (
 
 
 def graph_options(
-    *,
-    master: str = TOOL_MASTER,
-    ros: bool = True,
-    allow: str = "",
-    zenoh: bool = False,
-    serving: bool = False,
+    *, served: bool = False, master: bool = True, ros: bool = True, allow: bool = False, zenoh: bool = False
 ) -> Callable[[Function], Function]:
     """Return a decorator that adds the graph options; the verb gets them as `graph`.
 
     Args:
-        master: The help of `--master`, empty where there is no such option.
-        ros: Whether to add `--ros1` and `--ros2`; without them the graph is ROS 1.
-        allow: The help of `--allow`, empty where there is no such option.
-        zenoh: Whether to add `--zenoh-connect` and `--zenoh-listen`.
-        serving: Whether to add `--zenoh-router` and `--params-file` as well.
+        served: Whether other nodes and boards depend on the command: it has --allow, and with `ros` all zenoh
+            options and --params-file. master: Whether to add --master. ros: Whether to add --ros1 and --ros2;
+            without them the graph is ROS 1. allow: Whether to add --allow. zenoh: Whether to add
+            --zenoh-connect and --zenoh-listen.
     """
     options: list[Callable[[Any], Any]] = []
     if master:
-        options.append(click.option("--master", metavar="URI", help=master))
+        options.append(
+            click.option("--master", metavar="URI", help=_SERVED_MASTER if served else _TOOL_MASTER)
+        )
     if ros:
         options += _ROS_OPTIONS
-    if zenoh or serving:
+    if zenoh or (served and ros):
         options += _REACH_OPTIONS
-    if serving:
+    if served and ros:
         options += _SERVING_OPTIONS
-    if allow:
-        options.append(click.option("--allow", multiple=True, metavar="CIDR", help=allow))
+    if allow or served:
+        text = _SERVED_ALLOW if served else _TOOL_ALLOW
+        options.append(click.option("--allow", multiple=True, metavar="CIDR", help=text))
     return option_group("graph", _chosen_graph if ros else _ros1_graph, options)
 
 
@@ -216,15 +213,10 @@ def _ros1_graph(
     allow: tuple[str, ...] = (),
     zenoh_connect: tuple[str, ...] = (),
     zenoh_listen: tuple[str, ...] = (),
-    zenoh_router: str = "auto",
-    params_files: tuple[Path, ...] = (),
 ) -> GraphOptions:
-    return GraphOptions(
-        master=master,
-        allow=allow,
-        arguments=ros_arguments(),
-        zenoh=ZenohReach(zenoh_connect, zenoh_listen, zenoh_router),
-        params_files=params_files,
+    # Such a verb may have --ros1 and --ros2 of its own.
+    return _chosen_graph(
+        ros1=True, master=master, allow=allow, zenoh_connect=zenoh_connect, zenoh_listen=zenoh_listen
     )
 
 
@@ -239,12 +231,12 @@ def _chosen_graph(
     zenoh_router: str = "auto",
     params_files: tuple[Path, ...] = (),
 ) -> GraphOptions:
-    options = _ros1_graph(
+    return GraphOptions(
+        ros1=ros1,
+        ros2=chosen_middleware(ros1=ros1, ros2=ros2),
         master=master,
         allow=allow,
-        zenoh_connect=zenoh_connect,
-        zenoh_listen=zenoh_listen,
-        zenoh_router=zenoh_router,
+        arguments=ros_arguments(),
+        zenoh=ZenohReach(zenoh_connect, zenoh_listen, zenoh_router),
         params_files=params_files,
     )
-    return replace(options, ros1=ros1, ros2=chosen_middleware(ros1=ros1, ros2=ros2))

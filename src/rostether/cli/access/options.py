@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import Function, ignored_options
+from rostether.cli.shell.option_group import PATH, Function, ignored_options
 
 msg_path_option = click.option(
     "--msg-path",
     "msg_paths",
     multiple=True,
     metavar="DIR",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Search this folder for packages, .msg and .srv files before ROS_PACKAGE_PATH; may be repeated.",
 )
 

@@ -14,14 +14,12 @@ from rostether.errors import MasterUnreachableError
 from rostether.names.graph_name import resolve_name
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.node_calls import TOOL_NAME
 
 if TYPE_CHECKING:
     from rostether.graph.ports import JoinGraph
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
-
-# The caller id of commands that start no node, and the meaning of `~` in their names.
-OUR_NAME = "/rostether"
 
 _ENVIRONMENT_OF_ARGUMENT = {
     "__ns": "ROS_NAMESPACE",
@@ -47,18 +45,13 @@ def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
 
 def resolve(name: str, environment: RosEnvironment) -> str:
     """Return the full form of a user's name. Raises InvalidNameError."""
-    return resolve_name(name, namespace=environment.namespace, node_name=OUR_NAME)
-
-
-def in_namespace(name: str, namespace: str) -> bool:
-    """Return whether a full name is a namespace or in it."""
-    return name == namespace or name.startswith(namespace.rstrip("/") + "/")
+    return resolve_name(name, namespace=environment.namespace, node_name=TOOL_NAME)
 
 
 @asynccontextmanager
 async def master_client(environment: RosEnvironment) -> AsyncIterator[MasterClient]:
     """Ask the master without starting a node. Raises MasterUnreachableError with advice."""
-    client = MasterClient(environment.master_uri, OUR_NAME)
+    client = MasterClient(environment.master_uri, TOOL_NAME)
     try:
         yield client
     except MasterUnreachableError as error:

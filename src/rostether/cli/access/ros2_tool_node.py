@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import GraphView, is_hidden
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

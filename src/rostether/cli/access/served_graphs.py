@@ -139,6 +139,14 @@ async def used_master(
         await core.close()
 
 
+async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:
+    """Return as soon as a ROS master answers at the environment's URI; nothing announces one."""
+    while True:
+        if await master_answers(environment):
+            return
+        await asyncio.sleep(poll_s)
+
+
 async def master_answers(environment: RosEnvironment) -> bool:
     """Return whether a ROS master answers at the environment's URI."""
     client = MasterClient(environment.master_uri, "/rostether")

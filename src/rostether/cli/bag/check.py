@@ -8,6 +8,7 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -20,7 +21,7 @@ from rostether.cli.shell.verbs import Verb
     rostether bag check drive.bag --msg-path ~/catkin_ws/src
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @msg_path_option
 def bag_check(files: tuple[Path, ...], msg_paths: tuple[Path, ...]) -> None:
     """Read every message and report errors; the exit code is 1 if there are any.

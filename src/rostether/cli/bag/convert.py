@@ -8,6 +8,7 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.bag.recording_files import asked_form, format_option, recording_types, storage_option
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -23,8 +24,8 @@ from rostether.cli.shell.verbs import Verb
     rostether bag convert rosbag2_2026_11_20 drive.bag
     """,
 )
-@click.argument("source", type=click.Path(path_type=Path))
-@click.argument("target", type=click.Path(path_type=Path))
+@click.argument("source", type=PATH)
+@click.argument("target", type=PATH)
 @click.option(
     "--compression",
     type=click.Choice(["none", "bz2", "lz4"]),

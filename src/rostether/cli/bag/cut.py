@@ -10,6 +10,7 @@ import click
 
 from rostether.cli.bag.figures import time_text
 from rostether.cli.bag.record import DURATION
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -31,13 +32,13 @@ _SHOWN_TOPICS = 10
     rostether bag cut monday.bag tuesday.bag -o night.bag --from 23:55 --duration 10m
     """,
 )
-@click.argument("sources", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECORDING...")
+@click.argument("sources", nargs=-1, required=True, type=PATH, metavar="RECORDING...")
 @click.option(
     "-o",
     "--output",
     "target",
     required=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="The .bag, .mcap or .db3 file, or folder.",
 )

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import PATH, argument, option, option_group
 from rostether.cli.shell.output import forget, warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -20,6 +22,30 @@ if TYPE_CHECKING:
 
 FORMATS = ("csv", "parquet", "pictures")
 _STDOUT = "-"
+
+
+@dataclass(frozen=True, slots=True)
+class ExportOptions:
+    """The arguments and options of `export`."""
+
+    recording: Path = argument(type=PATH)
+    output: str | None = option(
+        "-o --output",
+        "A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_FORMAT).",
+        metavar="PATH",
+    )
+    format_name: str | None = option(
+        "--format", "The format (default: from the file's ending, or csv).", type=click.Choice(FORMATS)
+    )
+    topics: tuple[str, ...] = option(
+        "-t --topic", "Only this topic; * matches anything.", multiple=True, metavar="TOPIC"
+    )
+    fields: tuple[str, ...] = option(
+        "-f --field",
+        "Only this field, e.g. pose.position, ranges[0], ranges[:10], or a pattern such as *.x.",
+        multiple=True,
+        metavar="FIELD",
+    )
 
 
 @click.command(
@@ -34,37 +60,8 @@ _STDOUT = "-"
     rostether export drive.bag --topic "/arm/*" --field "position[0]" --field "*.x"
     """,
 )
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    metavar="PATH",
-    help="A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_FORMAT).",
-)
-@click.option(
-    "--format",
-    "format_name",
-    type=click.Choice(FORMATS),
-    help="The format (default: from the file's ending, or csv).",
-)
-@click.option(
-    "-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this topic; * matches anything."
-)
-@click.option(
-    "-f",
-    "--field",
-    "fields",
-    multiple=True,
-    metavar="FIELD",
-    help="Only this field, e.g. pose.position, ranges[0], ranges[:10], or a pattern such as *.x.",
-)
-def export(
-    recording: Path,
-    output: str | None,
-    format_name: str | None,
-    topics: tuple[str, ...],
-    fields: tuple[str, ...],
-) -> None:
+@option_group("options", ExportOptions)
+def export(options: ExportOptions) -> None:
     """Write the messages of RECORDING as tables: one table per topic, one row per message.
 
     The first columns are the time of recording in seconds and in nanoseconds. Arrays of variable size are
@@ -75,12 +72,14 @@ def export(
     from rostether.recording.export.picture_folder import PICTURE_TYPE
     from rostether.recording.files import open_recording
 
-    with closing(open_recording(recording)) as reader:
+    with closing(open_recording(options.recording)) as reader:
         if reader.damage:
-            warn(f"{recording}: {reader.damage}; only its complete part is read")
-        type_name = PICTURE_TYPE if format_name == "pictures" else ""
-        chosen = Export(reader, topics=topics, fields=fields, type_name=type_name, report=warn)
-        place = _Place(recording, output, format_name, chosen)
+            warn(f"{options.recording}: {reader.damage}; only its complete part is read")
+        type_name = PICTURE_TYPE if options.format_name == "pictures" else ""
+        chosen = Export(
+            reader, topics=options.topics, fields=options.fields, type_name=type_name, report=warn
+        )
+        place = _Place(options, chosen)
         try:
             chosen.write(place.create)
         except BrokenPipeError:
@@ -95,7 +94,8 @@ def export(
 class _Place:
     """The folder and the format of the tables."""
 
-    def __init__(self, recording: Path, output: str | None, format_name: str | None, chosen: Export) -> None:
+    def __init__(self, options: ExportOptions, chosen: Export) -> None:
+        output = options.output
         self._created: list[Path] = []
         self._is_stdout = output == _STDOUT
         self._folder = Path()
@@ -112,10 +112,10 @@ class _Place:
             self._folder = path
             self._file = path if is_file else None
         ending = self._file.suffix.removeprefix(".") if self._file is not None else None
-        self._format = format_name or ending or "csv"
+        self._format = options.format_name or ending or "csv"
         if output is None:
             # The name alone is that of a ROS 2 bag's folder.
-            whole = recording.resolve()
+            whole = options.recording.resolve()
             name = whole.parent.name if whole.name == "metadata.yaml" else whole.name.removesuffix(".active")
             self._folder = Path(f"{Path(name).with_suffix('')}_{self._format}")
         if (self._is_stdout or self._file is not None) and len(chosen.tables) != 1:

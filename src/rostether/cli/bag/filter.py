@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -30,8 +31,8 @@ _MESSAGE = re.compile(r"\bm\b")
     rostether bag filter drive.bag start.bag "t.to_s() < 1700000060"
     """,
 )
-@click.argument("source", type=click.Path(path_type=Path))
-@click.argument("target", type=click.Path(path_type=Path))
+@click.argument("source", type=PATH)
+@click.argument("target", type=PATH)
 @click.argument("expression")
 @click.option(
     "-p", "--print", "shown", metavar="EXPRESSION", help="Also print this expression for each message."

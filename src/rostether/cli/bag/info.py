@@ -14,6 +14,7 @@ import yaml
 
 from rostether.bounded_yaml import YamlError, load
 from rostether.cli.bag.figures import duration_text, size_text, time_text
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import json_option, paint_keys, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -40,7 +41,7 @@ _STEP = re.compile(r"\.?(?:(\w+)|\[(-?\d+)\])")
     rostether bag info --json *.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @click.option("-y", "--yaml", "as_yaml", is_flag=True, help="Print YAML.")
 @click.option("-k", "--key", metavar="KEY", help="With --yaml: print only the value of KEY.")
 @click.option("--freq", "with_rates", is_flag=True, help="Show the message rate of each topic.")

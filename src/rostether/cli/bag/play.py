@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.progress import show
@@ -114,14 +114,15 @@ class PlayOptions:
 @option_group("options", PlayOptions)
 @click.argument("files", nargs=-1, required=True, metavar="FILE... [FROM:=TO]...")
 @ignored_options(try_future_version="--try-future-version")
-@graph_options(allow=TOOL_ALLOW, zenoh=True)
+@graph_options(allow=True, zenoh=True)
 def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) -> None:
     """Publish the messages of recordings at their recorded times. Space pauses, s steps, q quits.
 
     With --clock, nodes use the recorded time if /use_sim_time is set to true before they start.
     """
-    topics = options.topics
     from rostether.recording.player import PlaySettings
+
+    topics = options.topics
 
     environment = read_environment(graph)
     plain = [*files, *options.bags]
@@ -154,33 +155,17 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
         prefix=resolve(options.prefix, environment) if options.prefix else "",
         remappings={resolve(old, environment): resolve(new, environment) for old, new in remappings.items()},
     )
-    paths = [Path(each) for each in given]
-    run(
-        _play(
-            graph,
-            paths,
-            settings,
-            keep_alive=options.keep_alive,
-            quiet=options.quiet,
-            msg_paths=options.msg_paths,
-        )
-    )
+    run(_play(graph, [Path(each) for each in given], settings, options))
 
 
 async def _play(
-    options: GraphOptions,
-    paths: list[Path],
-    settings: PlaySettings,
-    *,
-    keep_alive: bool,
-    quiet: bool,
-    msg_paths: tuple[Path, ...],
+    graph_options: GraphOptions, paths: list[Path], settings: PlaySettings, options: PlayOptions
 ) -> None:
     from rostether.recording.files import open_recording
     from rostether.recording.player import Player
 
     with ExitStack() as opened:
-        is_native = options.is_ros2_alone
+        is_native = graph_options.is_ros2_alone
         readers = [opened.enter_context(closing(open_recording(path, is_native=is_native))) for path in paths]
         for path, reader in zip(paths, readers, strict=True):
             for topic, why in reader.unreadable.items():
@@ -189,7 +174,7 @@ async def _play(
         _check_topics(settings, {each.topic for each in connections})
         origins = [each.origin for each in connections if each.origin is not None]
         async with recording_graph(
-            options, "play", is_native=is_native, origins=origins, msg_paths=msg_paths
+            graph_options, "play", is_native=is_native, origins=origins, msg_paths=options.msg_paths
         ) as graph:
             player = Player(graph.raw, readers, settings)
             if settings.start_s > player.length_s:
@@ -198,18 +183,18 @@ async def _play(
                     f"{player.length_s:.3f} s; nothing is played"
                 )
             playing = asyncio.create_task(player.play())
-            async with _keys(player, playing.cancel, is_quiet=quiet):
+            async with _keys(player, playing.cancel, is_quiet=options.quiet):
                 leaving = asyncio.ensure_future(graph.raw.wait_closed())
                 try:
                     await asyncio.wait({playing, leaving}, return_when=asyncio.FIRST_COMPLETED)
                     if playing.done() and not playing.cancelled():
                         playing.result()
-                        if keep_alive:
+                        if options.keep_alive:
                             await player.keep_clock()
                 finally:
                     leaving.cancel()
                     playing.cancel()
-            if not quiet:
+            if not options.quiet:
                 write_line(f"played {player.played_count} messages")
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.completions import complete_topics
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.figures import MEGABYTE, size_text
@@ -136,7 +136,7 @@ class RecordOptions:
 @option_group("options", RecordOptions)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
 @ignored_options(tcpnodelay="--tcpnodelay", udp="--udp")
-@graph_options(allow=TOOL_ALLOW, zenoh=True)
+@graph_options(allow=True, zenoh=True)
 def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
 
@@ -188,38 +188,21 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
         is_splitting=options.split,
         of_ros2_graph=graph.is_ros2_alone,
     )
-    settings = _Settings(
-        repeat_latched=options.repeat_latched,
-        publishes_begin=options.publishes_begin,
-        # Without compression, messages are written at once.
-        buffer_bytes=(options.buffer_mb or MAX_BUFFER_MB) * MEGABYTE if options.bz2 or options.lz4 else None,
-        is_quiet=options.quiet,
-        msg_paths=options.msg_paths,
-    )
-    run(_record(graph, choice, limits, files, settings), is_service=True)
-
-
-@dataclass(frozen=True, slots=True)
-class _Settings:
-    repeat_latched: bool
-    publishes_begin: bool
-    buffer_bytes: int | None
-    is_quiet: bool
-    msg_paths: tuple[Path, ...]
+    run(_record(graph, choice, limits, files, options), is_service=True)
 
 
 async def _record(
-    options: GraphOptions,
+    graph_options: GraphOptions,
     choice: TopicChoice,
     limits: RecordLimits,
     files: NewFiles,
-    settings: _Settings,
+    options: RecordOptions,
 ) -> None:
     from rostether.recording.recorder import Recorder
     from rostether.recording.ros2.channels import UnfitMessages
 
     def report(text: str) -> None:
-        if not settings.is_quiet:
+        if not options.quiet:
             line.clear()
             write_line(text)
 
@@ -228,13 +211,13 @@ async def _record(
         warn(text)
 
     unfit = files.unfit = UnfitMessages(report_unfit)
-    line = ProgressLine(is_shown=not settings.is_quiet and sys.stderr.isatty())
+    line = ProgressLine(is_shown=not options.quiet and sys.stderr.isatty())
     async with recording_graph(
-        options, "record", is_native=files.is_of_ros2, msg_paths=settings.msg_paths
+        graph_options, "record", is_native=files.is_of_ros2, msg_paths=options.msg_paths
     ) as graph:
         files.types = graph.types
         create: Callable[[Path], RecordingWriter] = files.create
-        if settings.publishes_begin:
+        if options.publishes_begin:
             create = await _reporting_begin(graph.raw, files)
         recorder = Recorder(
             graph.raw,
@@ -243,8 +226,11 @@ async def _record(
             create=create,
             name=files.path_of,
             report=report,
-            repeat_latched=settings.repeat_latched,
-            buffer_bytes=settings.buffer_bytes,
+            repeat_latched=options.repeat_latched,
+            # Without compression, messages are written at once.
+            buffer_bytes=(options.buffer_mb or MAX_BUFFER_MB) * MEGABYTE
+            if options.bz2 or options.lz4
+            else None,
         )
         showing = asyncio.create_task(line.keep(recorder))
         try:

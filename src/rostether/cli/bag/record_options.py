@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.bag.figures import MEGABYTE, size_text
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import COUNT, PATH, option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 from rostether.mechanisms.run_until import run_until
@@ -40,7 +40,7 @@ class BagRecording:
 _OPTIONS = (
     click.option(
         "--record",
-        type=click.Path(path_type=Path),
+        type=PATH,
         metavar="DIR",
         help="Record all topics of the graph into bags in this folder.",
     ),
@@ -53,7 +53,7 @@ _OPTIONS = (
     ),
     click.option(
         "--record-keep",
-        type=click.IntRange(min=1),
+        type=COUNT,
         metavar="COUNT",
         help="With --record: keep only the newest COUNT bags of this run (default: all).",
     ),

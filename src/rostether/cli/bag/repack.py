@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import click
 
 from rostether.cli.bag.figures import size_text
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -62,7 +63,7 @@ def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path
     rostether bag compress --lz4 --output-dir small *.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @click.option("-j", "--bz2", is_flag=True, help="Use bz2 (the default for .bag files).")
 @click.option("--lz4", is_flag=True, help="Use LZ4: larger, but much faster to read.")
 @place_options
@@ -85,7 +86,7 @@ def bag_compress(
     rostether bag decompress drive.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @place_options
 def bag_decompress(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
     """Decompress recordings. The original file is kept as NAME.orig.bag."""
@@ -119,7 +120,7 @@ def _size_bytes(path: Path) -> int:
     rostether bag reindex --output-dir repaired *.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @place_options
 def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
     """Repair recordings that are truncated or damaged: keep every complete message.

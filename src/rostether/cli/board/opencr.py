@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.shell.input import input_lines
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.board.console import obeying, show_event, show_start
+from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, SketchError
 
 if TYPE_CHECKING:
     from rostether.simulation.opencr.board import OpenCrBoard
-    from rostether.simulation.simavr.board_events import BoardEvent
 
 OPENCR = "opencr"
 
@@ -67,43 +66,19 @@ async def run_opencr(
     as_json: bool,
 ) -> None:
     """Run a sketch until it ends, with words on standard input. Raises the same errors as `start_opencr`."""
-    board = await start_opencr(sketch, words, link_path, msg_paths, has_other_options=has_other_options)
-    async with board:
-        board.on_event = _show_json if as_json else _show
-        if as_json:
-            write_json({"event": "ready", "board": OPENCR, "link": board.address})
-        else:
-            linked = f", linked at {link_path}" if link_path else ""
-            write_line(f"{OPENCR} (Linux program) runs {sketch}; serial port {board.address}{linked}")
-        listening = asyncio.get_running_loop().create_task(_listen(board))
-        try:
-            await board.wait_end()
-        finally:
-            listening.cancel()
-            await asyncio.gather(listening, return_exceptions=True)
-    raise BoardError(f"the simulated board has ended: {board.last_words or 'no reason given'}")
-
-
-async def _listen(board: OpenCrBoard) -> None:
     from rostether.simulation.opencr.words import obey
 
-    async for line in input_lines():
-        if not line.strip():
-            continue
-        try:
-            answer = obey(board, line)
-        except ConfigError as error:
-            warn(f"rostether: error: {error}")
-            continue
-        if answer is not None and board.on_event is not None:
-            board.on_event(answer)
+    board = await start_opencr(sketch, words, link_path, msg_paths, has_other_options=has_other_options)
 
+    async def obey_line(line: str) -> None:
+        answer = obey(board, line)
+        if answer is not None:
+            show_event(answer, as_json=as_json)
 
-def _show(event: BoardEvent) -> None:
-    from rostether.simulation.simavr.board_events import show_event
-
-    write_line(show_event(event))
-
-
-def _show_json(event: BoardEvent) -> None:
-    write_json({"event": event.name, "time_s": event.time_s, **event.values})
+    async with board:
+        board.on_event = partial(show_event, as_json=as_json)
+        title = "" if as_json else f"{OPENCR} (Linux program)"
+        show_start(title, OPENCR, sketch, board.address, link_path)
+        async with obeying(obey_line):
+            await board.wait_end()
+    raise BoardError(f"the simulated board has ended: {board.last_words or 'no reason given'}")

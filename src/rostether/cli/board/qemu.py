@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.shell.input import input_lines
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.board.console import obeying, show_start
+from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
 from rostether.mechanisms.own_loop import in_own_loop
 from rostether.simulation.qemu import MACHINES
@@ -45,41 +44,29 @@ async def run_in_qemu(
     Raises the same errors as `start_in_qemu`.
     """
     async with await start_in_qemu(program, machine, link_path, has_words=has_words) as board:
-        if as_json:
-            write_json({"event": "ready", "board": machine, "link": board.address})
-        else:
-            linked = f", linked at {link_path}" if link_path else ""
-            core, _ = MACHINES[machine]
-            write_line(f"{machine} ({core}) runs {program}; serial port {board.address}{linked}")
-        listening = asyncio.get_running_loop().create_task(_listen(board))
-        try:
-            await board.wait_end()
-        finally:
-            listening.cancel()
-            await asyncio.gather(listening, return_exceptions=True)
-    raise BoardError(f"qemu has ended: {board.last_words or 'no reason given'}")
+        core, _ = MACHINES[machine]
+        show_start("" if as_json else f"{machine} ({core})", machine, program, board.address, link_path)
 
-
-async def _listen(board: QemuBoard) -> None:
-    async for line in input_lines():
-        if line.split() == ["reset"]:
+        async def obey(line: str) -> None:
+            if line.split() != ["reset"]:
+                raise BoardError(
+                    f"{line.strip()!r} is not a command of this board; its only command is reset"
+                )
             await board.reset()
-        elif line.strip():
-            warn(
-                f"rostether: error: {line.strip()!r} is not a command of this board; its only command is "
-                f"reset"
-            )
+
+        async with obeying(obey):
+            await board.wait_end()
+    raise BoardError(f"qemu has ended: {board.last_words or 'no reason given'}")
 
 
 async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -> Path:
     """Return the program for a board. Raises BoardError if there is no such file, and build errors."""
     if path.suffix.lower() in _PROGRAM_SUFFIXES:
         return path
-    if not path.exists():  # noqa: ASYNC240 - one look
-        raise BoardError(f"{path} does not exist; give a sketch, a folder with one, or an ELF or HEX file")
     from rostether.firmware.build import BuildOptions, BuiltFirmware, build_sketch, find_board
 
     async def build() -> BuiltFirmware:
+        _refuse_missing(path)
         return await build_sketch(path, find_board(board), BuildOptions(msg_paths=tuple(msg_paths)))
 
     try:
@@ -89,6 +76,11 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
         warn(error.diagnostics.rstrip())
         raise
     return built.elf
+
+
+def _refuse_missing(path: Path) -> None:
+    if not path.exists():
+        raise BoardError(f"{path} does not exist; give a sketch, a folder with one, or an ELF or HEX file")
 
 
 def measure_program(path: Path, board: str) -> ProgramSize | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,19 +10,18 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.board.console import obeying, show_event, show_start
 from rostether.cli.board.opencr import OPENCR, run_opencr
 from rostether.cli.board.qemu import run_in_qemu
-from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.option_group import PATH, flag, option, option_group
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
 
 if TYPE_CHECKING:
-    from rostether.simulation.simavr.board_events import BoardEvent
-    from rostether.simulation.simavr.simulated_board import SimulatedBoard
+    pass
 
 
 OLD_OPTIONS = {"--for": "--duration"}
@@ -118,7 +116,7 @@ class BoardOptions:
     rostether board run test.elf --fast --duration 2s
     """,
 )
-@click.argument("program", type=click.Path(path_type=Path))
+@click.argument("program", type=PATH)
 @option_group("options", BoardOptions)
 @msg_path_option
 @json_option
@@ -166,49 +164,23 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             seed=start.seed,
             words=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
         )
-    async with board:
-        if not as_json:
-            write_line(_title(board, program, start.link_path))
-        listening = asyncio.get_running_loop().create_task(_listen(board))
-        try:
-            await _show_all(board, as_json)
-        finally:
-            listening.cancel()
-            await asyncio.gather(listening, return_exceptions=True)
-        if not board.was_to_end:
-            raise BoardError("the simulated board ended unexpectedly; please report it")
 
-
-def _title(board: SimulatedBoard, program: Path, link_path: Path | None) -> str:
-    linked = f", linked at {link_path}" if link_path else ""
-    note = f" ({board.note})" if board.note else ""
-    return f"{board.kind} ({board.mcu}) runs {program}; serial port {board.address}{linked}{note}"
-
-
-async def _show_all(board: SimulatedBoard, as_json: bool) -> None:
-    first = list(board.recent)
-    for event in first if as_json else first[1:]:
-        _show(event, as_json)
-    async for event in board.events():
-        _show(event, as_json)
-
-
-def _show(event: BoardEvent, as_json: bool) -> None:
-    from rostether.simulation.simavr.board_events import show_event
-
-    if as_json:
-        write_json({"event": event.name, "time_s": event.time_s, **event.values})
-    else:
-        write_line(show_event(event))
-
-
-async def _listen(board: SimulatedBoard) -> None:
-    async for line in input_lines():
-        if not line.strip():
-            continue
+    async def obey(line: str) -> None:
         try:
             await board.send_command(line)
-        except BoardError as error:
-            if board.has_ended:
-                return
-            warn(f"rostether: error: {error}")
+        except BoardError:
+            if not board.has_ended:
+                raise
+
+    async with board:
+        if not as_json:
+            note = f" ({board.note})" if board.note else ""
+            title = f"{board.kind} ({board.mcu})"
+            show_start(title, board.kind, program, board.address, start.link_path, note)
+        async with obeying(obey):
+            for event in list(board.recent)[0 if as_json else 1 :]:
+                show_event(event, as_json=as_json)
+            async for event in board.events():
+                show_event(event, as_json=as_json)
+        if not board.was_to_end:
+            raise BoardError("the simulated board ended unexpectedly; please report it")

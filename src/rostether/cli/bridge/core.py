@@ -8,7 +8,6 @@ from dataclasses import replace
 import click
 
 from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
     GraphOptions,
     Middleware,
     ZenohReach,
@@ -59,7 +58,7 @@ _roscore_options = ignored_options(
 @listen_option
 @limit_option(GRAPH_LIMITS)
 @ros2_option("Run a ROS 2 zenoh router instead.", "[zenoh]")
-@graph_options(master="", ros=False, allow=SERVED_ALLOW, zenoh=True)
+@graph_options(served=True, master=False, ros=False, zenoh=True)
 @_roscore_options
 def core(
     port: int | None,

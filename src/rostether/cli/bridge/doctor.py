@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.graph_options import ros2_option
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
@@ -153,11 +153,11 @@ def _explain_no_board(ports: Sequence[SerialPort]) -> None:
 
 async def _examine_served(as_json: bool) -> bool | None:
     """Report the boards of a bridge that runs; return whether they are healthy, None if there are none."""
+    from rostether.bridge.health.reported_boards import reported_boards
     from rostether.cli.access.graph_options import GraphOptions
     from rostether.cli.access.ros1_access import joined, read_environment
     from rostether.cli.access.served_graphs import master_answers
     from rostether.cli.bridge.doctor_report import reported_lines, reported_record
-    from rostether.cli.bridge.reported_boards import reported_boards
 
     options = GraphOptions()
     environment = read_environment(options)

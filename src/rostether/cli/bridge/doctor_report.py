@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 from rostether.bridge.findings.finding import Finding, Severity
+from rostether.bridge.health.board_status import BoardStatus
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
 from rostether.bridge.health.doctor import Diagnosis
-from rostether.cli.board.status import BoardStatus
 
 _WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
 

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.bridge.health.board_status import BoardStatus
+from rostether.bridge.health.reported_boards import BoardsSeen, listen, reported_boards
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joined, read_environment
-from rostether.cli.board.status import BoardStatus
 from rostether.cli.bridge.monitor_table import table
-from rostether.cli.bridge.reported_boards import BoardsSeen, listen, reported_boards
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
@@ -49,7 +49,7 @@ NOTHING = (
 )
 @click.option("--once", is_flag=True, help="Print one table and exit (the default without a terminal).")
 @json_option
-@graph_options(ros=False, allow=TOOL_ALLOW)
+@graph_options(ros=False, allow=True)
 def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     """Monitor the boards of all bridges on the graph, with their topics and problems.
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from rostether.cli.board.status import BoardStatus, EndpointStatus
+from rostether.bridge.health.board_status import BoardStatus, EndpointStatus
 
 Style: TypeAlias = Literal["", "bold", "dim", "green", "yellow", "bold red"]
 

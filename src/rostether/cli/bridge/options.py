@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from rostether.cli.shell.option_group import PATH
 from rostether.errors import ConfigError
 from rostether.ports.devices_toml import BOARD_LIMITS, Limit, may_be_broken
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 config_option = click.option(
     "--config",
     metavar="FILE",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="File of board names and settings (default: ~/.config/rostether/devices.toml).",
 )
 discover_option = click.option(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,18 +13,12 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
-    SERVED_MASTER,
-    GraphOptions,
-    Middleware,
-    graph_options,
-)
+from rostether.cli.access.graph_options import GraphOptions, Middleware, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, master_client, read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import native_session, used_master
-from rostether.cli.service.ros1_probe import probe_type
+from rostether.cli.shell.option_group import PORT, argument, option, option_group
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, UnknownTypeError
@@ -34,12 +28,65 @@ from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
+from rostether.ros1.node.service_probe import probe_type
 
 if TYPE_CHECKING:
     from rostether.relay.side import FindServiceType
     from rostether.ros2.types.type_support import Ros2Types
 
 _ROS1, _ROS2 = "ROS 1", "ROS 2"
+
+
+@dataclass(frozen=True, slots=True)
+class RelayOptions:
+    """The options of `relay`."""
+
+    topics: tuple[str, ...] = argument(nargs=-1, metavar="[TOPIC...]")
+    forth: tuple[str, ...] = option(
+        "--to-ros2",
+        "Relay this topic from ROS 1 to ROS 2 only; may be repeated.",
+        multiple=True,
+        metavar="TOPIC",
+    )
+    back: tuple[str, ...] = option(
+        "--to-ros1",
+        "Relay this topic from ROS 2 to ROS 1 only; may be repeated.",
+        multiple=True,
+        metavar="TOPIC",
+    )
+    services: tuple[str, ...] = option(
+        "--service",
+        "Offer this service on the ROS that lacks it; may be repeated.",
+        multiple=True,
+        metavar="NAME[=TYPE]",
+    )
+    actions: tuple[str, ...] = option(
+        "--action",
+        "Offer this action on the ROS that lacks it; may be repeated.",
+        multiple=True,
+        metavar="NAME",
+    )
+    master_port: int | None = option(
+        "--master-port",
+        "Port for the ROS 1 master, which is started if none runs (11311).",
+        type=PORT,
+        metavar="PORT",
+    )
+
+    def choice(self) -> RelayFilter:
+        """Return the requested relay; names are full names, with or without their first slash."""
+        return RelayFilter(
+            (
+                *(Topics(_full(name)) for name in self.topics),
+                *(Topics(_full(name), Direction.FORTH) for name in self.forth),
+                *(Topics(_full(name), Direction.BACK) for name in self.back),
+            ),
+            tuple(
+                Services(_full(name), kind)
+                for name, _, kind in (each.partition("=") for each in self.services)
+            ),
+            tuple(_full(name) for name in self.actions),
+        )
 
 
 @click.command(
@@ -52,65 +99,23 @@ _ROS1, _ROS2 = "ROS 1", "ROS 2"
     rostether relay --to-ros1 /clock                     a topic that both have must be named
     """,
 )
-@click.argument("topics", nargs=-1, metavar="[TOPIC...]")
-@click.option(
-    "--to-ros2",
-    "forth",
-    multiple=True,
-    metavar="TOPIC",
-    help="Relay this topic from ROS 1 to ROS 2 only; may be repeated.",
-)
-@click.option(
-    "--to-ros1",
-    "back",
-    multiple=True,
-    metavar="TOPIC",
-    help="Relay this topic from ROS 2 to ROS 1 only; may be repeated.",
-)
-@click.option(
-    "--service",
-    "services",
-    multiple=True,
-    metavar="NAME[=TYPE]",
-    help="Offer this service on the ROS that lacks it; may be repeated.",
-)
-@click.option(
-    "--action",
-    "actions",
-    multiple=True,
-    metavar="NAME",
-    help="Offer this action on the ROS that lacks it; may be repeated.",
-)
-@click.option(
-    "--master-port",
-    type=click.IntRange(1, 65535),
-    metavar="PORT",
-    help="Port for the ROS 1 master, which is started if none runs (11311).",
-)
-@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
+@option_group("options", RelayOptions)
+@graph_options(served=True)
 @listen_option
 @msg_path_option
-def relay(  # noqa: PLR0913 - one argument per option
-    topics: tuple[str, ...],
-    forth: tuple[str, ...],
-    back: tuple[str, ...],
-    services: tuple[str, ...],
-    actions: tuple[str, ...],
-    master_port: int | None,
-    listen: str | None,
-    msg_paths: tuple[Path, ...],
-    graph: GraphOptions,
+def relay(
+    options: RelayOptions, listen: str | None, msg_paths: tuple[Path, ...], graph: GraphOptions
 ) -> None:
     """Relay topics, services and actions between ROS 1 and ROS 2.
 
     A TOPIC is relayed in both directions while it has a publisher; * in a name matches anything. Types are
     converted as for boards; ROS 1 types unknown to ROS 2 keep their name there.
     """
-    if not (topics or forth or back or services or actions):
+    choice = options.choice()
+    if not (choice.topics or choice.services or choice.actions):
         raise click.UsageError("give topics to relay, services with --service, or actions with --action")
-    if graph.master is not None and master_port is not None:
+    if graph.master is not None and options.master_port is not None:
         raise ConfigError("--master joins a master, --master-port starts one; give only one of them")
-    choice = read_choice(topics, forth, back, services, actions)
     environment = read_environment(graph)
     if listen is not None:
         environment = environment.listening_on(listen)
@@ -122,29 +127,10 @@ def relay(  # noqa: PLR0913 - one argument per option
             replace(graph, ros2=graph.ros2 or installed),
             choice,
             ConsoleReporter(),
-            master_port=master_port,
+            master_port=options.master_port,
             msg_paths=msg_paths,
         ),
         is_service=True,
-    )
-
-
-def read_choice(
-    topics: Sequence[str],
-    forth: Sequence[str],
-    back: Sequence[str],
-    services: Sequence[str],
-    actions: Sequence[str] = (),
-) -> RelayFilter:
-    """Return the requested relay; names are full names, with or without their first slash."""
-    return RelayFilter(
-        (
-            *(Topics(_full(name)) for name in topics),
-            *(Topics(_full(name), Direction.FORTH) for name in forth),
-            *(Topics(_full(name), Direction.BACK) for name in back),
-        ),
-        tuple(Services(_full(name), kind) for name, _, kind in (each.partition("=") for each in services)),
-        tuple(_full(name) for name in actions),
     )
 
 

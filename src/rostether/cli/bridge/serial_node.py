@@ -13,18 +13,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import click
 
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import SERVED_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
-from rostether.cli.bridge.serving import bridge, loopback_lines, read_links
+from rostether.cli.bridge.serving import loopback_lines, read_links, serving, type_store
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, GraphError, UnknownNameError
@@ -36,9 +36,6 @@ from rostether.ros1.environment import LOOPBACK, RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
 from rostether.transports.opening import listen as listen_for_links
-
-if TYPE_CHECKING:
-    from rostether.transports.board_keys import BoardKeys
 
 DEFAULT_SERIAL_PORT = "/dev/ttyUSB0"
 DEFAULT_NODE_NAME = "serial_node"
@@ -81,7 +78,7 @@ _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__ho
     """,
 )
 @listen_option
-@graph_options(master="", ros=False, allow=SERVED_ALLOW)
+@graph_options(served=True, master=False, ros=False)
 @config_option
 @click.argument(
     "arguments",
@@ -124,8 +121,7 @@ def run_host(
     environment = environment.allowing(allowed)
     devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    board_keys = devices.board_keys()
-    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices, board_keys), is_service=True)
+    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices), is_service=True)
 
 
 async def _serve(
@@ -136,8 +132,9 @@ async def _serve(
     hosts: Sequence[str],
     allowed: tuple[str, ...],
     devices: DeviceBook,
-    board_keys: BoardKeys,
 ) -> None:
+    from rostether.bridge.supervisor import Supervisor
+
     reporter.line(Level.INFO, host.greeting)
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
     node_name = validate_name(join(namespace, arguments.special.get("__name", host.node_name)))
@@ -153,16 +150,17 @@ async def _serve(
             reporter.line(Level.INFO, line)
         if isinstance(links[0], TcpAddress):
             reporter.line(Level.INFO, f"Waiting for socket connections on port {links[0].port}")
-        async with bridge(
+        supervisor = Supervisor(
             joining_ros1(used.environment),
-            links,
-            reporter,
+            type_store(),
+            reporter=reporter,
             keeps_node=True,
             remappings=arguments.remappings,
             devices=devices,
             diagnostics=True,
-            listen=partial(listen_for_links, board_keys=board_keys),
-        ) as supervisor:
+            listen=partial(listen_for_links, board_keys=devices.board_keys()),
+        )
+        async with serving(supervisor, links, reporter):
             # A killed or replaced node ends the process: respawn depends on that.
             await supervisor.wait_done()
 

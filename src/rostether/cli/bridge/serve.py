@@ -11,15 +11,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
-    SERVED_MASTER,
-    GraphOptions,
-    graph_options,
-)
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.served_graphs import served_graphs
 from rostether.cli.bag.line_capture import record_limit_option, recorded
@@ -38,17 +33,17 @@ from rostether.cli.bridge.options import (
     unchosen_lines,
 )
 from rostether.cli.bridge.serving import (
-    bridge,
     check_addresses,
     loopback_lines,
     read_links,
     read_web_boards,
+    serving,
     shortage_lines,
+    type_store,
 )
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
-from rostether.cli.dashboard.options import dashboard_option
 from rostether.cli.gateway.gateways import served_gateways
-from rostether.cli.gateway.options import GatewayOptions, gateway_options
+from rostether.cli.gateway.options import GatewayOptions, dashboard_option, gateway_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_group, shared
@@ -145,7 +140,7 @@ class ServeOptions:
     shell_complete=complete_ports,
     callback=check_addresses,
 )
-@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
+@graph_options(served=True)
 @dashboard_option
 @gateway_options
 @bag_recording_options
@@ -186,95 +181,94 @@ def serve(
     if options.verbose > 1:
         show_debug_records()
     reporter = ConsoleReporter(lowest=Level.DEBUG if options.verbose else Level.INFO)
-    serving = _Serving(
-        links=links,
-        msg_paths=options.msg_paths,
-        master_port=options.master_port,
-        ns_per_board=options.ns_per_board,
-        diagnostics=not options.no_diagnostics,
-        devices=devices,
-        discovers=discovers,
-        announces=announces,
-        wants_mdns=options.mdns is True,
-        gateways=(access := replace(gateways, allow=graph.allow)),
-        dashboard=DashboardSettings(dashboard, access, boards=web_boards) if dashboard is not None else None,
-        bags=bags,
-        record_line=options.record_line,
-        record_limit_mb=options.record_limit_mb,
-        settings=settings,
+    access = replace(gateways, allow=graph.allow)
+    dashboard_settings = (
+        DashboardSettings(dashboard, access, boards=web_boards) if dashboard is not None else None
     )
-    return run(_serve(environment, graph, serving, reporter), is_service=True, uvloop=options.uvloop)
+    serving_settings = _Settings(
+        links, devices, discovers, announces, access, dashboard_settings, bags, settings
+    )
+    return run(
+        _serve(environment, graph, options, serving_settings, reporter),
+        is_service=True,
+        uvloop=options.uvloop,
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class _Serving:
-    """The links to serve, the graphs, and the recording."""
+class _Settings:
+    """What the options mean: the links to serve, what goes with them, and the limits."""
 
     links: Sequence[Address]
-    msg_paths: Sequence[Path]
-    master_port: int | None
-    ns_per_board: bool
-    diagnostics: bool
     devices: DeviceBook
     discovers: bool
     announces: bool
-    wants_mdns: bool
     gateways: GatewayOptions
     dashboard: DashboardSettings | None
     bags: BagRecording | None
-    record_line: Path | None
-    record_limit_mb: float
-    settings: BridgeSettings
+    limits: BridgeSettings
 
 
 async def _serve(
-    environment: RosEnvironment, graph: GraphOptions, serving: _Serving, reporter: ConsoleReporter
+    environment: RosEnvironment,
+    graph: GraphOptions,
+    options: ServeOptions,
+    settings: _Settings,
+    reporter: ConsoleReporter,
 ) -> int:
+    from rostether.bridge.supervisor import Supervisor
+
+    links, msg_paths = settings.links, options.msg_paths
     listen_bounded = partial(
         listen_for_links,
-        connections=serving.settings.connections,
-        connections_per_host=serving.settings.connections_per_host,
-        board_keys=serving.devices.board_keys(),
-        web_boards=serving.dashboard.boards if serving.dashboard is not None else None,
+        connections=settings.limits.connections,
+        connections_per_host=settings.limits.connections_per_host,
+        board_keys=settings.devices.board_keys(),
+        web_boards=settings.dashboard.boards if settings.dashboard is not None else None,
     )
     async with served_graphs(
-        environment, graph, master_port=serving.master_port, msg_paths=serving.msg_paths
+        environment, graph, master_port=options.master_port, msg_paths=msg_paths
     ) as graphs:
-        for line in (*graphs.lines, *loopback_lines(graphs.ros1, serving.links)):
+        for line in (*graphs.lines, *loopback_lines(graphs.ros1, links)):
             reporter.line(Level.INFO, line)
         for line in (
-            *unchosen_lines(serving.devices, serving.links),
-            *shortage_lines(serving.settings.connections, serving.links),
+            *unchosen_lines(settings.devices, links),
+            *shortage_lines(settings.limits.connections, links),
         ):
             reporter.line(Level.WARN, line)
         async with (
-            recorded(serving.record_line, serving.record_limit_mb, reporter) as tap,
+            recorded(options.record_line, options.record_limit_mb, reporter) as tap,
             bags_recorded(
-                serving.bags, graphs.join, reporter, types=None if graph.uses_ros1 else graphs.types
+                settings.bags, graphs.join, reporter, types=None if graph.uses_ros1 else graphs.types
             ),
-            simulated(serving.links, reporter, serving.msg_paths, graphs.join) as opened,
-            bridge(
+            simulated(links, reporter, msg_paths, graphs.join) as opened,
+        ):
+            supervisor = Supervisor(
                 graphs.join,
-                opened,
-                reporter,
-                msg_paths=serving.msg_paths,
-                ns_per_board=serving.ns_per_board,
-                devices=serving.devices,
-                diagnostics=serving.diagnostics,
+                type_store(msg_paths),
+                reporter=reporter,
+                ns_per_board=options.ns_per_board,
+                devices=settings.devices,
+                diagnostics=not options.no_diagnostics,
                 tap=tap,
                 listen=listen_bounded,
-                settings=serving.settings,
-            ) as supervisor,
-            announced(
-                supervisor.listening_on, reporter, is_on=serving.announces, is_wanted=serving.wants_mdns
-            ),
-            # Last, so that an unreachable master does not delay the boards.
-            served_gateways(serving.gateways, graphs, graph, serving.msg_paths, reporter.line),
-            dashboard_beside(serving.dashboard, graphs, serving.msg_paths, reporter.line),
-        ):
-            if serving.discovers:
-                supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
-            # Present objects stay; without freezing, a garbage collection delays messages by 20 ms.
-            gc.freeze()
-            await supervisor.wait_done()
-            return EXIT_FAILED if supervisor.has_failed else EXIT_DONE
+                settings=settings.limits,
+            )
+            async with (
+                serving(supervisor, opened, reporter),
+                announced(
+                    supervisor.listening_on,
+                    reporter,
+                    is_on=settings.announces,
+                    is_wanted=options.mdns is True,
+                ),
+                # Last, so that an unreachable master does not delay the boards.
+                served_gateways(settings.gateways, graphs, graph, msg_paths, reporter.line),
+                dashboard_beside(settings.dashboard, graphs, msg_paths, reporter.line),
+            ):
+                if settings.discovers:
+                    supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
+                # Present objects stay; without freezing, a garbage collection delays messages by 20 ms.
+                gc.freeze()
+                await supervisor.wait_done()
+                return EXIT_FAILED if supervisor.has_failed else EXIT_DONE

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress
 from rostether.transports.address_parser import parse_address
 from rostether.transports.descriptors import shortage
-from rostether.transports.opening import list_serial_ports, listen
+from rostether.transports.opening import list_serial_ports
 from rostether.transports.typed_port import check_typed_port
 
 if TYPE_CHECKING:
@@ -22,11 +22,8 @@ if TYPE_CHECKING:
     import click
 
     from rostether.bridge.reporter import Reporter
-    from rostether.bridge.settings import BridgeSettings
-    from rostether.bridge.supervisor import Listen, Supervisor
-    from rostether.graph.ports import JoinGraph
-    from rostether.ports.device_book import DeviceBook
-    from rostether.transports.transport import Transport
+    from rostether.bridge.supervisor import Supervisor
+    from rostether.serde.store import TypeStore
     from rostether.transports.web_boards import WebBoards
 
 
@@ -111,50 +108,26 @@ def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[st
     return [] if line is None else [line]
 
 
-@asynccontextmanager
-async def bridge(  # noqa: PLR0913 - each is an independent setting
-    join: JoinGraph,
-    addresses: Sequence[Address],
-    reporter: Reporter,
-    *,
-    msg_paths: Sequence[Path] = (),
-    ns_per_board: bool = False,
-    keeps_node: bool = False,
-    remappings: Mapping[str, str] | None = None,
-    devices: DeviceBook | None = None,
-    diagnostics: bool = False,
-    tap: Callable[[Transport], Transport] | None = None,
-    listen: Listen = listen,
-    settings: BridgeSettings | None = None,
-) -> AsyncIterator[Supervisor]:
-    """Serve boards as nodes made by `join`; the end of the block stops them and leaves the graph.
-
-    With `keeps_node` the only link's node exists from the start, and its end ends `wait_done`. With
-    `diagnostics` each board's node publishes /diagnostics. `tap` may put a recorder around each link;
-    `listen` opens the links; `settings` are the limits. Raises TransportOpenError for an address that cannot
-    be listened on, InvalidNameError.
-    """
-    from rostether.bridge.settings import DEFAULT_SETTINGS
-    from rostether.bridge.supervisor import Supervisor
+def type_store(msg_paths: Sequence[Path] = ()) -> TypeStore:
+    """Return the types of messages, with those in `msg_paths` first."""
     from rostether.msgdef.registry import Registry
     from rostether.serde.store import TypeStore
 
+    return TypeStore(Registry.from_environment(msg_paths))
+
+
+@asynccontextmanager
+async def serving(
+    supervisor: Supervisor, addresses: Sequence[Address], reporter: Reporter
+) -> AsyncIterator[None]:
+    """Serve boards as nodes; the end of the block stops them and leaves the graph.
+
+    `reporter` also gets the log records of our packages. Raises TransportOpenError for an address that cannot
+    be listened on, InvalidNameError.
+    """
     show_library_logs(reporter.line)
-    supervisor = Supervisor(
-        join,
-        TypeStore(Registry.from_environment(msg_paths)),
-        reporter=reporter,
-        ns_per_board=ns_per_board,
-        keeps_node=keeps_node,
-        remappings=remappings,
-        devices=devices,
-        diagnostics=diagnostics,
-        tap=tap,
-        listen=listen,
-        settings=settings or DEFAULT_SETTINGS,
-    )
     try:
         await supervisor.start(addresses)
-        yield supervisor
+        yield
     finally:
         await supervisor.close()

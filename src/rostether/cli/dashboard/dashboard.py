@@ -10,12 +10,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
-    SERVED_MASTER,
-    GraphOptions,
-    graph_options,
-)
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.beside import DashboardSettings
@@ -25,7 +20,7 @@ from rostether.cli.dashboard.view import PANELS, read_view
 from rostether.cli.gateway.gateways import Report, serve_gateway
 from rostether.cli.gateway.node import read_gateway_words
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
-from rostether.cli.shell.option_group import flag, option, option_group
+from rostether.cli.shell.option_group import EXISTING_FILE, flag, option, option_group
 from rostether.cli.shell.verbs import Verb
 
 
@@ -55,7 +50,7 @@ class DashboardOptions:
     tiles: Path | None = option(
         "--tiles",
         "Map tiles for the map without internet, an .mbtiles file with pictures.",
-        type=click.Path(path_type=Path, dir_okay=False, exists=True),
+        type=EXISTING_FILE,
         metavar="FILE",
     )
     panel: str | None = option(
@@ -83,7 +78,7 @@ class DashboardOptions:
 @option_group("options", DashboardOptions)
 @click.argument("words", nargs=-1, metavar="[NAME:=OTHER]...")
 @viewer_access_options
-@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
+@graph_options(served=True)
 @msg_path_option
 def dashboard(
     options: DashboardOptions,

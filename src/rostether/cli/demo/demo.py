@@ -15,17 +15,19 @@ from typing import Any
 
 import click
 
+from rostether.bridge.supervisor import Supervisor
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.options import config_option, read_devices
-from rostether.cli.bridge.serving import bridge
+from rostether.cli.bridge.serving import serving, type_store
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
 from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
+from rostether.cli.shell.option_group import PORT, flag, option, option_group, shared
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -49,15 +51,28 @@ NEARER = (b"\033[B", b"\033OB", b"\033[D", b"\033OD")
 
 
 @dataclass(frozen=True, slots=True)
-class _Wanted:
-    """The options of the command line."""
+class DemoOptions:
+    """The options of `demo`."""
 
-    seconds: float | None
-    board: str | None
-    only_ros1: bool
-    joins: bool
-    port: int | None
-    has_page: bool
+    seconds: float | None = option(
+        "--duration",
+        "Stop after this many seconds (default: run until Ctrl-C).",
+        type=click.FloatRange(min=0.1),
+        metavar="SECONDS",
+    )
+    board: str | None = option(
+        "--board",
+        "A simulated Arduino Uno with compiled firmware, or a board in Python "
+        "(default: uno where avr-gcc and libsimavr are installed).",
+        type=click.Choice((UNO, PYTHON)),
+    )
+    config: Path | None = shared(config_option, None)
+    ros1: bool = flag("--ros1", "Use only the ROS 1 graph.")
+    join: bool = flag("--join", "Join the ROS graph that runs here, instead of one of its own.")
+    port: int | None = option(
+        "--port", "Start the ROS master at this port (default: 11311, or the next free port).", type=PORT
+    )
+    no_page: bool = flag("--no-page", "Do not serve the dashboard.")
 
 
 @click.command(
@@ -70,39 +85,9 @@ class _Wanted:
     rostether demo --join          show the board to the robot that runs here
     """,
 )
-@click.option(
-    "--duration",
-    "seconds",
-    type=click.FloatRange(min=0.1),
-    metavar="SECONDS",
-    help="Stop after this many seconds (default: run until Ctrl-C).",
-)
-@click.option(
-    "--board",
-    type=click.Choice((UNO, PYTHON)),
-    help="A simulated Arduino Uno with compiled firmware, or a board in Python "
-    "(default: uno where avr-gcc and libsimavr are installed).",
-)
-@config_option
-@click.option("--ros1", is_flag=True, help="Use only the ROS 1 graph.")
-@click.option("--join", is_flag=True, help="Join the ROS graph that runs here, instead of one of its own.")
-@click.option(
-    "--port",
-    type=click.IntRange(1, 65535),
-    help="Start the ROS master at this port (default: 11311, or the next free port).",
-)
-@click.option("--no-page", is_flag=True, help="Do not serve the dashboard.")
-@graph_options(master="", ros=False)
-def demo(
-    seconds: float | None,
-    board: str | None,
-    config: Path | None,
-    ros1: bool,
-    join: bool,
-    port: int | None,
-    no_page: bool,
-    graph: GraphOptions,
-) -> None:
+@option_group("options", DemoOptions)
+@graph_options(master=False, ros=False)
+def demo(options: DemoOptions, graph: GraphOptions) -> None:
     """Run a simulated board and show its topics. Needs no hardware, no ROS and no setup.
 
     The board is an Arduino Uno that runs a compiled sketch, where avr-gcc and libsimavr are installed, else a
@@ -113,15 +98,14 @@ def demo(
     address of the dashboard. Settings are read only from a file given with --config; the board's name is
     virtual_board.
     """
-    if join and port is not None:
+    if options.join and options.port is not None:
         raise click.UsageError("--join uses the master that runs; leave out --port")
     # The user's settings for real boards must not make the demo fail.
-    devices = read_devices(config, ()) if config is not None else None
-    wanted = _Wanted(seconds, board, ros1, join, port, not no_page)
-    run(_demo(read_environment(graph), wanted, devices), is_service=True)
+    devices = read_devices(options.config, ()) if options.config is not None else None
+    run(_demo(read_environment(graph), options, devices), is_service=True)
 
 
-async def _demo(environment: RosEnvironment, wanted: _Wanted, devices: DeviceBook | None) -> None:
+async def _demo(environment: RosEnvironment, options: DemoOptions, devices: DeviceBook | None) -> None:
     is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
     recent = RecentLines()
     reporter = recent if is_live else ConsoleReporter()
@@ -131,30 +115,31 @@ async def _demo(environment: RosEnvironment, wanted: _Wanted, devices: DeviceBoo
     async with AsyncExitStack() as stack:
         # From the start, so that the terminal does not show keys that are pressed early.
         has_keys = is_live and stack.enter_context(typed_keys(controls.press))
-        used = await stack.enter_async_context(demo_master(environment, joins=wanted.joins, port=wanted.port))
+        used = await stack.enter_async_context(
+            demo_master(environment, joins=options.join, port=options.port)
+        )
         reporter.line(Level.INFO, used.line)
         name = await prepare_board(used.environment)
-        board = await stack.enter_async_context(demo_board(wanted.board, name, obstacle, reporter))
+        board = await stack.enter_async_context(demo_board(options.board, name, obstacle, reporter))
         reporter.line(Level.INFO, f"Board: {board.title}")
         join: JoinGraph = joining_ros1(used.environment)
-        ros2 = None if wanted.only_ros1 else await demo_ros2(stack, reporter, joins=wanted.joins)
+        ros2 = None if options.ros1 else await demo_ros2(stack, reporter, joins=options.join)
         if ros2 is not None:
             join = JointJoin([join, ros2])
         boards = WebBoards()
-        supervisor = await stack.enter_async_context(
-            bridge(
-                join,
-                [board.link, WebAddress()],
-                reporter,
-                devices=devices,
-                diagnostics=True,
-                listen=partial(listen, web_boards=boards),
-            )
+        supervisor = Supervisor(
+            join,
+            type_store(),
+            reporter=reporter,
+            devices=devices,
+            diagnostics=True,
+            listen=partial(listen, web_boards=boards),
         )
+        await stack.enter_async_context(serving(supervisor, [board.link, WebAddress()], reporter))
         dashboard = await stack.enter_async_context(
             dashboard_beside(
                 DashboardSettings(wider="`rostether dashboard --listen 0.0.0.0`", boards=boards)
-                if wanted.has_page
+                if not options.no_page
                 else None,
                 ServedGraphs(join, used.environment, ()),
                 (),
@@ -175,7 +160,7 @@ async def _demo(environment: RosEnvironment, wanted: _Wanted, devices: DeviceBoo
         )
         show = _show_live(facts, view, recent, controls) if is_live else _show_lines(view)
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(show, wanted.seconds)
+            await asyncio.wait_for(show, options.seconds)
     if not view.has_flowed and not controls.quit.is_set():
         raise GraphError("no message of the simulated board arrived through the ROS graph; please report it")
 

@@ -10,6 +10,7 @@ import click
 
 from rostether.cli.board.run import OLD_OPTIONS, board_run
 from rostether.cli.firmware.options import build, build_options, port_option
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -39,7 +40,7 @@ _OURS = frozenset(("program", "board", "msg_paths"))
     "--output",
     "folder",
     metavar="DIR",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Copy the ELF and HEX files there (default: they stay in the cache).",
 )
 @json_option

@@ -11,6 +11,7 @@ import click
 from rostether.cli.access.completions import complete_packages
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -29,12 +30,12 @@ if TYPE_CHECKING:
     rostether firmware lib . --micropython --for main.py         for a board with MicroPython
     """,
 )
-@click.argument("directory", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("directory", metavar="DIR", type=PATH)
 @click.option(
     "--for",
     "sketch",
     metavar="SKETCH",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Only the messages that this .ino, C++ or Python file, or folder, includes or imports.",
 )
 @click.option(

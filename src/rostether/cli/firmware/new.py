@@ -7,11 +7,17 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import ConfigError
 
-_VERBS = {"sensor": VerbEntry("rostether.cli.firmware.new:new_sensor", "Write the sketch of a sensor.")}
+_VERBS = verb_entries(
+    "rostether.cli.firmware",
+    {
+        "sensor": ("new:new_sensor", "Write the sketch of a sensor."),
+    },
+)
 
 
 @click.group(cls=LazyGroup, verbs=_VERBS, examples="rostether new sensor ultrasound")
@@ -43,7 +49,7 @@ def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: st
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=PATH,
     default=Path(),
     metavar="DIR",
     help="The folder for the sketch's folder (default: this one).",

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.port_completion import complete_ports
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
@@ -118,7 +119,7 @@ def _show(command: Sequence[str]) -> None:
 
 
 _OPTIONS: tuple[Callable[[Any], Any], ...] = (
-    click.argument("sketch", metavar="SKETCH", type=click.Path(path_type=Path)),
+    click.argument("sketch", metavar="SKETCH", type=PATH),
     board_option,
     click.option(
         "-l",
@@ -126,7 +127,7 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         "libraries",
         multiple=True,
         metavar="DIR",
-        type=click.Path(path_type=Path),
+        type=PATH,
         help="An Arduino library, or a folder of libraries; searched first; may be repeated.",
     ),
     msg_path_option,

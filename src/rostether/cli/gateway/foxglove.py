@@ -13,12 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
-    SERVED_MASTER,
-    GraphOptions,
-    graph_options,
-)
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import (
@@ -38,7 +33,7 @@ from rostether.cli.gateway.node import (
     whole_number,
 )
 from rostether.cli.gateway.options import access_options, read_encryption, read_place, viewer_access_options
-from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
+from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
@@ -67,7 +62,7 @@ FOXGLOVE_NODE = "foxglove_bridge"
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @viewer_access_options
-@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
+@graph_options(served=True)
 @msg_path_option
 def foxglove(
     words: tuple[str, ...], gateways: GatewayOptions, graph: GraphOptions, msg_paths: tuple[Path, ...]
@@ -92,15 +87,14 @@ def foxglove(
 
 @click.command(
     "foxglove-bridge",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role foxglove-bridge
     rostether role foxglove-bridge _port:=8766 _address:=0.0.0.0
     """,
 )
 @access_options
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@node_words
 def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve Foxglove, like foxglove_bridge.
 

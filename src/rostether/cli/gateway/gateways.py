@@ -18,13 +18,13 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_encryption, read_place
-from rostether.cli.service.ros1_probe import look_up, probe_type
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
+from rostether.ros1.node.service_probe import look_up, probe_type
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.server import RosbridgeServer

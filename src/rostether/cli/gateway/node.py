@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 
 from rostether.cli.gateway.options import DEFAULT_PLACE
-from rostether.cli.node.ros1_calls import ping
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import parse_arguments
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.node_calls import ping
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

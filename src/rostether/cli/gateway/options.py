@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -13,8 +15,6 @@ from rostether.cli.shell.option_group import OptionalValueOption, option_group
 from rostether.errors import ConfigError
 from rostether.ports.config_paths import certificates_folder
 
-ROSBRIDGE_OPTION = "--rosbridge"
-FOXGLOVE_OPTION = "--foxglove"
 DEFAULT_PLACE = "localhost"
 TOKEN_VARIABLE = "ROSTETHER_TOKEN"  # noqa: S105 - the name of a variable
 VIEW_TOKEN_VARIABLE = "ROSTETHER_VIEW_TOKEN"  # noqa: S105 - the name of a variable
@@ -99,23 +99,23 @@ _VIEW_OPTIONS = (
         f"{VIEW_TOKEN_VARIABLE}.",
     ),
 )
+
+
+def _place_option(spelling: str, text: str) -> Callable[[Any], Any]:
+    return click.option(
+        spelling,
+        cls=OptionalValueOption,
+        alone=DEFAULT_PLACE,
+        is_value=is_place,
+        metavar="[HOST:PORT]",
+        help=text,
+    )
+
+
+dashboard_option = _place_option("--dashboard", "Serve the dashboard, a page for browsers (127.0.0.1:8765).")
 _PLACE_OPTIONS = (
-    click.option(
-        ROSBRIDGE_OPTION,
-        cls=OptionalValueOption,
-        alone=DEFAULT_PLACE,
-        is_value=is_place,
-        metavar="[HOST:PORT]",
-        help="Serve web pages with roslibjs, as rosbridge does (localhost:9090).",
-    ),
-    click.option(
-        FOXGLOVE_OPTION,
-        cls=OptionalValueOption,
-        alone=DEFAULT_PLACE,
-        is_value=is_place,
-        metavar="[HOST:PORT]",
-        help="Serve Foxglove, as foxglove_bridge does (localhost:8765).",
-    ),
+    _place_option("--rosbridge", "Serve web pages with roslibjs, as rosbridge does (localhost:9090)."),
+    _place_option("--foxglove", "Serve Foxglove, as foxglove_bridge does (localhost:8765)."),
 )
 
 

@@ -12,12 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
-    SERVED_MASTER,
-    GraphOptions,
-    graph_options,
-)
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.gateway.gateways import (
@@ -43,7 +38,7 @@ from rostether.cli.gateway.options import (
     GatewayOptions,
     access_options,
 )
-from rostether.cli.role.node import NODE_SETTINGS, node_environment, run_role
+from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
@@ -67,7 +62,7 @@ if TYPE_CHECKING:
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @access_options
-@graph_options(master=SERVED_MASTER, allow=SERVED_ALLOW, serving=True)
+@graph_options(served=True)
 @msg_path_option
 def rosbridge(
     words: tuple[str, ...], gateways: GatewayOptions, graph: GraphOptions, msg_paths: tuple[Path, ...]
@@ -107,15 +102,14 @@ async def _opened(
 
 @click.command(
     "rosbridge-websocket",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role rosbridge-websocket
     rostether role rosbridge-websocket _port:=9091 _address:=0.0.0.0
     """,
 )
 @access_options
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@node_words
 def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve web pages, like rosbridge_websocket.
 
@@ -187,8 +181,8 @@ def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
     return globs or None
 
 
-@click.command("rosapi-node", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role rosapi-node")
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@click.command("rosapi-node", cls=RoleVerb, examples="rostether role rosapi-node")
+@node_words
 def rosapi_node(arguments: tuple[str, ...]) -> None:
     """Offer services that query the graph and access parameters, like rosapi_node.
 

@@ -11,8 +11,12 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.dashboard.options import dashboard_option
-from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
+from rostether.cli.gateway.options import (
+    DEFAULT_PLACE,
+    GatewayOptions,
+    dashboard_option,
+    viewer_access_options,
+)
 from rostether.cli.launch.launch_options import LaunchOptions, roslaunch_options
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import write_line
@@ -23,10 +27,19 @@ if TYPE_CHECKING:
     from rostether.ros1.environment import RosEnvironment
 
 
-def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from rostether.cli.launch.sources import complete_launch
+def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return packages with launch files; after a package, its launch files."""
+    from rostether.cli.shell.completion import is_plain
+    from rostether.launch.sources import launch_files
+    from rostether.packages.locate import package_folders
 
-    return complete_launch(ctx, param, incomplete)
+    packages = package_folders(os.environ, Path.cwd())
+    words = ctx.params.get("words") or ()
+    if words and words[0] in packages:
+        names = launch_files(packages[words[0]])
+    else:
+        names = sorted(name for name, folder in packages.items() if launch_files(folder))
+    return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
 
 @click.command(
@@ -47,7 +60,7 @@ def _complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> li
     nargs=-1,
     type=click.UNPROCESSED,
     metavar="[PACKAGE] FILE [NAME:=VALUE]...",
-    shell_complete=_complete,
+    shell_complete=complete_launch,
 )
 @dashboard_option
 @viewer_access_options
@@ -68,9 +81,9 @@ def launch(
     from rostether.cli.access.ros1_access import read_environment
     from rostether.cli.dashboard.beside import DashboardSettings
     from rostether.cli.launch.launch_run import MasterSettings, run_launch, run_options
-    from rostether.cli.launch.listing import summary_lines
     from rostether.cli.launch.loaded_launch import load
     from rostether.cli.shell.running import run
+    from rostether.launch.listing import summary_lines
 
     options.check()
     environment = read_environment(graph)
@@ -92,7 +105,7 @@ def launch(
 
 
 def _listing(options: LaunchOptions, loaded: LoadedLaunch, environment: RosEnvironment) -> list[str] | None:
-    from rostether.cli.launch import listing
+    from rostether.launch import listing
 
     plan = loaded.plan
     if options.lists_nodes:

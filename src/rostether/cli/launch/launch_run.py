@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 from dataclasses import dataclass, replace
 
 import click
 
 from rostether.cli.access.ros1_access import joining_ros1, no_master
-from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master
+from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.launch.launch_options import LaunchOptions
@@ -43,8 +42,7 @@ async def run_launch(
     """Run the nodes until all have ended. Raises click's Exit if a required one failed."""
     if master.waits and not await master_answers(master.environment):
         write_line(f"Waiting for the ROS master at {master.environment.master_uri}")
-        while not await master_answers(master.environment):  # noqa: ASYNC110 - there is no event
-            await asyncio.sleep(_WAIT_S)
+        await wait_for_answer(master.environment, _WAIT_S)
     async with used_master(master.environment, is_chosen=master.is_chosen, port=master.port) as used:
         write_line(used.line)
         graphs = ServedGraphs(joining_ros1(used.environment), used.environment, ())

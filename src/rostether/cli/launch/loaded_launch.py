@@ -13,7 +13,6 @@ from rostether.cli.dashboard.view import View, read_view
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import packages_here
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes, served_programs, window_view
-from rostether.cli.launch.sources import LaunchSources, find_sources
 from rostether.cli.shell.input import STDIN, read_bytes
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
@@ -21,6 +20,7 @@ from rostether.launch.bundled_packages import bundled_packages
 from rostether.launch.command_line import Locate, Program, Replaced
 from rostether.launch.loading import load_launch
 from rostether.launch.plan import LaunchPlan
+from rostether.launch.sources import LaunchSources, find_sources
 from rostether.packages.locate import package_around, package_folders
 from rostether.rospy.environment import node_environment
 

@@ -8,11 +8,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 
 from rostether.cli.launch.served_nodes import served_nodes, window_program
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import did_you_mean
 from rostether.packages.executables import find_program, is_python, library_folders, shebang
 from rostether.packages.python_scripts import explain_python2
 
@@ -57,9 +57,8 @@ def explain_unknown_package(package: str, program: str, packages: Mapping[str, P
     if ours:
         return f"package {package} has no program {program}; the built-in ones are {', '.join(ours)}"
     there = {*packages, *(role for role, _ in served_nodes())}
-    near = get_close_matches(package, there)
-    if near:
-        return f"no package {package}; did you mean {' or '.join(near)}?"
+    if hint := did_you_mean(package, there):
+        return f"no package {package}; {hint}"
     return (
         f"no package {package} on ROS_PACKAGE_PATH, in the workspace around this folder or below it; "
         "`rostether pkg list` shows those found"

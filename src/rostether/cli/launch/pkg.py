@@ -12,42 +12,40 @@ import click
 from rostether.cli.launch.served_nodes import served_nodes
 from rostether.cli.shell.completion import is_plain
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import did_you_mean
 from rostether.packages.locate import package_folders
 from rostether.packages.search_path import OnNamesake
 
-_HERE = "rostether.cli.launch.pkg"
-
-VERBS = {
-    "create": VerbEntry(
-        "rostether.cli.launch.pkg_create:create", "Write a new package, like catkin_create_pkg."
-    ),
-    "list": VerbEntry(f"{_HERE}:list_packages", "List packages and their folders."),
-    "find": VerbEntry(f"{_HERE}:find", "Print a package's folder."),
-    "list-names": VerbEntry(f"{_HERE}:list_names", "List the names of packages."),
-    "depends1": VerbEntry(f"{_HERE}:depends1", "List the dependencies that a package names."),
-    "version": VerbEntry(f"{_HERE}:version", "Print a package's version, like rosversion."),
-    "init-workspace": VerbEntry(
-        "rostether.cli.launch.pkg_make:init",
-        "Mark a folder as a workspace's src, like catkin_init_workspace.",
-    ),
-    "make": VerbEntry(
-        "rostether.cli.launch.pkg_make:make", "Check a workspace and list its contents; builds nothing."
-    ),
-}
+VERBS = verb_entries(
+    "rostether.cli.launch",
+    {
+        "create": ("pkg_create:create", "Write a new package, like catkin_create_pkg."),
+        "list": ("pkg:list_packages", "List packages and their folders."),
+        "find": ("pkg:find", "Print a package's folder."),
+        "list-names": ("pkg:list_names", "List the names of packages."),
+        "depends1": ("pkg:depends1", "List the dependencies that a package names."),
+        "version": ("pkg:version", "Print a package's version, like rosversion."),
+        "init-workspace": (
+            "pkg_make:init",
+            "Mark a folder as a workspace's src, like catkin_init_workspace.",
+        ),
+        "make": ("pkg_make:make", "Check a workspace and list its contents; builds nothing."),
+    },
+)
 # The distribution whose protocols and definitions rostether implements.
 _DISTRIBUTION = "noetic"
 
 
 # Warnings about packages with the same name; more appear only if a whole workspace was copied.
-MAX_TOLD = 3
+MAX_WARNINGS = 3
 
 
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the packages on disk or built in that begin with the typed text."""
     ours = {package for package, _ in served_nodes()}
-    names = sorted({*_packages_here(), *ours})
+    names = sorted({*package_folders(os.environ, Path.cwd()), *ours})
     return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
 
@@ -57,17 +55,9 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
 
     package = context.params.get("package", "")
     found = {kind for role, kind in served_nodes() if role == package}
-    if folder := _packages_here().get(package):
+    if folder := package_folders(os.environ, Path.cwd()).get(package):
         found.update(each.name for each in programs(folder))
     return [name for name in sorted(found) if name.startswith(incomplete) and is_plain(name)]
-
-
-def _packages_here() -> dict[str, Path]:
-    import os
-
-    from rostether.packages.locate import package_folders
-
-    return package_folders(os.environ, Path.cwd())
 
 
 def packages_here() -> dict[str, Path]:
@@ -88,10 +78,10 @@ def warned_namesakes() -> Iterator[OnNamesake]:
         )
 
     yield note
-    for line in lines[:MAX_TOLD]:
+    for line in lines[:MAX_WARNINGS]:
         warn(line)
-    if len(lines) > MAX_TOLD:
-        warn(f"rostether: warning: {len(lines) - MAX_TOLD} more packages have duplicate names")
+    if len(lines) > MAX_WARNINGS:
+        warn(f"rostether: warning: {len(lines) - MAX_WARNINGS} more packages have duplicate names")
 
 
 @click.group(
@@ -110,21 +100,13 @@ def pkg() -> None:
     """
 
 
-def here() -> dict[str, Path]:
-    """Return the folders of all packages that this command finds."""
-    return packages_here()
-
-
 def folder_of(name: str) -> Path:
     """Return a package's folder. Raises ConfigError with similar names."""
-    from difflib import get_close_matches
-
-    packages = here()
+    packages = packages_here()
     if name not in packages:
         if any(role == name for role, _ in served_nodes()):
             raise ConfigError(f"package {name} is built in and has no folder; `rosrun {name}` runs its nodes")
-        near = get_close_matches(name, packages)
-        hint = f"did you mean {' or '.join(near)}?" if near else "`rostether pkg list` shows those found"
+        hint = did_you_mean(name, packages) or "`rostether pkg list` shows those found"
         raise ConfigError(
             f"no package {name} on ROS_PACKAGE_PATH, in the workspace around this folder or below it; {hint}"
         )
@@ -135,7 +117,7 @@ def folder_of(name: str) -> Path:
 @json_option
 def list_packages(as_json: bool) -> None:
     """List all packages that are found from this folder, with their folders."""
-    for name, folder in sorted(here().items()):
+    for name, folder in sorted(packages_here().items()):
         if as_json:
             write_json({"package": name, "folder": str(folder)})
         else:
@@ -145,7 +127,7 @@ def list_packages(as_json: bool) -> None:
 @click.command("list-names", cls=Verb, examples="rostether pkg list-names")
 def list_names() -> None:
     """List the names of all packages that are found from this folder."""
-    for name in sorted(here()):
+    for name in sorted(packages_here()):
         write_line(name)
 
 

@@ -9,6 +9,7 @@ import click
 
 from rostether.cli.firmware.lib import firmware_lib
 from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import RostetherError
@@ -32,7 +33,7 @@ _TARGETS = {
 
 
 @click.command("init-workspace", cls=Verb, examples="cd ~/catkin_ws/src\nrostether pkg init-workspace")
-@click.argument("folder", type=click.Path(path_type=Path), required=False)
+@click.argument("folder", type=PATH, required=False)
 def init(folder: Path | None) -> None:
     """Mark this folder, or the one given, as the src of a catkin workspace.
 
@@ -59,12 +60,7 @@ class _CatkinVerb(Verb):
     source devel/setup.bash
     """,
 )
-@click.option(
-    "-C",
-    "--directory",
-    type=click.Path(path_type=Path),
-    help="The workspace (default: the one around this folder).",
-)
+@click.option("-C", "--directory", type=PATH, help="The workspace (default: the one around this folder).")
 @click.argument("ignored", nargs=-1, type=click.UNPROCESSED, metavar="[CATKIN OPTION]...")
 @json_option
 def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> None:
@@ -152,7 +148,7 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
     rostether role make-libraries . std_msgs mearm_model
     """,
 )
-@click.argument("directory", metavar="[DIR]", type=click.Path(path_type=Path), default=Path())
+@click.argument("directory", metavar="[DIR]", type=PATH, default=Path())
 @click.argument("packages", nargs=-1, metavar="[PACKAGE]...")
 @click.pass_context
 def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:

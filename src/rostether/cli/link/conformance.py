@@ -6,14 +6,16 @@ import asyncio
 from collections import Counter
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import argument, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
@@ -30,6 +32,22 @@ QUICK_WAIT_S = 10.0
 _MARKS = {"pass": "pass", "fail": "FAIL", "not applicable": "n/a"}
 
 
+@dataclass(frozen=True, slots=True)
+class ConformanceOptions:
+    """The argument and the options of `conformance`."""
+
+    address: str | None = argument(required=False, metavar="[ADDRESS]", shell_complete=complete_ports)
+    quick: bool = flag("--quick", "Leave out the cases that wait longer than 10 s.")
+    names: tuple[str, ...] = option(
+        "--case", "Check only this case; repeatable.", multiple=True, metavar="NAME"
+    )
+    is_client: bool = flag("--client", "Run the conformance program at ADDRESS, in Python.")
+    is_list: bool = flag("--list", "List the cases.")
+    is_vectors: bool = flag("--vectors", "Print test vectors for codecs: bytes and values.")
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
+    as_json: bool = shared(json_option, False)
+
+
 @click.command(
     "conformance",
     cls=Verb,
@@ -42,46 +60,26 @@ _MARKS = {"pass": "pass", "fail": "FAIL", "not applicable": "n/a"}
     rostether conformance --list                     the cases, without a client
     """,
 )
-@click.argument("address", required=False, metavar="[ADDRESS]", shell_complete=complete_ports)
-@click.option("--quick", is_flag=True, help="Leave out the cases that wait longer than 10 s.")
-@click.option("--case", "names", multiple=True, metavar="NAME", help="Check only this case; repeatable.")
-@click.option(
-    "--client", "is_client", is_flag=True, help="Run the conformance program at ADDRESS, in Python."
-)
-@click.option("--list", "is_list", is_flag=True, help="List the cases.")
-@click.option(
-    "--vectors", "is_vectors", is_flag=True, help="Print test vectors for codecs: bytes and values."
-)
-@msg_path_option
-@json_option
-def conformance(
-    address: str | None,
-    quick: bool,
-    names: tuple[str, ...],
-    is_client: bool,
-    is_list: bool,
-    is_vectors: bool,
-    msg_paths: tuple[Path, ...],
-    as_json: bool,
-) -> int:
+@option_group("options", ConformanceOptions)
+def conformance(options: ConformanceOptions) -> int:
     """Check whether a client library speaks the wire protocol.
 
     The client at ADDRESS must run the conformance program: the example sketch Conformance, or the same
     endpoints in another language. A client without some of them passes over the cases that need them. The
     exit code is 0 if no case failed.
     """
-    if is_vectors:
+    if options.is_vectors:
         return _print_vectors()
-    cases = _chosen(names, quick=quick)
-    if is_list:
-        _print_cases(cases, as_json=as_json)
+    cases = _chosen(options.names, quick=options.quick)
+    if options.is_list:
+        _print_cases(cases, as_json=options.as_json)
         return EXIT_DONE
-    if address is None:
+    if options.address is None:
         raise click.UsageError("give the client's address, for example /dev/ttyACM0 or tcp://:11411")
-    if is_client:
-        run(_be_client(address), is_service=True)
+    if options.is_client:
+        run(_be_client(options.address), is_service=True)
         return EXIT_DONE
-    return run(_check(address, cases, msg_paths, as_json=as_json))
+    return run(_check(options.address, cases, options.msg_paths, as_json=options.as_json))
 
 
 def _chosen(names: Sequence[str], *, quick: bool) -> list[Case]:

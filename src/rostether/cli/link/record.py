@@ -6,16 +6,12 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.access.graph_options import (
-    SERVED_ALLOW,
-    SERVED_MASTER,
-    GraphOptions,
-    graph_options,
-)
+from rostether.cli.access.completions import complete_ports
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.access.port_completion import complete_ports
 from rostether.cli.bag.line_capture import record_limit_option
 from rostether.cli.bridge.serve import serve
+from rostether.cli.shell.option_group import FILE
 from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
 
 
@@ -30,10 +26,10 @@ from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
     """,
 )
 @click.argument("address", shell_complete=complete_ports)
-@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("file", type=FILE)
 @record_limit_option
 @listen_option
-@graph_options(master=SERVED_MASTER, ros=False, allow=SERVED_ALLOW)
+@graph_options(served=True, ros=False)
 @msg_path_option
 @click.pass_context
 def link_record(

@@ -16,7 +16,8 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.served_graphs import used_master
-from rostether.cli.bridge.serving import bridge
+from rostether.cli.bridge.serving import serving, type_store
+from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -54,7 +55,7 @@ AFTER_S = 1.0
     rostether link replay problem.jsonl --fast
     """,
 )
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=PATH)
 @click.option(
     "--speed",
     type=click.FloatRange(min=0.01, max=1000.0),
@@ -108,6 +109,7 @@ async def _replay(
     speed: float | None,
     msg_paths: Sequence[Path],
 ) -> None:
+    from rostether.bridge.supervisor import Supervisor
     from rostether.transports.replay import CaptureListener
 
     reporter = ConsoleReporter()
@@ -127,14 +129,14 @@ async def _replay(
         reporter.line(Level.INFO, used.line)
         # The address only provides the name.
         addresses = [TcpAddress("capture", 0, name=name)]
-        async with bridge(
+        supervisor = Supervisor(
             joining_ros1(used.environment),
-            addresses,
-            reporter,
-            msg_paths=msg_paths,
+            type_store(msg_paths),
+            reporter=reporter,
             diagnostics=True,
             listen=listen,
-        ) as supervisor:
+        )
+        async with serving(supervisor, addresses, reporter):
             settling.append(_Settling(supervisor, is_fast=speed is None))
             (listener,) = listeners
             await listener.play()
@@ -161,11 +163,12 @@ class _Settling:
         await asyncio.sleep(0)
         loop = asyncio.get_running_loop()
         began_s = loop.time()
-        boards = self._supervisor.boards()
         # A thread searches for a type; the end of the capture would cancel the search.
-        while any(board.is_searching for board in boards):
-            await asyncio.sleep(SEARCH_POLL_S)
+        while True:
             boards = self._supervisor.boards()
+            if not any(board.is_searching for board in boards):
+                break
+            await asyncio.sleep(SEARCH_POLL_S)
         known = sum(len(board.endpoints) for board in boards)
         if known <= self._known:
             self._known = known

@@ -68,15 +68,16 @@ _SERVICES = _Kind("srv", "service", ".srv", "std_srvs/SetBool", "rostether servi
 
 
 def _verbs(kind: _Kind) -> dict[str, VerbEntry]:
-    here = f"{__name__}:{kind.group}_"
-    return {
-        "show": VerbEntry(f"{here}show", f"Show the fields of a {kind.what} type."),
-        "info": VerbEntry(f"{here}show", "The same as show."),
-        "list": VerbEntry(f"{here}list", f"List all {kind.what} types."),
-        "md5": VerbEntry(f"{here}md5", f"Print the md5sum of a {kind.what} type."),
-        "package": VerbEntry(f"{here}package", f"List the {kind.what} types of one package."),
-        "packages": VerbEntry(f"{here}packages", f"List the packages that have {kind.what} types."),
+    group, what = kind.group, kind.what
+    verbs = {
+        "show": (f"{group}_show", f"Show the fields of a {what} type."),
+        "info": (f"{group}_show", "The same as show."),
+        "list": (f"{group}_list", f"List all {what} types."),
+        "md5": (f"{group}_md5", f"Print the md5sum of a {what} type."),
+        "package": (f"{group}_package", f"List the {what} types of one package."),
+        "packages": (f"{group}_packages", f"List the packages that have {what} types."),
     }
+    return {name: VerbEntry(f"{__name__}:{target}", summary) for name, (target, summary) in verbs.items()}
 
 
 @click.group(cls=LazyGroup, verbs=_verbs(_MESSAGES), examples="rostether msg show sensor_msgs/Range")
@@ -145,10 +146,8 @@ def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
     names = kind.names(registry)
     found = [each for each in names if each.rpartition("/")[2] == name]
     if not found:
-        from difflib import get_close_matches
-
-        near = get_close_matches(name, {each.rpartition("/")[2] for each in names}, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"`rostether {kind.group} list` shows all"
+        short_names = {each.rpartition("/")[2] for each in names}
+        hint = did_you_mean(name, short_names) or f"`rostether {kind.group} list` shows all"
         raise UnknownTypeError(f"no package has a {kind.what} {name!r}; {hint}")
     return found
 
@@ -170,7 +169,7 @@ def _show_verb(kind: _Kind) -> click.Command:
     @click.option("-r", "--raw", is_flag=True, help="Show the original text of the definition.")
     @json_option
     @msg_path_option
-    @graph_options(master="")
+    @graph_options(master=False)
     def show(
         name: str | None, raw: bool, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
     ) -> None:
@@ -211,7 +210,7 @@ def _md5_verb(kind: _Kind) -> click.Command:
     @click.command("md5", cls=Verb, examples=f"rostether {kind.group} md5 {kind.example}")
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @msg_path_option
-    @graph_options(master="")
+    @graph_options(master=False)
     def md5(name: str | None, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
         registry = _registry(msg_paths, graph)
         given = _type_argument(kind, name)
@@ -228,7 +227,7 @@ def _md5_verb(kind: _Kind) -> click.Command:
 def _list_verb(kind: _Kind) -> click.Command:
     @click.command("list", cls=Verb, examples=f"rostether {kind.group} list --msg-path ~/catkin_ws/src")
     @msg_path_option
-    @graph_options(master="")
+    @graph_options(master=False)
     def list_all(msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
         for name in kind.names(_registry(msg_paths, graph)):
             write_line(name)
@@ -242,7 +241,7 @@ def _package_verb(kind: _Kind) -> click.Command:
     @click.argument("package")
     @click.option("-s", "single_line", is_flag=True, help="On one line.")
     @msg_path_option
-    @graph_options(master="")
+    @graph_options(master=False)
     def package_types(
         package: str, single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
     ) -> None:
@@ -263,7 +262,7 @@ def _packages_verb(kind: _Kind) -> click.Command:
     @click.command("packages", cls=Verb, examples=f"rostether {kind.group} packages -s")
     @click.option("-s", "single_line", is_flag=True, help="On one line.")
     @msg_path_option
-    @graph_options(master="")
+    @graph_options(master=False)
     def packages(single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
         names = dict.fromkeys(name.partition("/")[0] for name in kind.names(_registry(msg_paths, graph)))
         write_line((" " if single_line else "\n").join(names))

@@ -13,25 +13,26 @@ import click
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import Function
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import UnknownTypeError
 from rostether.mechanisms.text import did_you_mean
 
 if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
 
-_HERE = __name__
-
 
 @click.group(
     cls=LazyGroup,
-    verbs={
-        "show": VerbEntry(f"{_HERE}:show", "Show the fields of a type."),
-        "list": VerbEntry(f"{_HERE}:list_all", "List all types."),
-        "package": VerbEntry(f"{_HERE}:package", "List the types of one package."),
-        "packages": VerbEntry(f"{_HERE}:packages", "List the packages that have types."),
-        "proto": VerbEntry(f"{_HERE}:proto", "Print a message to fill in, for topic pub."),
-    },
+    verbs=verb_entries(
+        "rostether.cli.msg",
+        {
+            "show": ("interface:show", "Show the fields of a type."),
+            "list": ("interface:list_all", "List all types."),
+            "package": ("interface:package", "List the types of one package."),
+            "packages": ("interface:packages", "List the packages that have types."),
+            "proto": ("interface:proto", "Print a message to fill in, for topic pub."),
+        },
+    ),
     examples="rostether interface show sensor_msgs/msg/Imu",
 )
 def interface() -> None:
@@ -124,8 +125,8 @@ def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
 @msg_path_option
 def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
     """Print a message with its default values, a service's request, or an action's goal, as YAML."""
-    from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
-    from rostether.cli.topic.ros2_typed_values import ValueForm
+    from rostether.ros2.types.message_text import MessageText, TextStyle
+    from rostether.ros2.types.value_form import ValueForm
     from rostether.rostime import Time
     from rostether.serde.store import TypeStore
 

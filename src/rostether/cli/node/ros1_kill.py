@@ -7,13 +7,13 @@ import sys
 import click
 
 from rostether.cli.access.ros1_access import master_client, no_master, resolve
-from rostether.cli.node.ros1_calls import ask, node_client, node_names, ping, unknown_node
 from rostether.cli.shell.failures import EXIT_FAILED, error_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import unregister_node
+from rostether.ros1.node.node_calls import ask, node_client, node_names, ping, unknown_node
 
 
 def kill(environment: RosEnvironment, names: tuple[str, ...], *, kill_all: bool) -> None:

@@ -6,16 +6,17 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
-from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
+from rostether.cli.access.ros1_access import master_client, read_environment, resolve
 from rostether.cli.node import ros1_report
 from rostether.cli.node.nodes import NodeListing
-from rostether.cli.node.ros1_calls import ask, connections, find_node, node_client, node_names, registrations
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, UnknownNameError
 from rostether.mechanisms.text import escape_line
+from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
+from rostether.ros1.node.node_calls import ask, connections, find_node, node_client, node_names, registrations
 
 
 class Ros1Nodes:

@@ -6,12 +6,12 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.ros1_access import master_client, resolve
-from rostether.cli.node import ros1_calls
-from rostether.cli.node.ros1_calls import NODE_TIMEOUT_S, find_node, node_names
 from rostether.cli.shell.failures import error_text
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node import node_calls as ros1_calls
+from rostether.ros1.node.node_calls import NODE_TIMEOUT_S, find_node, node_names
 
 if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient

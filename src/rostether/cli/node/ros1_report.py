@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
-from rostether.cli.node.ros1_calls import Connection, Registrations
 from rostether.msgdef.interface import ANY_TYPE
+from rostether.ros1.node.node_calls import Connection, Registrations
 
 _RULE = "-" * 80
 

@@ -8,12 +8,12 @@ from typing import Any
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import not_on_ros2, refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
-from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.output import write_json, write_line
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import GraphView, is_hidden
 
 _SECTIONS = {
     "Subscribers": EndpointKind.SUBSCRIPTION,

@@ -8,7 +8,7 @@ from rostether.cli.access.completions import complete_nodes
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import daemon_habits
 from rostether.cli.node.nodes import NodeListing, nodes_of
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import COUNT, option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 
@@ -58,9 +58,7 @@ def machine(name: str | None, graph: GraphOptions) -> None:
 )
 @click.argument("name", metavar="[NODE]", required=False, shell_complete=complete_nodes)
 @click.option("-a", "--all", "ping_all", is_flag=True, help="Ping each node once.")
-@click.option(
-    "-n", "-c", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT pings."
-)
+@click.option("-n", "-c", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT pings.")
 @json_option
 @graph_options()
 def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:

@@ -16,12 +16,12 @@ import click
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
-from rostether.cli.access.ros2_view import GraphView, is_hidden
 from rostether.cli.node.ros2_nodes import full_node_name
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
+from rostether.ros2.graph_view import GraphView, is_hidden
 from rostether.ros2.parameters.parameter_name import name_parts
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
 

@@ -102,9 +102,7 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOp
 
 
 @click.command(
-    "load",
-    cls=Verb,
-    examples="rostether param load settings.yaml\nrostether param load settings.yaml /board",
+    "load", cls=Verb, examples="rostether param load settings.yaml\nrostether param load settings.yaml /board"
 )
 @click.argument("file", type=click.Path(path_type=Path, allow_dash=True))
 @click.argument("namespace", default="")

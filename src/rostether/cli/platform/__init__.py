@@ -1,1 +1,0 @@
-"""The nodes of the sensing platform as roles, and `rostether sensor`."""

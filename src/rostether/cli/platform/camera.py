@@ -11,20 +11,13 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.platform.parameters import (
-    Parameters,
-    SensorKind,
-    default_platform,
-    read_description,
-    reporter,
-    run_sensor,
-)
-from rostether.cli.role.node import NODE_SETTINGS
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.platform.sensor_roles import run_sensor
+from rostether.cli.role.node import RoleVerb, node_words, reporter
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
+from rostether.platform.node_parameters import Parameters, SensorKind, default_platform, read_description
 
 if TYPE_CHECKING:
     from rostether.platform.sensors.cascade import CascadeDetector
@@ -36,8 +29,7 @@ _MAX_SIDE = 8192
 
 @click.command(
     "camera",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role camera
     rostether role camera _source:=/dev/video2 _id:=front _vflip:=true _width:=640 _height:=480
@@ -46,7 +38,7 @@ _MAX_SIDE = 8192
     rostether role camera _source:=test
     """,
 )
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@node_words
 @ROS2_CHOICE
 def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish a camera as a sensor (sensor_msgs/CompressedImage), only while a program shows it.

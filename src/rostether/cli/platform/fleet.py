@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import POSITIVE, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Level
@@ -20,14 +22,16 @@ if TYPE_CHECKING:
     from rostether.platform.robot_table import Robot
 
 _CONTROL = "arduino_control/ArduinoControl"
-_MODULE = "rostether.cli.platform.fleet:"
-_VERBS = {
-    "list": VerbEntry(f"{_MODULE}list_robots", "List the robots that answer."),
-    "status": VerbEntry(f"{_MODULE}status", "Show loss, signal and sender of robots."),
-    "doctor": VerbEntry("rostether.cli.platform.fleet_doctor:doctor", "Find out why robots do not obey."),
-    "drive": VerbEntry(f"{_MODULE}drive", "Drive robots in a direction."),
-    "stop": VerbEntry(f"{_MODULE}stop", "Stop robots that any sender commands."),
-}
+_VERBS = verb_entries(
+    "rostether.cli.platform",
+    {
+        "list": ("fleet:list_robots", "List the robots that answer."),
+        "status": ("fleet:status", "Show loss, signal and sender of robots."),
+        "doctor": ("fleet_doctor:doctor", "Find out why robots do not obey."),
+        "drive": ("fleet:drive", "Drive robots in a direction."),
+        "stop": ("fleet:stop", "Stop robots that any sender commands."),
+    },
+)
 _robot = click.argument("robot", type=click.IntRange(1, MAX_ROBOT), required=False, metavar="[ROBOT]")
 
 
@@ -64,6 +68,31 @@ def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     return run(_query(for_robot(fleet, robot), as_json, detailed=True))
 
 
+@dataclass(frozen=True, slots=True)
+class DriveOptions:
+    """The argument and the options of `fleet drive`."""
+
+    robot: int | None = shared(_robot, None)
+    to_all: bool = flag("--all", "Drive the robots of all groups.")
+    speed: float = option(
+        "--speed",
+        "From 0 to 1, which is full speed.",
+        type=click.FloatRange(0, 1),
+        default=0.3,
+        show_default=True,
+    )
+    direction: float = option(
+        "--direction",
+        "In degrees: 0 is forward, 90 right, 180 back.",
+        type=click.FloatRange(-180, 180),
+        default=0.0,
+        show_default=True,
+    )
+    duration_s: float | None = option(
+        "--for", "Stop after this time (default: at Ctrl-C).", type=POSITIVE, metavar="SECONDS"
+    )
+
+
 @click.command(
     "drive",
     cls=Verb,
@@ -72,48 +101,20 @@ def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     rostether fleet drive --groups 0 --direction 90 --key-file fleet.key
     """,
 )
-@_robot
-@click.option("--all", "to_all", is_flag=True, help="Drive the robots of all groups.")
-@click.option(
-    "--speed",
-    type=click.FloatRange(0, 1),
-    default=0.3,
-    show_default=True,
-    help="From 0 to 1, which is full speed.",
-)
-@click.option(
-    "--direction",
-    type=click.FloatRange(-180, 180),
-    default=0.0,
-    show_default=True,
-    help="In degrees: 0 is forward, 90 right, 180 back.",
-)
-@click.option(
-    "--for",
-    "duration_s",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="SECONDS",
-    help="Stop after this time (default: at Ctrl-C).",
-)
+@option_group("options", DriveOptions)
 @fleet_options()
-def drive(
-    robot: int | None,
-    to_all: bool,
-    speed: float,
-    direction: float,
-    duration_s: float | None,
-    fleet: FleetSettings,
-) -> None:
+def drive(options: DriveOptions, fleet: FleetSettings) -> None:
     """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over or Ctrl-C.
 
     One sender commands a robot at a time. A robot stops by itself 0.3 s after the last command.
     """
     from rostether.platform.command_frame import ALL_GROUPS
 
-    settings = for_robot(fleet, robot)
-    if settings.sender.to_groups and to_all == (settings.sender.target != ALL_GROUPS):
+    settings = for_robot(fleet, options.robot)
+    if settings.sender.to_groups and options.to_all == (settings.sender.target != ALL_GROUPS):
         raise click.UsageError("give one of ROBOT, --groups or --all")
-    run(_drive(settings, struct.pack("<dd", direction, speed), duration_s or float("inf")))
+    payload = struct.pack("<dd", options.direction, options.speed)
+    run(_drive(settings, payload, options.duration_s or float("inf")))
 
 
 @click.command("stop", cls=Verb, examples="rostether fleet stop 3 --key-file fleet.key")

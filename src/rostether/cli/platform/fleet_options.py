@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.shell.option_group import Function, option_group
+from rostether.cli.shell.option_group import PORT, Function, option_group
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _OPTIONS = (
     ),
     click.option(
         "--port",
-        type=click.IntRange(1, 65535),
+        type=PORT,
         default=DEFAULT_PORT,
         show_default=True,
         help="The group's port.",

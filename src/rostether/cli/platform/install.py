@@ -7,12 +7,14 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.shell.option_group import EXISTING_FILE, Function, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -21,7 +23,6 @@ from rostether.platform.boot.service_files import path_below
 if TYPE_CHECKING:
     from rostether.platform.boot.service_files import Installation
 
-_F = TypeVar("_F", bound=Callable[..., Any])
 _KINDS = ("base", "robot", "both")
 _DASHBOARD = "http://127.0.0.1:8765"
 _UNIT = "rostether.service"
@@ -30,24 +31,36 @@ _LINGERING = Path("/var/lib/systemd/linger")
 _LIMIT_S = 60.0
 
 
-def _place_options(function: _F) -> _F:
-    for option in reversed(
-        (
-            click.option(
-                "--user/--system",
-                "for_user",
-                default=None,
-                help="For this user, or as root for all.",
-            ),
-            click.option(
-                "--root",
-                type=click.Path(file_okay=False, path_type=Path),
-                help="Write below this folder, such as a mounted image, and start nothing.",
-            ),
-        )
-    ):
-        function = option(function)
-    return function
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """The answers about this machine; what is not given is asked for."""
+
+    machine: str | None = option("--machine", "A base station, a robot, or both.", type=click.Choice(_KINDS))
+    name: str | None = option("--name", "Name of this machine: PLATFORM_NAME.")
+    core: str | None = option("--core", "The base station, for a robot.", metavar="HOST")
+    address: str | None = option("--address", "This machine's own address: ROS_IP.")
+    interface: str | None = option(
+        "--interface", "Network interface of the fleet; gives the address at boot.", metavar="NAME"
+    )
+    boards: tuple[str, ...] = option(
+        "--board", "A board's link; may be repeated.", multiple=True, metavar="LINK"
+    )
+    parts: tuple[str, ...] = option(
+        "--part", "Another part; may be repeated.", multiple=True, metavar="NAME=COMMAND"
+    )
+    given: Path | None = option("--from", "A robot.toml, instead of questions.", type=EXISTING_FILE)
+
+
+def _place_options(function: Function) -> Function:
+    root = click.option(
+        "--root",
+        type=click.Path(file_okay=False, path_type=Path),
+        help="Write below this folder, such as a mounted image, and start nothing.",
+    )
+    user = click.option(
+        "--user/--system", "for_user", default=None, help="For this user, or as root for all."
+    )
+    return user(root(function))
 
 
 @click.command(
@@ -60,25 +73,11 @@ def _place_options(function: _F) -> _F:
     rostether install --from robot.toml --dry-run            show what would be written
     """,
 )
-@click.option("--machine", type=click.Choice(_KINDS), help="A base station, a robot, or both.")
-@click.option("--name", help="Name of this machine: PLATFORM_NAME.")
-@click.option("--core", metavar="HOST", help="The base station, for a robot.")
-@click.option("--address", help="This machine's own address: ROS_IP.")
-@click.option(
-    "--interface", metavar="NAME", help="Network interface of the fleet; gives the address at boot."
-)
-@click.option("--board", "boards", multiple=True, metavar="LINK", help="A board's link; may be repeated.")
-@click.option("--part", "parts", multiple=True, metavar="NAME=COMMAND", help="Another part; may be repeated.")
-@click.option(
-    "--from",
-    "given",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="A robot.toml, instead of questions.",
-)
+@option_group("answers", Answers)
 @click.option("--gui", is_flag=True, help="Open the dashboard when a user logs in.")
 @click.option("--dry-run", is_flag=True, help="Show what would be written.")
 @_place_options
-def install(dry_run: bool, gui: bool, for_user: bool | None, root: Path | None, **answers: Any) -> None:
+def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, root: Path | None) -> None:
     """Start a robot's parts at boot: write a robot.toml and a systemd unit.
 
     Installing again keeps the robot.toml, unless you give its content again.
@@ -202,37 +201,36 @@ def _has_group(name: str) -> bool:
     return True
 
 
-def _robot_text(file: Path, root: Path | None, answers: Mapping[str, Any]) -> str:
+def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
     from rostether.cli.platform.robot_check import check_robot, parse_robot
     from rostether.platform.boot.machine import Kind, Machine
     from rostether.platform.boot.robot_file import check_interface, read_robot_text
 
-    if answers["given"] is not None:
-        given: Path = answers["given"]
+    if (given := answers.given) is not None:
         text = read_robot_text(given)
         check_robot(parse_robot(text, str(given)), str(given))
         return text
     kept = path_below(root, file)
-    if not any(answers.values()) and kept.exists():
+    if answers == Answers() and kept.exists():
         text = read_robot_text(kept)
         parse_robot(text, str(kept))
         return text
-    kind = Kind(answers["machine"] or _ask("What is this machine", "both", _KINDS))
-    name = answers["name"] or _ask("Name of this machine", os.uname().nodename)
-    core, interface = answers["core"] or "", answers["interface"] or ""
+    kind = Kind(answers.machine or _ask("What is this machine", "both", _KINDS))
+    name = answers.name or _ask("Name of this machine", os.uname().nodename)
+    core, interface = answers.core or "", answers.interface or ""
     if kind is Kind.ROBOT and not core:
         core = _ask("Address of the base station")
-    if not answers["machine"] and not answers["address"] and not interface:
+    if not answers.machine and not answers.address and not interface:
         interface = _ask_interface()
     if interface:
         check_interface(interface)
     parts = {}
-    for each in answers["parts"]:
+    for each in answers.parts:
         key, separator, words = each.partition("=")
         if not separator or not key:
             raise ConfigError(f"--part {each!r} must be NAME=COMMAND, such as joystick='role joy-node'")
         parts[key] = words
-    text = Machine(kind, name, core, answers["address"] or "", interface, answers["boards"], parts).text
+    text = Machine(kind, name, core, answers.address or "", interface, answers.boards, parts).text
     check_robot(parse_robot(text, "the new robot.toml"), "the new robot.toml")
     return text
 

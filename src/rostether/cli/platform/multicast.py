@@ -9,31 +9,28 @@ import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.platform.fleet_options import MAX_ROBOT, group_mask
-from rostether.cli.platform.parameters import Parameters, reporter
-from rostether.cli.role.node import NODE_SETTINGS, run_role
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.role.node import RoleVerb, node_words, reporter, run_role
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
+from rostether.platform.node_parameters import Parameters
 
 if TYPE_CHECKING:
     from rostether.platform.multicast_socket import GroupAddress
 
 _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
-_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 
 
 @click.command(
     "multicast-topic-bridge",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role multicast-topic-bridge _topic:=arduino_control
     rostether role multicast-topic-bridge _topic:=arduino_control _frequency:=0 _interface:=wlan0
     rostether role multicast-topic-bridge _topic:=cmd_vel _framed:=true _robot:=3 _key_file:=fleet.key
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def multicast_topic_bridge(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Send the newest message of a topic to a multicast group, one message per datagram.
@@ -48,14 +45,13 @@ def multicast_topic_bridge(arguments: tuple[str, ...], ros2: str | None) -> None
 
 @click.command(
     "multicast-topic-receiver",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role multicast-topic-receiver _topic:=arduino_control _type:=arduino_control/ArduinoControl
     rostether role multicast-topic-receiver _topic:=cmd_vel _type:=geometry_msgs/Twist _framed:=true _robot:=3
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def multicast_topic_receiver(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish the messages that arrive from a multicast group.
@@ -69,14 +65,13 @@ def multicast_topic_receiver(arguments: tuple[str, ...], ros2: str | None) -> No
 
 @click.command(
     "fleet-monitor",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role fleet-monitor _key_file:=fleet.key
     rostether role fleet-monitor _interface:=wlan0 _key_file:=fleet.key
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def fleet_monitor(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish the state of each robot (`fleet`), and stop robots (service `fleet_stop`).

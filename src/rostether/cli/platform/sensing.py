@@ -8,25 +8,21 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.platform.parameters import Parameters, reporter
-from rostether.cli.role.node import NODE_SETTINGS, run_role
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.role.node import RoleVerb, node_words, reporter, run_role
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
-
-_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+from rostether.platform.node_parameters import Parameters
 
 
 @click.command(
     "sensing-manager",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role sensing-manager
     rostether role sensing-manager _sensors_file:=sensors.toml
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def sensing_manager(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Register sensors (service `sensors_register`), watch them and publish their list (`sensors`).
@@ -39,14 +35,13 @@ def sensing_manager(arguments: tuple[str, ...], ros2: str | None) -> None:
 
 @click.command(
     "digital-tester",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role digital-tester
     rostether role digital-tester _platform_name:=Robot3 __name:=tester_3
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def digital_tester(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish a random number from 0 to 100 each second, as a test sensor.
@@ -89,14 +84,13 @@ def _path(text: str) -> Path:
 
 @click.command(
     "arduino-control",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role arduino-control
     rostether role arduino-control _formula:=radial _deadzone:=0.15 joy:=/robot_3/joy
     """,
 )
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@node_words
 @ROS2_CHOICE
 def arduino_control(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Turn a joystick's axes (`joy`) into commands for a robot (`arduino_control`).

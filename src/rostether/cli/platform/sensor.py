@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joined
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import GraphError
 
 if TYPE_CHECKING:
@@ -34,12 +34,14 @@ _FIELDS = (
     "state",
     "state_text",
 )
-_MODULE = "rostether.cli.platform.sensor:"
-_VERBS = {
-    "list": VerbEntry(f"{_MODULE}list_sensors", "List the sensors by platform."),
-    "show": VerbEntry(f"{_MODULE}show", "Show one sensor."),
-    "rename": VerbEntry(f"{_MODULE}rename", "Give a sensor another name."),
-}
+_VERBS = verb_entries(
+    "rostether.cli.platform",
+    {
+        "list": ("sensor:list_sensors", "List the sensors by platform."),
+        "show": ("sensor:show", "Show one sensor."),
+        "rename": ("sensor:rename", "Give a sensor another name."),
+    },
+)
 
 
 @click.group(
@@ -57,7 +59,7 @@ def sensor() -> None:
 
 @click.command("list", cls=Verb, examples="rostether sensor list")
 @json_option
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 def list_sensors(as_json: bool, graph: GraphOptions) -> None:
     """List the sensors by platform: id, type, state, topic and name."""
 
@@ -85,7 +87,7 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
 @click.command("show", cls=Verb, examples="rostether sensor show sensor_node0")
 @click.argument("sensor_id", metavar="ID")
 @json_option
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
     """Show one sensor, given its id or its name."""
 
@@ -104,7 +106,7 @@ def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
 @click.command("rename", cls=Verb, examples='rostether sensor rename sensor_node0 "Front camera"')
 @click.argument("sensor_id", metavar="ID")
 @click.argument("name")
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
     """Give a sensor another NAME; its id and its topic stay the same."""
 

@@ -2,41 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.platform.parameters import (
+from rostether.cli.role.node import RoleVerb, node_arguments, node_words, reporter, run_role
+from rostether.errors import ConfigError
+from rostether.graph.typed_graph import TypedGraph
+from rostether.names.remap import Arguments
+from rostether.platform.node_parameters import (
     Parameters,
     SensorKind,
     default_platform,
     read_description,
     read_rate,
-    reporter,
-    run_sensor,
 )
-from rostether.cli.role.node import NODE_SETTINGS
-from rostether.cli.shell.verbs import Verb
-from rostether.errors import ConfigError
-from rostether.graph.typed_graph import TypedGraph
-from rostether.names.remap import Arguments
+from rostether.platform.sensors.registered_sensor import platform_word
 
-_arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+
+def run_sensor(
+    word: str,
+    words: Sequence[str],
+    main: Callable[[TypedGraph, Arguments], Awaitable[None]],
+    ros2: str | None,
+) -> None:
+    """Run a sensor's node; its name contains the robot's, so that robots share a graph."""
+    given = node_arguments(words).private_params
+    platform = str(given.get("platform_name") or default_platform())
+    run_role(f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}", words, main, ros2)
 
 
 @click.command(
     "analog",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role analog _id:=voltage _path:=/sys/bus/iio/devices/iio:device0/in_voltage0_raw _scale:=11
     rostether role analog _id:=distance _topic:=/arm/ultrasound _field:=range _unit:=m _alert_below:=0.1
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def analog(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish a number as a sensor: of a file of the system, or of a field of a topic.
@@ -50,14 +57,13 @@ def analog(arguments: tuple[str, ...], ros2: str | None) -> None:
 
 @click.command(
     "digital",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role digital _id:=bumper _gpio:=GPIO17 _bias:=pull_up _active_low:=true
     rostether role digital _id:=button _topic:=/arm/button
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def digital(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish 1 or 0 as a sensor: of a GPIO line, of a file, or of a field of a topic.
@@ -70,15 +76,14 @@ def digital(arguments: tuple[str, ...], ros2: str | None) -> None:
 
 @click.command(
     "gps",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role gps _port:=/dev/ttyACM0
     rostether role gps "_port:=/dev/ttyUSB0?baud=9600" _frame_id:=gps
     rostether role gps "_port:=tcp://192.168.1.7:11123?connect=yes"
     """,
 )
-@_arguments
+@node_words
 @ROS2_CHOICE
 def gps(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish the positions of a receiver that sends NMEA, as a sensor (sensor_msgs/NavSatFix).
@@ -89,13 +94,8 @@ def gps(arguments: tuple[str, ...], ros2: str | None) -> None:
     run_sensor("gps", arguments, _gps, ros2)
 
 
-@click.command(
-    "battery",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
-    examples="rostether role battery _alert_below:=0.2",
-)
-@_arguments
+@click.command("battery", cls=RoleVerb, examples="rostether role battery _alert_below:=0.2")
+@node_words
 @ROS2_CHOICE
 def battery(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish this computer's battery as a sensor (sensor_msgs/BatteryState).
@@ -106,13 +106,8 @@ def battery(arguments: tuple[str, ...], ros2: str | None) -> None:
     run_sensor("battery", arguments, _battery, ros2)
 
 
-@click.command(
-    "system-load",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
-    examples="rostether role system-load _rate:=0.2",
-)
-@_arguments
+@click.command("system-load", cls=RoleVerb, examples="rostether role system-load _rate:=0.2")
+@node_words
 @ROS2_CHOICE
 def system_load(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish this computer's load as sensors: cpu, memory and disk in percent, and its temperature.

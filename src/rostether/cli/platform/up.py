@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.shell.option_group import EXISTING_FILE
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -34,7 +35,7 @@ ADDRESS_PERIOD_S = 0.5
     rostether up robot.toml --check
     """,
 )
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("file", type=EXISTING_FILE)
 @click.option("--check", is_flag=True, help="Only check the file, and the arguments of each part.")
 def up(file: Path, check: bool) -> None:
     """Run the parts of a robot that FILE lists, and restart each part that ends.
@@ -105,10 +106,9 @@ def _is_no_core(part: Part) -> bool:
 
 async def _wait_for_master(environ: Mapping[str, str]) -> None:
     """Wait until the robot's master answers: until then, other parts would start one of their own."""
-    from rostether.cli.access.served_graphs import master_answers
+    from rostether.cli.access.served_graphs import wait_for_answer
     from rostether.ros1.environment import RosEnvironment
 
     with suppress(TimeoutError):
         async with asyncio.timeout(MASTER_LIMIT_S):
-            while not await master_answers(RosEnvironment.read(environ)):  # noqa: ASYNC110 - there is no event
-                await asyncio.sleep(0.05)
+            await wait_for_answer(RosEnvironment.read(environ), 0.05)

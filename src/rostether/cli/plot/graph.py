@@ -9,11 +9,12 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros1_only
-from rostether.cli.plot.graph_shown import Shown, as_digraph, as_records, as_text, choose
+from rostether.cli.shell.option_group import FILE
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
+from rostether.graph.shown_graph import Shown, as_digraph, as_records, as_text, choose
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Snapshot
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     "--output",
     "file",
     metavar="FILE",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help=f"Write a file; its ending sets the format: {', '.join(SUFFIXES)}.",
 )
 @click.option("--nodes-only", is_flag=True, help="Show only nodes, with topics along the arrows.")
@@ -110,6 +111,6 @@ async def _ask_ros1(graph: GraphOptions) -> Snapshot:
 
 def _ask_ros2(graph: GraphOptions) -> Snapshot:
     from rostether.cli.access.ros2_tool_node import asked
-    from rostether.cli.access.ros2_view import as_snapshot
+    from rostether.ros2.graph_view import as_snapshot
 
     return as_snapshot(asked(graph, lambda tool: tool.settled_snapshot()))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.completions import complete_fields
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option, refuse_ros1_only
 from rostether.cli.plot.curves import expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotSession, SessionSettings
@@ -80,7 +80,7 @@ class PlotOptions:
     "fields", nargs=-1, required=True, metavar="TOPIC[/FIELD[:FIELD]]...", shell_complete=complete_fields
 )
 @option_group("options", PlotOptions)
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> None:
     """Plot values of topics over their time of arrival.
 
@@ -123,8 +123,9 @@ async def _plot_ros1(
     session: PlotSession,
     msg_paths: tuple[Path, ...],
 ) -> None:
-    from rostether.cli.access.ros1_access import in_namespace, joined, read_environment
+    from rostether.cli.access.ros1_access import joined, read_environment
     from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
+    from rostether.names.graph_name import in_namespace
     from rostether.serde.field_path import FieldPath
 
     environment = read_environment(graph_options)

@@ -10,9 +10,9 @@ import click
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.launch.run import become
 from rostether.cli.launch.served_nodes import our_command
+from rostether.cli.role.node import RoleVerb
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, DefinitionError
 from rostether.msgdef.primitives import INTEGER_RANGES
 
@@ -27,15 +27,14 @@ _NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_stat
 
 @click.command(
     "rqt-plot",
-    cls=Verb,
-    context_settings={"ignore_unknown_options": True},
+    cls=RoleVerb,
     examples="""
     rostether role rqt-plot
     rostether role rqt-plot /ultrasound/range
     """,
 )
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[TOPIC/FIELD]...")
-@graph_options(master="", ros=False)
+@graph_options(master=False, ros=False)
 def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
     """Plot the given fields, or the first numeric fields that are published."""
     fields = list(arguments)

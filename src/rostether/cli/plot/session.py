@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import re
 import shutil
 import time
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rostether.cli.plot.curves import Curves
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
-from rostether.errors import ConfigError, DefinitionError, GraphError, SerializationError, first_error
+from rostether.errors import ConfigError, GraphError, SerializationError, first_error
 from rostether.msgdef.registry import Registry
-from rostether.serde.type_tree import Array, Node, Struct
+from rostether.serde.field_units import unit_of
 
 if TYPE_CHECKING:
     from rostether.pictures.plot import Curve
@@ -30,53 +29,6 @@ DEFAULT_WINDOW_S = 10.0
 Group: TypeAlias = Sequence[str]
 
 Follow: TypeAlias = Callable[[Group], Coroutine[Any, Any, None]]
-
-
-# By type and field; a field that is a message gives its unit to the numbers within.
-UNITS: Final = {
-    "geometry_msgs/Twist linear": "m/s",
-    "geometry_msgs/Twist angular": "rad/s",
-    "geometry_msgs/Accel linear": "m/s²",
-    "geometry_msgs/Accel angular": "rad/s²",
-    "geometry_msgs/Wrench force": "N",
-    "geometry_msgs/Wrench torque": "Nm",
-    "geometry_msgs/Pose position": "m",
-    "geometry_msgs/PointStamped point": "m",
-    "geometry_msgs/Transform translation": "m",
-    "sensor_msgs/Range range": "m",
-    "sensor_msgs/Range min_range": "m",
-    "sensor_msgs/Range max_range": "m",
-    "sensor_msgs/Range field_of_view": "rad",
-    "sensor_msgs/LaserScan ranges": "m",
-    "sensor_msgs/LaserScan angle_min": "rad",
-    "sensor_msgs/LaserScan angle_max": "rad",
-    "sensor_msgs/LaserScan angle_increment": "rad",
-    "sensor_msgs/LaserScan scan_time": "s",
-    "sensor_msgs/Imu angular_velocity": "rad/s",
-    "sensor_msgs/Imu linear_acceleration": "m/s²",
-    "sensor_msgs/MagneticField magnetic_field": "T",
-    "sensor_msgs/Temperature temperature": "°C",
-    "sensor_msgs/FluidPressure fluid_pressure": "Pa",
-    "sensor_msgs/Illuminance illuminance": "lx",
-    "sensor_msgs/BatteryState voltage": "V",
-    "sensor_msgs/BatteryState current": "A",
-    "sensor_msgs/BatteryState charge": "Ah",
-    "sensor_msgs/BatteryState capacity": "Ah",
-    "sensor_msgs/BatteryState temperature": "°C",
-    "sensor_msgs/NavSatFix latitude": "°",
-    "sensor_msgs/NavSatFix longitude": "°",
-    "sensor_msgs/NavSatFix altitude": "m",
-    "sensor_msgs/JointState position": "rad",
-    "sensor_msgs/JointState velocity": "rad/s",
-    "sensor_msgs/JointState effort": "Nm",
-}
-
-# The units in definitions: `[m]`, `[rad/s]`, `(in m/s^2)`.
-_BRACKETS = re.compile(r"[\[(](?:in )?([a-zA-Z°µ%][a-zA-Z0-9°µ%/^*²]{0,8})[\])]")
-_KNOWN = re.compile(
-    r"m|mm|cm|km|s|ms|us|µs|ns|rad|deg|°|°C|C|K|V|mV|A|mA|Ah|W|N|Nm|N\*m|Pa|hPa|kPa|T|Hz|%|g|kg|lx|lux|rpm"
-    r"|ppm|dB|(m|cm|mm|km|rad|deg|°)/(s|h|s\^2|s²|sec)"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +109,7 @@ class PlotSession:
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
             write_line(f"{file}: {len(curves)} curves, {sum(len(each.points) for each in curves)} values")
         elif not self._settings.is_live:
-            from rostether.cli.plot.view import as_plain
+            from rostether.pictures.terminal_plot import as_plain
 
             for line in as_plain(self._lines(*shutil.get_terminal_size((80, 24)))):
                 write_line(line)
@@ -187,8 +139,8 @@ class PlotSession:
         return max((curve.points[-1][0] for curve in self._curves.curves() if curve.points), default=0.0)
 
     def _lines(self, columns: int, rows: int) -> Any:
-        from rostether.cli.plot.view import plot_lines
         from rostether.pictures.axis import Axis
+        from rostether.pictures.terminal_plot import plot_lines
 
         whole_s = None if self._settings.is_live else self._settings.duration_s
         window_s = self._settings.window_s or whole_s or DEFAULT_WINDOW_S
@@ -202,7 +154,7 @@ class PlotSession:
         from rich.console import Console
         from rich.live import Live
 
-        from rostether.cli.plot.view import as_colored
+        from rostether.pictures.terminal_plot import as_colored
 
         console = Console()
         with Live(console=console, auto_refresh=False, screen=False) as live:
@@ -228,32 +180,3 @@ async def _first_problem(work: Coroutine[Any, Any, None]) -> None:
         await work
     except BaseExceptionGroup as problems:
         raise first_error(problems) from None
-
-
-def unit_of(registry: Registry, tree: Struct, path: str) -> str:
-    """Return the unit of the number at a path (`position[0]`, `twist/linear/x`), empty if it is unknown."""
-    node: Node = tree
-    unit = ""
-    for step in re.findall(r"[^/\[\].]+", path):
-        if isinstance(node, Array):
-            node = node.element
-        if not isinstance(node, Struct):
-            # An index, or a path beyond the definition.
-            break
-        found = next((each for each in node.members if each.name == step), None)
-        if found is not None:
-            unit = UNITS.get(f"{node.name} {step}") or _of_comment(registry, node.name, step) or unit
-            node = found.node
-    return unit
-
-
-def _of_comment(registry: Registry, type_name: str, field: str) -> str:
-    try:
-        text = registry.message(type_name).text
-    except DefinitionError:
-        return ""
-    line = re.search(rf"^\s*\S+\s+{re.escape(field)}\s*#(.*)$", text, re.MULTILINE)
-    found = _BRACKETS.search(line[1]) if line else None
-    if found is None or not _KNOWN.fullmatch(found[1]):
-        return ""
-    return found[1].replace("^2", "²").replace("N*m", "Nm")

@@ -4,18 +4,40 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import COUNT, POSITIVE, argument, option, option_group, shared
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.mechanisms.text import escape_line
 
+if TYPE_CHECKING:
+    from rostether.robot.transform import StampedTransform
+
 # Faster than a person can read; a script that needs every message echoes /tf.
 MAX_RATE_HZ = 1_000.0
+
+
+@dataclass(frozen=True, slots=True)
+class EchoOptions:
+    """The options of `tf echo`."""
+
+    parent: str = argument()
+    child: str = argument()
+    rate_hz: float = argument(
+        metavar="[RATE]", type=click.FloatRange(0, MAX_RATE_HZ, min_open=True), default=1.0
+    )
+    count: int | None = option("-n --count", "Stop after COUNT transforms.", type=COUNT, metavar="COUNT")
+    timeout_s: float | None = option(
+        "--timeout", "Give up if no transform is available after SECONDS.", type=POSITIVE, metavar="SECONDS"
+    )
+    as_json: bool = shared(json_option, False)
 
 
 @click.command(
@@ -27,47 +49,18 @@ MAX_RATE_HZ = 1_000.0
     rostether tf echo -n 1 --json base_link gripper
     """,
 )
-@click.argument("parent")
-@click.argument("child")
-@click.argument("rate", type=click.FloatRange(0, MAX_RATE_HZ, min_open=True), default=1.0)
-@click.option("-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT.")
-@click.option(
-    "--timeout",
-    "timeout_s",
-    type=click.FloatRange(0, min_open=True),
-    metavar="SECONDS",
-    help="Give up if no transform is available after SECONDS.",
-)
-@json_option
-@graph_options(ros=False, allow=TOOL_ALLOW)
-def echo(
-    parent: str,
-    child: str,
-    rate: float,
-    count: int | None,
-    timeout_s: float | None,
-    as_json: bool,
-    graph: GraphOptions,
-) -> int:
+@option_group("options", EchoOptions)
+@graph_options(ros=False, allow=True)
+def echo(options: EchoOptions, graph: GraphOptions) -> int:
     """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (default: once).
 
     Translations are in metres, rotations a quaternion and roll, pitch and yaw. The command waits for frames
     that are not known yet.
     """
-    return run(
-        _echo(parent.removeprefix("/"), child.removeprefix("/"), rate, count, timeout_s, as_json, graph)
-    )
+    return run(_echo(options, graph))
 
 
-async def _echo(
-    parent: str,
-    child: str,
-    rate_hz: float,
-    count: int | None,
-    timeout_s: float | None,
-    as_json: bool,
-    graph: GraphOptions,
-) -> int:
+async def _echo(options: EchoOptions, graph: GraphOptions) -> int:
     from rostether.cli.access.ros1_access import joined
     from rostether.errors import TransformError
     from rostether.robot.tf_listener import tf_listener
@@ -76,6 +69,8 @@ async def _echo(
         joined(graph, purpose="tf_echo") as node,
         tf_listener(node) as listener,
     ):
+        parent, child = options.parent.removeprefix("/"), options.child.removeprefix("/")
+        timeout_s, count = options.timeout_s, options.count
         loop = asyncio.get_running_loop()
         began_s = due_s = loop.time()
         reported, shown_count = "", 0
@@ -98,10 +93,10 @@ async def _echo(
                         async with asyncio.timeout(0.2):
                             await listener.arrived.wait()
                     continue
-                _show(stamped, as_json)
+                _show(stamped, options.as_json)
                 shown_count += 1
                 reported = ""
-                due_s = max(due_s + 1 / rate_hz, loop.time())
+                due_s = max(due_s + 1 / options.rate_hz, loop.time())
                 if shown_count != count:
                     await asyncio.wait([left], timeout=due_s - loop.time())
         finally:
@@ -109,11 +104,10 @@ async def _echo(
     return EXIT_DONE
 
 
-def _show(stamped: object, as_json: bool) -> None:
+def _show(stamped: StampedTransform, as_json: bool) -> None:
     from rostether.robot.tf_report import format_transform
-    from rostether.robot.transform import StampedTransform, rpy_from_quaternion
+    from rostether.robot.transform import rpy_from_quaternion
 
-    assert isinstance(stamped, StampedTransform)
     if not as_json:
         write_line(format_transform(stamped))
         return

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
+from rostether.cli.shell.option_group import COUNT
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -31,9 +32,9 @@ REPORT_PERIOD_S = 1.0
     """,
 )
 @click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
-@click.option("-n", "--count", type=click.IntRange(min=1), metavar="COUNT", help="Stop after COUNT reports.")
+@click.option("-n", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT reports.")
 @json_option
-@graph_options(ros=False, allow=TOOL_ALLOW)
+@graph_options(ros=False, allow=True)
 def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Report every second for each frame, or for the chain between two, who broadcasts it and how late."""
     if len(frames) not in (0, 2):

@@ -6,9 +6,8 @@ import os
 
 import click
 
-from rostether.cli.role.node import NODE_SETTINGS, node_arguments, role_node
+from rostether.cli.role.node import RoleVerb, node_arguments, role_node
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
 from rostether.names.remap import Arguments
 from rostether.robot.static_transforms import (
     StaticTransform,
@@ -23,8 +22,7 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
 
 @click.command(
     "static",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether tf static 0 0 0.1 0 0 0 base_link laser
     rostether tf static 0 0 0.1 0 0 0 1 base_link laser
@@ -43,8 +41,7 @@ def static(words: tuple[str, ...]) -> None:
 
 @click.command(
     "static-transform-publisher",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role static-transform-publisher 0 0 0.1 0 0 0 base_link laser
     rostether role tf-static-transform-publisher 0 0 0.1 0 0 0 base_link laser 100

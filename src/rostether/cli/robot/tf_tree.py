@@ -7,8 +7,9 @@ from dataclasses import asdict
 
 import click
 
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import POSITIVE
 from rostether.cli.shell.output import json_option, paint_frame, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -31,14 +32,14 @@ DEFAULT_LISTENING_S = 2.0
 @click.option(
     "--duration",
     "listening_s",
-    type=click.FloatRange(0, min_open=True),
+    type=POSITIVE,
     default=DEFAULT_LISTENING_S,
     metavar="SECONDS",
     help=f"How long to listen ({DEFAULT_LISTENING_S:g}).",
 )
 @click.option("--dot", is_flag=True, help="Print the tree for graphviz.")
 @json_option
-@graph_options(ros=False, allow=TOOL_ALLOW)
+@graph_options(ros=False, allow=True)
 def tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOptions) -> int:
     """Listen for a while, then show the tree of frames with the nodes that broadcast them."""
     return run(_tree(listening_s, dot, as_json, graph))

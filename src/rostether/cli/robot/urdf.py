@@ -11,21 +11,24 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.shell.input import read_bytes
+from rostether.cli.shell.option_group import EXISTING_FILE, PATH
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.mechanisms.text import escape_line
 from rostether.pictures.tree import MAX_INDENTED, branch
 
 if TYPE_CHECKING:
     from rostether.robot.robot_model import Joint, RobotModel
 
-_HERE = "rostether.cli.robot.urdf:"
-_VERBS = {
-    "check": VerbEntry(f"{_HERE}check", "Check a description, like check_urdf."),
-    "tree": VerbEntry(f"{_HERE}tree", "Show links and joints."),
-}
+_VERBS = verb_entries(
+    "rostether.cli.robot",
+    {
+        "check": ("urdf:check", "Check a description, like check_urdf."),
+        "tree": ("urdf:tree", "Show links and joints."),
+    },
+)
 
-_file = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+_file = click.argument("file", type=EXISTING_FILE)
 _mappings = click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
 
 
@@ -150,11 +153,9 @@ def _record(joint: Joint) -> dict[str, object]:
     rostether xacro --deps robot.urdf.xacro
     """,
 )
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("file", type=EXISTING_FILE)
 @click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Write the URDF to this file."
-)
+@click.option("-o", "--output", type=PATH, metavar="FILE", help="Write the URDF to this file.")
 @click.option("--deps", is_flag=True, help="Print the included files instead.")
 @click.option(
     "--inorder", "-i", is_flag=True, expose_value=False, help="Accepted for compatibility; has no effect."

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rostether.cli.role.node import NODE_SETTINGS, run_role
-from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.role.node import RoleVerb, node_words, reporter, run_role
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level, ParamValue
 from rostether.graph.typed_graph import TypedGraph
@@ -15,14 +13,13 @@ from rostether.names.remap import Arguments
 
 @click.command(
     "joy-node",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role joy-node
     rostether role joy-node _dev:=/dev/input/js1 _deadzone:=0.1 _autorepeat_rate:=20
     """,
 )
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+@node_words
 def joy_node(arguments: tuple[str, ...]) -> None:
     """Publish a joystick as sensor_msgs/Joy on `joy`, like joy_node.
 
@@ -37,10 +34,7 @@ async def _main(graph: TypedGraph, _: Arguments) -> None:
 
     device = str(await _get(graph, "dev", DEFAULT_DEVICE))
 
-    def report(level: Level, text: str) -> None:
-        graph.log(level, text)
-        (warn if level > Level.INFO else write_line)(text)
-
+    report = reporter(graph)
     if name := str(await _get(graph, "dev_name", "")):
         found = device_named(name)
         if found is None:

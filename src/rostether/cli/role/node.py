@@ -7,9 +7,13 @@ from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import click
+
 from rostether.cli.access.graph_options import GraphOptions, ros_arguments
 from rostether.cli.access.ros1_access import read_environment
-from rostether.cli.shell.output import warn
+from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.verbs import Verb
+from rostether.graph.ports import Level
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments, parse_arguments
@@ -19,8 +23,14 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
-# For commands with a node's arguments: there, `-0.1` is a number, not an option.
-NODE_SETTINGS = {"ignore_unknown_options": True}
+# A node's arguments, as every ROS node accepts them.
+node_words = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+
+
+class RoleVerb(Verb):
+    """A command with a node's arguments: there, `-0.1` is a number, not an option."""
+
+    ignore_unknown_options = True
 
 
 def node_arguments(words: Sequence[str]) -> Arguments:
@@ -106,3 +116,13 @@ def run_role(
             await run_until(main(graph, arguments), graph.raw.wait_closed())
 
     run(until_ended(), is_service=True)
+
+
+def reporter(graph: TypedGraph) -> Callable[[Level, str], None]:
+    """Return a function that prints a line and logs it on the graph."""
+
+    def report(level: Level, text: str) -> None:
+        graph.log(level, text)
+        (warn if level > Level.INFO else write_line)(text)
+
+    return report

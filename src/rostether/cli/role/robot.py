@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.role.node import NODE_SETTINGS, node_arguments, role_node
+from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role_node
 from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
 from rostether.graph.ports import Level
 from rostether.mechanisms.text import escape_line
 from rostether.names.remap import Arguments
@@ -22,7 +21,6 @@ from rostether.robot.joint_sliders import JointSliders, SliderKey
 if TYPE_CHECKING:
     from rostether.robot.joint_states import JointStates
 
-_arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE...]")
 
 GUI_NAME = "joint_state_publisher_gui"
 
@@ -65,35 +63,32 @@ STATE_NODE = "robot_state_publisher"
 
 @click.command(
     "joint-state-publisher",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="rostether role joint-state-publisher _rate:=50 _source_list:=[arm/joint_states]",
 )
-@_arguments
-def joint_state_publisher(words: tuple[str, ...]) -> None:
+@node_words
+def joint_state_publisher(arguments: tuple[str, ...]) -> None:
     """Publish joint states: default positions, positions from other topics, and joints that mimic others.
 
     Parameters: rate (10), source_list, zeros, dependent_joints, delta, use_mimic_tags,
     use_smallest_joint_limits, publish_default_positions, publish_default_velocities, publish_default_efforts.
     """
-    run(_publish_joints(node_arguments(words), "joint_state_publisher", has_sliders=False), is_service=True)
+    run(
+        _publish_joints(node_arguments(arguments), "joint_state_publisher", has_sliders=False),
+        is_service=True,
+    )
 
 
-@click.command(
-    "joint-state-publisher-gui",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
-    examples="rostether role joint-state-publisher-gui",
-)
-@_arguments
-def joint_state_publisher_gui(words: tuple[str, ...]) -> None:
+@click.command("joint-state-publisher-gui", cls=RoleVerb, examples="rostether role joint-state-publisher-gui")
+@node_words
+def joint_state_publisher_gui(arguments: tuple[str, ...]) -> None:
     """Publish joint states set by sliders in the terminal: arrow keys move them, c centers, r randomizes."""
     # Windows has consoles, but no termios to read single keys.
     has_terminal = sys.platform != "win32" and sys.stdin.isatty() and sys.stdout.isatty()
-    arguments = node_arguments(words)
+    given = node_arguments(arguments)
     if not has_terminal:
-        warn(NO_TERMINAL.format(arguments.special.get("__name", GUI_NAME)))
-    run(_publish_joints(arguments, GUI_NAME, has_sliders=has_terminal), is_service=True)
+        warn(NO_TERMINAL.format(given.special.get("__name", GUI_NAME)))
+    run(_publish_joints(given, GUI_NAME, has_sliders=has_terminal), is_service=True)
 
 
 async def _publish_joints(arguments: Arguments, node_name: str, *, has_sliders: bool) -> None:
@@ -157,17 +152,16 @@ class SliderScreen:
 
 @click.command(
     "robot-state-publisher",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="rostether role robot-state-publisher _publish_frequency:=30 joint_states:=arm/joint_states",
 )
-@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE...]")
-def robot_state_publisher(words: tuple[str, ...]) -> None:
+@node_words
+def robot_state_publisher(arguments: tuple[str, ...]) -> None:
     """Turn joint states into transforms, using the URDF in robot_description.
 
     Parameters: ~publish_frequency (50), ~use_tf_static (true), ~ignore_timestamp (false), tf_prefix.
     """
-    run(_publish(node_arguments(words)), is_service=True)
+    run(_publish(node_arguments(arguments)), is_service=True)
 
 
 async def _publish(arguments: Arguments) -> None:
@@ -182,19 +176,14 @@ async def _publish(arguments: Arguments) -> None:
         await publish_robot_state(graph, report)
 
 
-@click.command(
-    "tf2-web-republisher",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
-    examples="rostether role tf2-web-republisher",
-)
-@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE...]")
-def tf2_web_republisher(words: tuple[str, ...]) -> None:
+@click.command("tf2-web-republisher", cls=RoleVerb, examples="rostether role tf2-web-republisher")
+@node_words
+def tf2_web_republisher(arguments: tuple[str, ...]) -> None:
     """Send web pages the transforms they ask for, like tf2_web_republisher.
 
     It serves the service republish_tfs and the action tf2_web_republisher, which ROSLIB.TFClient uses.
     """
-    run(_serve(node_arguments(words)), is_service=True)
+    run(_serve(node_arguments(arguments)), is_service=True)
 
 
 async def _serve(arguments: Arguments) -> None:

@@ -8,9 +8,8 @@ from functools import partial
 
 import click
 
-from rostether.cli.role.node import NODE_SETTINGS, run_role
+from rostether.cli.role.node import RoleVerb, run_role
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.anonymous import anonymous_name
@@ -21,9 +20,7 @@ _CALL_LIMIT_S = 10.0
 _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="ARGUMENT...")
 
 
-@click.command(
-    "relay", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role relay /chatter /copy"
-)
+@click.command("relay", cls=RoleVerb, examples="rostether role relay /chatter /copy")
 @_arguments
 def relay(arguments: tuple[str, ...]) -> None:
     """Publish IN again as OUT (IN_relay): relay IN [OUT] [_lazy:=true]."""
@@ -40,8 +37,7 @@ def relay(arguments: tuple[str, ...]) -> None:
 
 @click.command(
     "throttle",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role throttle messages /scan 5 /scan_slow
     rostether role throttle bytes /image 100000 1.0
@@ -75,9 +71,7 @@ def throttle(arguments: tuple[str, ...]) -> None:
     run_role(anonymous_name(f"{_last(source)}_throttle"), arguments, main)
 
 
-@click.command(
-    "mux", cls=Verb, context_settings=NODE_SETTINGS, examples="rostether role mux /cmd_vel /joy_vel /plan_vel"
-)
+@click.command("mux", cls=RoleVerb, examples="rostether role mux /cmd_vel /joy_vel /plan_vel")
 @_arguments
 def mux(arguments: tuple[str, ...]) -> None:
     """Publish one of the topics IN as OUT: mux OUT IN...
@@ -108,8 +102,7 @@ def _mux_command(verb: str, explanation: str, example: str) -> click.Command:
 
     @click.command(
         f"mux-{verb}",
-        cls=Verb,
-        context_settings=NODE_SETTINGS,
+        cls=RoleVerb,
         help=explanation,
         examples=f"rostether role mux-{verb} mux {example}".rstrip(),
     )

@@ -12,15 +12,16 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
-from rostether.cli.access.ros1_access import in_namespace, joined, master_client, read_environment, resolve
-from rostether.cli.service.ros1_probe import look_up, probe_type, probe_uri, provider
+from rostether.cli.access.ros1_access import joined, master_client, read_environment, resolve
 from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.input import piped_documents
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
+from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
+from rostether.ros1.node.service_probe import look_up, probe_type, probe_uri, provider
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

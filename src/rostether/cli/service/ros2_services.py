@@ -11,16 +11,16 @@ from pathlib import Path
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import not_on_ros2, refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked, tool_node
-from rostether.cli.access.ros2_view import SERVICE_KINDS, GraphView
 from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
-from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import SERVICE_KINDS, GraphView
+from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
+from rostether.ros2.types.value_form import ValueForm
 from rostether.rostime import Time
 
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.completions import complete_service_types, complete_services
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import daemon_habits, msg_path_option
 from rostether.cli.service.services import CallOptions, ServiceListing, services_of
 from rostether.cli.shell.option_group import option_group
@@ -97,7 +97,7 @@ def find(type_name: str, graph: GraphOptions) -> None:
 @click.argument("service", shell_complete=complete_services)
 @click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")
 @option_group("options", CallOptions)
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 @daemon_habits
 def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: GraphOptions) -> None:
     """Call a service and print its response.

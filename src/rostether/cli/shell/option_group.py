@@ -32,6 +32,7 @@ COUNT: Final = click.IntRange(min=1)
 PORT: Final = click.IntRange(1, 65535)
 PATH: Final[click.Path] = click.Path(path_type=Path)
 FILE: Final[click.Path] = click.Path(path_type=Path, dir_okay=False)
+EXISTING_FILE: Final[click.Path] = click.Path(path_type=Path, dir_okay=False, exists=True)
 
 _DECORATOR: Final = "decorator"
 

@@ -45,6 +45,11 @@ class VerbEntry:
     summary: str
 
 
+def verb_entries(package: str, verbs: Mapping[str, tuple[str, str]]) -> dict[str, VerbEntry]:
+    """Return a table of verbs from pairs of a location, relative to a package, and a line in the help."""
+    return {name: VerbEntry(f"{package}.{target}", summary) for name, (target, summary) in verbs.items()}
+
+
 class _Formatter(click.HelpFormatter):
     """Writes help that fits narrow terminals too."""
 

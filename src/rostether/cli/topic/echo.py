@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rostether.cli.access.completions import complete_fields
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.verbs import Verb
@@ -25,7 +25,7 @@ from rostether.cli.topic.topics import EchoOptions, topics_of
 @click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_fields)
 @click.argument("type_name", metavar="[TYPE]", required=False)
 @option_group("options", EchoOptions)
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 @ignored_options("--qos-durability")
 @qos_habits
 def echo(topic: str, type_name: str | None, options: EchoOptions, graph: GraphOptions) -> None:

@@ -7,7 +7,7 @@ import re
 import click
 
 from rostether.cli.access.completions import complete_topic_type, complete_topics
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.verbs import Verb
@@ -53,7 +53,7 @@ class _Pub(Verb):
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_topic_type)
 @click.argument("values", nargs=-1, metavar="[VALUES]...")
 @option_group("options", PubOptions)
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 @qos_habits
 def pub(
     topic: str, type_name: str, values: tuple[str, ...], options: PubOptions, graph: GraphOptions

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from rostether.cli.access.completions import complete_topics
-from rostether.cli.access.graph_options import TOOL_ALLOW, GraphOptions, graph_options
+from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import daemon_habits, msg_path_option, window_option
 from rostether.cli.shell.option_group import COUNT, ignored_options, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line
@@ -64,7 +64,7 @@ class MeterOptions:
 @click.option("--wall-time", is_flag=True, help="Use this machine's clock, even in a simulation.")
 @option_group("options", MeterOptions)
 @ignored_options(tcpnodelay="--tcpnodelay")
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 @daemon_habits
 def hz(
     topics: tuple[str, ...],
@@ -141,7 +141,7 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @window_option(DEFAULT_BANDWIDTH_WINDOW)
 @_count_option
 @json_option
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 @daemon_habits
 def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Measure the bandwidth of a topic and print it every second."""
@@ -173,7 +173,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 @click.argument("topic", shell_complete=complete_topics)
 @option_group("options", MeterOptions)
 @ignored_options(tcpnodelay="--tcpnodelay")
-@graph_options(allow=TOOL_ALLOW)
+@graph_options(allow=True)
 @daemon_habits
 def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""

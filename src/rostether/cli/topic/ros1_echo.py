@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import sys
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import joined, read_environment
-from rostether.cli.shell.output import paint_keys, warn, write_json, write_line
-from rostether.cli.shell.running import run
+from rostether.cli.shell.output import paint_keys, warn, write_line
+from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.cli.topic.topics import EchoOptions
-from rostether.errors import GraphError, SerializationError
+from rostether.errors import GraphError
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -22,20 +21,12 @@ if TYPE_CHECKING:
     from rostether.serde.codec import Codec
     from rostether.serde.field_path import FieldPath
 
-CLEAR_SCREEN = "\033[2J\033[;H"
-
 # As long as rostopic waits: a simulator publishes at once.
 SILENCE_WARNING_S = 2.0
 
 
-def echo(graph: GraphOptions, topic: str, options: EchoOptions) -> None:
+async def echo(graph_options: GraphOptions, topic: str, options: EchoOptions) -> None:
     """Print messages until there are enough. Raises GraphError, ConfigError, UnknownTypeError."""
-    # A wrong filter is reported before anything is subscribed.
-    options.compiled_filter()
-    run(_echo(graph, topic, options))
-
-
-async def _echo(graph_options: GraphOptions, topic: str, options: EchoOptions) -> None:
     environment = read_environment(graph_options)
     name = resolve_with_field(topic, environment)
     async with joined(graph_options, options.msg_paths, purpose="rostopic") as graph:
@@ -54,85 +45,46 @@ async def _echo(graph_options: GraphOptions, topic: str, options: EchoOptions) -
             hint.cancel()
 
 
-class _Printer:
-    """Prints messages in one style and counts them."""
+class _Printer(EchoPrinter):
+    """Prints messages as rostopic does."""
 
     def __init__(self, graph: TypedGraph, topic: str, field: str, options: EchoOptions) -> None:
-        self.received_count = 0
-        self._shown_count = 0
+        super().__init__(topic, options)
         self._graph = graph
-        self._topic = topic
         self._field = field
-        self._options = options
-        self._filter = options.compiled_filter()
         self._codec: Codec | None = None
         self._path: FieldPath | None = None
-        self._problem = ""
-
-    @property
-    def is_done(self) -> bool:
-        """Whether as many messages as wanted have been printed."""
-        return self._options.wanted_count is not None and self._shown_count >= self._options.wanted_count
 
     def show(self, message: Any, codec: Codec) -> None:
         """Print a message that the filter lets through. Raises ConfigError for a field its type lacks."""
-        self.received_count += 1
-        options = self._options
-        if self._filter is not None and not self._filter(message, self._topic):
-            return
         if self._field and codec is not self._codec:
             from rostether.serde.field_path import FieldPath
 
             self._codec, self._path = codec, FieldPath(codec, self._field)
-        try:
-            value = message if self._path is None else self._path.read(message)
-        except SerializationError as error:
-            if str(error) != self._problem:
-                self._problem = str(error)
-                warn(self._problem)
+        self.print_field(message, self._path)
+
+    def write_text(self, value: Any) -> None:
+        """Print a message or a field of it."""
+        style = self._style(self._graph.now() if self.options.offset else None)
+        if self.options.plot:
+            from rostether.serde.csv_print import csv_header, csv_row
+
+            if self.shown_count == 1:
+                write_line(csv_header(value, style))
+            write_line(csv_row(value, self._graph.now(), style))
             return
-        self._shown_count += 1
-        if options.as_json:
-            self._write_json(value)
-        elif options.plot:
-            self._write_row(value)
-        else:
-            self._write_text(value)
-
-    def _write_json(self, value: Any) -> None:
-        from rostether.serde.plain_form import plain_value
-
-        plain = plain_value(value)
-        write_json(plain if isinstance(plain, dict) else {"value": plain})
-
-    def _write_row(self, value: Any) -> None:
-        from rostether.serde.csv_print import csv_header, csv_row
-
-        style = self._style(self._now_if_offset())
-        if self._shown_count == 1:
-            write_line(csv_header(value, style))
-        write_line(csv_row(value, self._graph.now(), style))
-
-    def _write_text(self, value: Any) -> None:
         from rostether.serde.yaml_print import format_message, format_value
 
-        style = self._style(self._now_if_offset())
-        text = (
-            format_message(value, style)
-            if self._path is None
-            else format_value(value, self._path.type, style)
-        )
-        if self._options.clear:
-            sys.stdout.write(CLEAR_SCREEN)
+        if self._path is None:
+            text = format_message(value, style)
+        else:
+            text = format_value(value, self._path.type, style)
         write_line(f"{text}\n---", paint_keys)
-
-    def _now_if_offset(self) -> Time | None:
-        return self._graph.now() if self._options.offset else None
 
     def _style(self, time_offset: Time | None) -> Any:
         from rostether.serde.yaml_print import EchoStyle
 
-        options = self._options
+        options = self.options
         return EchoStyle(
             no_arrays=options.noarr,
             no_strings=options.nostr,

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.ros1_access import in_namespace, master_client, read_environment, resolve
+from rostether.cli.access.options import refuse_ros2_only
+from rostether.cli.access.ros1_access import master_client, read_environment, resolve
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.ros1_chosen_topic import (
@@ -19,40 +20,98 @@ from rostether.cli.topic.ros1_chosen_topic import (
 )
 from rostether.cli.topic.topics import TopicListing
 from rostether.mechanisms.text import escape_line
+from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
 
-def list_topics(graph: GraphOptions, wanted: TopicListing) -> None:
-    """Print the topics."""
-    environment = read_environment(graph)
-    topics = run(fetch_topics(environment))
-    if wanted.namespace is not None and (within := resolve(wanted.namespace, environment)) != "/":
-        topics = [topic for topic in topics if in_namespace(topic.name, within)]
-    if wanted.publishers:
-        topics = [topic for topic in topics if topic.publishers]
-    if wanted.subscribers:
-        topics = [topic for topic in topics if topic.subscribers]
-    if wanted.as_json:
-        for topic in topics:
+class Ros1TopicListing:
+    """What a ROS 1 graph has: the part of `Topics` that receives and sends no messages."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        self._graph = graph
+        self._environment = read_environment(graph)
+
+    def list_topics(self, wanted: TopicListing) -> None:
+        """Print the topics."""
+        environment = self._environment
+        topics = run(fetch_topics(environment))
+        if wanted.namespace is not None and (within := resolve(wanted.namespace, environment)) != "/":
+            topics = [topic for topic in topics if in_namespace(topic.name, within)]
+        if wanted.publishers:
+            topics = [topic for topic in topics if topic.publishers]
+        if wanted.subscribers:
+            topics = [topic for topic in topics if topic.subscribers]
+        if wanted.as_json:
+            for topic in topics:
+                write_json(
+                    {
+                        "topic": topic.name,
+                        "type": topic.known_type,
+                        "publishers": topic.publishers,
+                        "subscribers": topic.subscribers,
+                    }
+                )
+        elif wanted.count_topics:
+            write_line(str(len(topics)))
+        elif wanted.show_types and not wanted.verbose:
+            for topic in topics:
+                write_line(f"{topic.name} [{topic.type}]")
+        elif wanted.by_host:
+            for host, found in run(_by_host(topics, environment)).items():
+                write_line(f"Host [{host}]:")
+                _write_list(found, wanted, "  ")
+        else:
+            _write_list(topics, wanted, "")
+
+    def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
+        """Print a topic's type, and the nodes that publish and subscribe to it. Raises UnknownNameError."""
+        refuse_ros2_only(verbose=verbose)
+        view, uris = run(_fetch_one(topic, self._environment))
+        if as_json:
             write_json(
                 {
-                    "topic": topic.name,
-                    "type": topic.known_type,
-                    "publishers": topic.publishers,
-                    "subscribers": topic.subscribers,
+                    "topic": view.name,
+                    "type": view.known_type,
+                    "publishers": [{"node": node, "uri": uris[node]} for node in view.publishers],
+                    "subscribers": [{"node": node, "uri": uris[node]} for node in view.subscribers],
                 }
             )
-    elif wanted.count_topics:
-        write_line(str(len(topics)))
-    elif wanted.show_types and not wanted.verbose:
-        for topic in topics:
-            write_line(f"{topic.name} [{topic.type}]")
-    elif wanted.by_host:
-        for host, found in run(_by_host(topics, environment)).items():
-            write_line(f"Host [{host}]:")
-            _write_list(found, wanted, "  ")
-    else:
-        _write_list(topics, wanted, "")
+            return
+        write_line(f"Type: {view.type}\n")
+        for title, nodes in (("Publishers", view.publishers), ("Subscribers", view.subscribers)):
+            write_line(f"{title}: " if nodes else f"{title}: None")
+            for node in nodes:
+                write_line(escape_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
+            write_line()
+        # rostopic ends with one line more.
+        write_line()
+
+    def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
+        """Print the type of a topic, or of a field in it. Raises UnknownNameError."""
+        from rostether.msgdef.registry import Registry
+        from rostether.serde.field_path import FieldPath
+        from rostether.serde.store import TypeStore
+
+        name = resolve_with_field(topic, self._environment)
+        store = TypeStore(Registry.from_environment(msg_paths))
+        views = run(fetch_topics(self._environment))
+        chosen = choose_topic(name, views, store)
+        if chosen is None:
+            raise unknown_topic(name, (view.name for view in views))
+        if not chosen.field:
+            write_line(chosen.type)
+        else:
+            field_type = FieldPath(store.codec(chosen.type), chosen.field).type
+            write_line(f"{chosen.type} {chosen.field} {field_type}")
+
+    def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
+        """Print the topics of a type."""
+        for topic in run(fetch_topics(self._environment)):
+            if topic.type == type_name:
+                if as_json:
+                    write_json({"topic": topic.name})
+                else:
+                    write_line(topic.name)
 
 
 def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) -> None:
@@ -92,29 +151,6 @@ async def _by_host(topics: list[TopicView], environment: RosEnvironment) -> dict
     return grouped
 
 
-def info(graph: GraphOptions, topic: str, *, as_json: bool) -> None:
-    """Print a topic's type, and the nodes that publish and subscribe to it. Raises UnknownNameError."""
-    view, uris = run(_fetch_one(topic, read_environment(graph)))
-    if as_json:
-        write_json(
-            {
-                "topic": view.name,
-                "type": view.known_type,
-                "publishers": [{"node": node, "uri": uris[node]} for node in view.publishers],
-                "subscribers": [{"node": node, "uri": uris[node]} for node in view.subscribers],
-            }
-        )
-        return
-    write_line(f"Type: {view.type}\n")
-    for title, nodes in (("Publishers", view.publishers), ("Subscribers", view.subscribers)):
-        write_line(f"{title}: " if nodes else f"{title}: None")
-        for node in nodes:
-            write_line(escape_line(f" * {node} ({uris[node] or f'unknown address {node}'})"))
-        write_line()
-    # rostopic ends with one line more.
-    write_line()
-
-
 async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicView, dict[str, str | None]]:
     name = resolve(topic, environment)
     views = await fetch_topics(environment)
@@ -123,33 +159,3 @@ async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicView
             async with master_client(environment) as client:
                 return view, await node_uris(client, {*view.publishers, *view.subscribers})
     raise unknown_topic(name, (view.name for view in views))
-
-
-def type_of(graph: GraphOptions, topic: str, msg_paths: tuple[Path, ...]) -> None:
-    """Print the type of a topic, or of a field in it. Raises UnknownNameError."""
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.field_path import FieldPath
-    from rostether.serde.store import TypeStore
-
-    environment = read_environment(graph)
-    name = resolve_with_field(topic, environment)
-    store = TypeStore(Registry.from_environment(msg_paths))
-    views = run(fetch_topics(environment))
-    chosen = choose_topic(name, views, store)
-    if chosen is None:
-        raise unknown_topic(name, (view.name for view in views))
-    if not chosen.field:
-        write_line(chosen.type)
-    else:
-        field_type = FieldPath(store.codec(chosen.type), chosen.field).type
-        write_line(f"{chosen.type} {chosen.field} {field_type}")
-
-
-def find(graph: GraphOptions, type_name: str, *, as_json: bool) -> None:
-    """Print the topics of a type."""
-    for topic in run(fetch_topics(read_environment(graph))):
-        if topic.type == type_name:
-            if as_json:
-                write_json({"topic": topic.name})
-            else:
-                write_line(topic.name)

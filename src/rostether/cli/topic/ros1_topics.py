@@ -18,7 +18,8 @@ from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.topic.topics import EchoOptions, PubOptions, TopicListing
+from rostether.cli.topic.ros1_listing import Ros1TopicListing
+from rostether.cli.topic.topics import EchoOptions, PubOptions
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
@@ -41,36 +42,8 @@ LOG_TOPICS = ("/rosout", "/rosout_agg")
 SUBSCRIBER_TIMEOUT_S = 5.0
 
 
-class Ros1Topics:
+class Ros1Topics(Ros1TopicListing):
     """The topics of a ROS 1 graph."""
-
-    def __init__(self, graph: GraphOptions) -> None:
-        self._graph = graph
-
-    def list_topics(self, wanted: TopicListing) -> None:
-        """Print the topics."""
-        from rostether.cli.topic.ros1_listing import list_topics
-
-        list_topics(self._graph, wanted)
-
-    def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
-        """Print a topic's type, and the nodes that publish and subscribe to it."""
-        from rostether.cli.topic.ros1_listing import info
-
-        refuse_ros2_only(verbose=verbose)
-        info(self._graph, topic, as_json=as_json)
-
-    def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
-        """Print the type of a topic, or of a field in it."""
-        from rostether.cli.topic.ros1_listing import type_of
-
-        type_of(self._graph, topic, msg_paths)
-
-    def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
-        """Print the topics of a type."""
-        from rostether.cli.topic.ros1_listing import find
-
-        find(self._graph, type_name, as_json=as_json)
 
     def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as rostopic does."""
@@ -85,7 +58,9 @@ class Ros1Topics:
             flow_style=options.flow_style,
             timeout_s=options.timeout_s,
         )
-        echo(self._graph, topic, options)
+        # A wrong filter is reported before anything is subscribed.
+        options.compiled_filter()
+        run(echo(self._graph, topic, options))
 
     def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as rostopic does."""
@@ -96,7 +71,9 @@ class Ros1Topics:
             print_nth=options.print_nth is not None,
             qos_durability=options.qos_durability,
         )
-        publish(self._graph, topic, type_name, values, options)
+        if options.once and options.rate_hz is not None:
+            raise click.UsageError("give one of -1 and -r, not both")
+        run(_publish(self._graph, topic, type_name, values, options))
 
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
@@ -105,15 +82,6 @@ class Ros1Topics:
         from rostether.cli.topic.meter import ros1_meter
 
         return ros1_meter(self._graph, topics, msg_paths, quiet=quiet)
-
-
-def publish(
-    graph: GraphOptions, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions
-) -> None:
-    """Publish. Raises UnknownTypeError, SerializationError naming the field, GraphError, ConfigError."""
-    if options.once and options.rate_hz is not None:
-        raise click.UsageError("give one of -1 and -r, not both")
-    run(_publish(graph, topic, type_name, values, options))
 
 
 async def _publish(

@@ -6,13 +6,13 @@ import asyncio
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.ros2_view import GraphView
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import GraphView
 from rostether.ros2.types.native_registry import short_name
 
 if TYPE_CHECKING:

@@ -4,44 +4,94 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
-from rostether.cli.access.ros2_view import TOPIC_KINDS, GraphView
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.topic.topics import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
+from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
 from rostether.ros2.types.native_registry import short_name
 
 
-def list_topics(graph: GraphOptions, wanted: TopicListing) -> None:
-    """Print the topics."""
-    view = asked(graph, lambda tool: tool.settled_snapshot())
-    kinds: tuple[EndpointKind, ...] = TOPIC_KINDS
-    if wanted.publishers or wanted.subscribers:
-        kinds = (EndpointKind.PUBLISHER,) if wanted.publishers else (EndpointKind.SUBSCRIPTION,)
-    names = view.names(kinds, with_hidden=wanted.with_hidden)
-    if wanted.namespace is not None:
-        prefix = "/" + wanted.namespace.strip("/")
-        names = [name for name in names if prefix == "/" or name == prefix or name.startswith(f"{prefix}/")]
-    if wanted.as_json:
-        for name in names:
-            write_json(_record(view, name))
-    elif wanted.count_topics:
-        write_line(str(len(names)))
-    elif wanted.verbose:
-        if not wanted.subscribers:
-            _write_counts(view, names, EndpointKind.PUBLISHER, "Published topics:", "publisher")
-        if not wanted.publishers:
-            _write_counts(view, names, EndpointKind.SUBSCRIPTION, "Subscribed topics:", "subscriber")
-    else:
-        for name in names:
-            shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if wanted.show_types else ""
-            write_line(escape_line(name + shown))
+class Ros2TopicListing:
+    """What a ROS 2 graph has: the part of `Topics` that receives and sends no messages."""
+
+    def __init__(self, graph: GraphOptions) -> None:
+        refuse_ros1_only(master=graph.master)
+        self._graph = graph
+
+    def list_topics(self, wanted: TopicListing) -> None:
+        """Print the topics."""
+        refuse_ros1_only(by_host=wanted.by_host)
+        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        kinds: tuple[EndpointKind, ...] = TOPIC_KINDS
+        if wanted.publishers or wanted.subscribers:
+            kinds = (EndpointKind.PUBLISHER,) if wanted.publishers else (EndpointKind.SUBSCRIPTION,)
+        names = view.names(kinds, with_hidden=wanted.with_hidden)
+        if wanted.namespace is not None:
+            prefix = "/" + wanted.namespace.strip("/")
+            names = [
+                name for name in names if prefix == "/" or name == prefix or name.startswith(f"{prefix}/")
+            ]
+        if wanted.as_json:
+            for name in names:
+                write_json(_record(view, name))
+        elif wanted.count_topics:
+            write_line(str(len(names)))
+        elif wanted.verbose:
+            if not wanted.subscribers:
+                _write_counts(view, names, EndpointKind.PUBLISHER, "Published topics:", "publisher")
+            if not wanted.publishers:
+                _write_counts(view, names, EndpointKind.SUBSCRIPTION, "Subscribed topics:", "subscriber")
+        else:
+            for name in names:
+                shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if wanted.show_types else ""
+                write_line(escape_line(name + shown))
+
+    def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
+        """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
+        name, view = _view_of(self._graph, topic)
+        types = view.types(TOPIC_KINDS, name)
+        publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
+        if as_json:
+            write_json(
+                {
+                    **_record(view, name),
+                    "publishers": [end_record(end) for end in publishers],
+                    "subscribers": [end_record(end) for end in subscribers],
+                }
+            )
+            return
+        gap = "\n" if verbose else ""
+        write_line(f"Type: {types[0] if len(types) == 1 else types}{gap}")
+        for title, ends in (("Publisher", publishers), ("Subscription", subscribers)):
+            write_line(f"{title} count: {len(ends)}{gap}")
+            if verbose:
+                for end in ends:
+                    write_line(f"{format_end(end)}\n")
+
+    def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
+        """Print the type of a topic, or each of them."""
+        name, view = _view_of(self._graph, topic)
+        for each in view.types(TOPIC_KINDS, name):
+            write_line(escape_line(each))
+
+    def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
+        """Print the topics of a type."""
+        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        for name in view.topics(with_hidden=with_hidden):
+            if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
+                if as_json:
+                    write_json({"topic": name})
+                else:
+                    write_line(escape_line(name))
 
 
 def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: str, what: str) -> None:
@@ -86,29 +136,6 @@ def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
     return UnknownNameError(f"Unknown topic '{name}': it has no publisher and no subscriber; {hint}")
 
 
-def info(graph: GraphOptions, topic: str, *, verbose: bool, as_json: bool) -> None:
-    """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
-    name, view = _view_of(graph, topic)
-    types = view.types(TOPIC_KINDS, name)
-    publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
-    if as_json:
-        write_json(
-            {
-                **_record(view, name),
-                "publishers": [end_record(end) for end in publishers],
-                "subscribers": [end_record(end) for end in subscribers],
-            }
-        )
-        return
-    gap = "\n" if verbose else ""
-    write_line(f"Type: {types[0] if len(types) == 1 else types}{gap}")
-    for title, ends in (("Publisher", publishers), ("Subscription", subscribers)):
-        write_line(f"{title} count: {len(ends)}{gap}")
-        if verbose:
-            for end in ends:
-                write_line(f"{format_end(end)}\n")
-
-
 def format_end(end: EndpointInfo) -> str:
     """Return one end as `ros2 topic info -v` prints it."""
     node = end.node_name.rpartition("/")[2]
@@ -145,21 +172,3 @@ def end_record(end: EndpointInfo) -> dict[str, Any]:
         "gid": end.gid.hex() or None,
         "qos": asdict(end.qos) if end.qos is not None else None,
     }
-
-
-def type_of(graph: GraphOptions, topic: str) -> None:
-    """Print the type of a topic, or each of them."""
-    name, view = _view_of(graph, topic)
-    for each in view.types(TOPIC_KINDS, name):
-        write_line(escape_line(each))
-
-
-def find(graph: GraphOptions, type_name: str, *, as_json: bool, with_hidden: bool = False) -> None:
-    """Print the topics of a type."""
-    view = asked(graph, lambda tool: tool.settled_snapshot())
-    for name in view.topics(with_hidden=with_hidden):
-        if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
-            if as_json:
-                write_json({"topic": name})
-            else:
-                write_line(escape_line(name))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 import time
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
@@ -15,15 +14,17 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import tool_node
 from rostether.cli.shell.input import read_text
-from rostether.cli.shell.output import paint_keys, warn, write_json, write_line
+from rostether.cli.shell.output import paint_keys, write_line
 from rostether.cli.shell.running import run
+from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros2_chosen_topic import ChosenTopic, choose_topic
-from rostether.cli.topic.ros2_message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
-from rostether.cli.topic.ros2_typed_values import ValueForm
-from rostether.cli.topic.topics import EchoOptions, PubOptions, TopicListing
-from rostether.errors import GraphError, SerializationError
+from rostether.cli.topic.ros2_listing import Ros2TopicListing
+from rostether.cli.topic.topics import EchoOptions, PubOptions
+from rostether.errors import GraphError
+from rostether.ros2.types.message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
+from rostether.ros2.types.value_form import ValueForm
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
@@ -40,50 +41,22 @@ KEEP_ALIVE_S = 0.1
 ACKNOWLEDGE_S = 10.0
 
 
-CLEAR_SCREEN = "\033[2J\033[;H"
-
-
-class Ros2Topics:
+class Ros2Topics(Ros2TopicListing):
     """The topics of a ROS 2 graph."""
-
-    def __init__(self, graph: GraphOptions) -> None:
-        refuse_ros1_only(master=graph.master)
-        self._graph = graph
-
-    def list_topics(self, wanted: TopicListing) -> None:
-        """Print the topics."""
-        from rostether.cli.topic.ros2_listing import list_topics
-
-        refuse_ros1_only(by_host=wanted.by_host)
-        list_topics(self._graph, wanted)
-
-    def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
-        """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
-        from rostether.cli.topic.ros2_listing import info
-
-        info(self._graph, topic, verbose=verbose, as_json=as_json)
-
-    def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
-        """Print the type of a topic."""
-        from rostether.cli.topic.ros2_listing import type_of
-
-        type_of(self._graph, topic)
-
-    def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
-        """Print the topics of a type."""
-        from rostether.cli.topic.ros2_listing import find
-
-        find(self._graph, type_name, as_json=as_json, with_hidden=with_hidden)
 
     def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as `ros2 topic echo` does."""
         refuse_ros1_only(plot=options.plot, number_width=options.number_width, offset=options.offset)
-        echo(self._graph, topic, type_name, options)
+        # A wrong filter is reported before anything is subscribed.
+        options.compiled_filter()
+        run(_echo(self._graph, topic, type_name, options))
 
     def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as `ros2 topic pub` does."""
         refuse_ros1_only(substitute_keywords=options.substitute_keywords, use_rostime=options.use_rostime)
-        publish(self._graph, topic, type_name, values, options)
+        if options.once and options.times:
+            raise click.UsageError("give one of -1 and -t, not both")
+        run(_publish(self._graph, topic, type_name, values, options))
 
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
@@ -92,15 +65,6 @@ class Ros2Topics:
         from rostether.cli.topic.meter import ros2_meter
 
         return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
-
-
-def publish(
-    graph: GraphOptions, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions
-) -> None:
-    """Publish. Raises UnknownTypeError, SerializationError naming the field, GraphError."""
-    if options.once and options.times:
-        raise click.UsageError("give one of -1 and -t, not both")
-    run(_publish(graph, topic, type_name, values, options))
 
 
 async def _publish(
@@ -167,13 +131,6 @@ async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, opti
         await asyncio.sleep(MATCH_POLL_S)
 
 
-def echo(graph: GraphOptions, topic: str, type_name: str | None, options: EchoOptions) -> None:
-    """Print messages until there are enough. Raises GraphError, ConfigError, UnknownTypeError."""
-    # A wrong filter is reported before anything is subscribed.
-    options.compiled_filter()
-    run(_echo(graph, topic, type_name, options))
-
-
 async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options: EchoOptions) -> None:
     async with tool_node(graph, options.msg_paths) as tool:
         try:
@@ -200,55 +157,31 @@ def _style(options: EchoOptions) -> TextStyle:
     )
 
 
-class _Printer:
-    """Prints messages in one style and counts them."""
+class _Printer(EchoPrinter):
+    """Prints messages as `ros2 topic echo` does."""
 
     def __init__(self, tool: ToolNode, chosen: ChosenTopic, options: EchoOptions) -> None:
-        self._shown_count = 0
-        self._options = options
-        self._filter = options.compiled_filter()
+        super().__init__(chosen.topic, options)
         self._chosen = chosen
         self._text = MessageText(tool.registry.ros2_message, _style(options))
-        self._definition = tool.registry.ros2_message(chosen.type)
         self._lookup = tool.registry.ros2_message
-        self._problem = ""
-
-    @property
-    def is_done(self) -> bool:
-        """Whether as many messages as wanted have been printed."""
-        return self._options.wanted_count is not None and self._shown_count >= self._options.wanted_count
 
     def show(self, message: Any) -> None:
         """Print a message that the filter lets through."""
-        options, field = self._options, self._chosen.field
-        if self._filter is not None and not self._filter(message, self._chosen.topic):
-            return
-        try:
-            value = message if field is None else field.path.read(message)
-        except SerializationError as error:
-            if str(error) != self._problem:
-                self._problem = str(error)
-                warn(self._problem)
-            return
-        self._shown_count += 1
-        if options.clear:
-            sys.stdout.write(CLEAR_SCREEN)
-        self._write(value)
+        field = self._chosen.field
+        self.print_field(message, None if field is None else field.path)
 
-    def _write(self, value: Any) -> None:
-        from rostether.serde.plain_form import plain_value
+    def write_text(self, value: Any) -> None:
+        """Print a message or a field of it."""
         from rostether.serde.values import Message
 
-        if self._options.as_json:
-            plain = plain_value(value)
-            write_json(plain if isinstance(plain, dict) else {"value": plain})
-        elif not isinstance(value, Message):
-            assert self._chosen.field is not None
-            write_line(f"{self._text.python_value(value, self._chosen.field.type)}\n---", paint_keys)
+        field = self._chosen.field
+        if not isinstance(value, Message):
+            assert field is not None
+            write_line(f"{self._text.python_value(value, field.type)}\n---", paint_keys)
+            return
+        definition = self._lookup(self._chosen.type if field is None else field.type.base)
+        if self.options.csv:
+            write_line(self._text.csv(value, definition))
         else:
-            field = self._chosen.field
-            definition = self._definition if field is None else self._lookup(field.type.base)
-            if self._options.csv:
-                write_line(self._text.csv(value, definition))
-            else:
-                write_line(f"{self._text.yaml(value, definition)}---", paint_keys)
+            write_line(f"{self._text.yaml(value, definition)}---", paint_keys)

@@ -10,15 +10,13 @@ from collections.abc import Mapping
 import click
 
 from rostether.cli.bridge.serial_node import HostRole, run_host
-from rostether.cli.role.node import NODE_SETTINGS, node_arguments
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.role.node import RoleVerb, node_arguments
 from rostether.errors import ConfigError
 
 
 @click.command(
     "xbee-network",
-    cls=Verb,
-    context_settings=NODE_SETTINGS,
+    cls=RoleVerb,
     examples="""
     rostether role xbee-network /dev/ttyUSB0 1 2 3
     rostether role xbee-network /dev/ttyUSB0 1 __name:=greenhouse

@@ -89,7 +89,7 @@ class SimulationOptions:
     rostether xbee simulate --fresh ./radio
     """,
 )
-@click.argument("sketch", type=click.Path(path_type=Path), required=False)
+@click.argument("sketch", type=PATH, required=False)
 @option_group("options", SimulationOptions)
 @msg_path_option
 def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:

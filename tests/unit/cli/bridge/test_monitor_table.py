@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from rostether.cli.board.status import BoardStatus, EndpointStatus, read_statuses
+from rostether.bridge.health.board_status import BoardStatus, EndpointStatus, read_statuses
 from rostether.cli.bridge.monitor_table import amount, duration, table
 
 ARM = BoardStatus(

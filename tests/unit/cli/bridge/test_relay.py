@@ -14,7 +14,7 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.access.ros2_access import Ros2Access
 from rostether.cli.bridge import relay as relay_command
-from rostether.cli.bridge.relay import finding_types, read_choice, relay_between
+from rostether.cli.bridge.relay import RelayOptions, finding_types, relay_between
 from rostether.errors import UnknownTypeError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
@@ -30,7 +30,9 @@ from waiting import until
 
 
 def test_what_is_typed() -> None:
-    choice = read_choice(["/chatter", "odom"], ["/sensors/*"], ["*"], ["/enable", "/plan=nav_msgs/GetPlan"])
+    choice = RelayOptions(
+        ("/chatter", "odom"), ("/sensors/*",), ("*",), ("/enable", "/plan=nav_msgs/GetPlan")
+    ).choice()
     assert choice.topics == (
         Topics("/chatter"),
         Topics("/odom"),
@@ -92,7 +94,7 @@ async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
     # ROS 1 does not tell a service's type: its server is asked.
     await one.advertise_service("/switch", SET_BOOL, agreeing)
     await two.advertise_service("/enable", SET_BOOL, agreeing)
-    choice = read_choice(["/chatter"], [], [], ["/switch", "/enable"])
+    choice = RelayOptions(("/chatter",), services=("/switch", "/enable")).choice()
     running = asyncio.ensure_future(
         relay_between(
             environment,

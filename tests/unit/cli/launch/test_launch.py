@@ -17,7 +17,7 @@ import yaml
 
 from interop.ros1_peers import free_port
 from programs import running
-from rostether.cli.launch.sources import complete_launch
+from rostether.cli.launch.launch import complete_launch
 from rostether.cli.main import main
 from unit.cli.command_shell import LiveGraph
 

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from rostether.cli.plot.curves import MAX_CURVES, MAX_POINTS, Curves, expand, numbers
-from rostether.cli.plot.view import as_colored, as_plain, plot_lines
 from rostether.pictures.axis import Axis
 from rostether.pictures.plot import Curve
+from rostether.pictures.terminal_plot import as_colored, as_plain, plot_lines
 from rostether.rostime import Duration, Time
 from unit.cli.command_shell import STORE, LiveGraph, Shell
 from unit.cli.talking import publish

@@ -104,7 +104,7 @@ def test_a_signal_in_this_process(graph: LiveGraph, monkeypatch: pytest.MonkeyPa
         os.kill(os.getpid(), signal.SIGINT)
         await asyncio.sleep(20)
 
-    monkeypatch.setattr("rostether.cli.topic.ros1_echo._echo", lambda *_: interrupt())
+    monkeypatch.setattr("rostether.cli.topic.ros1_echo.echo", lambda *_: interrupt())
     assert main(ECHO) == 130
 
 

@@ -1,4 +1,4 @@
-"""The requests of the node commands to the master and to nodes."""
+"""The requests of tools about nodes, to the master and to the nodes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from rostether.cli.access.ros1_access import OUR_NAME
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
+
+# The caller id of tools that start no node, and the meaning of `~` in their names.
+TOOL_NAME = "/rostether"
 
 # rosnode's own: a node answers within milliseconds, over a bad radio link within a second or two.
 NODE_TIMEOUT_S = 3.0
@@ -97,7 +99,7 @@ async def node_client(name: str, uri: str) -> AsyncIterator[XmlRpcClient]:
 
 async def ask(client: XmlRpcClient, method: str, *arguments: object) -> Any:
     """Return a node's answer to one call. Raises GraphError."""
-    code, text, value = await client.call_status(method, OUR_NAME, *arguments)
+    code, text, value = await client.call_status(method, TOOL_NAME, *arguments)
     if code != 1:
         raise GraphError(f"{client.peer} refused {method}: {text}")
     return value

@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from rostether.cli.topic.ros2_message_text import MessageText, TextStyle
-from rostether.cli.topic.ros2_typed_values import ValueForm
 from rostether.errors import SerializationError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
+from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import NativeRegistry
+from rostether.ros2.types.value_form import ValueForm
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message

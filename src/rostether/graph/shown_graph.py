@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.ros1_access import in_namespace
 from rostether.errors import UnknownNameError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
+from rostether.names.graph_name import in_namespace
 
 if TYPE_CHECKING:
     from rostether.pictures.digraph import Digraph

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from rostether.cli.plot.session import UNITS, unit_of
 from rostether.msgdef.registry import Registry
+from rostether.serde.field_units import UNITS, unit_of
 from rostether.serde.store import TypeStore
 
-REPOSITORY = Path(__file__).parents[4]
+REPOSITORY = Path(__file__).parents[3]
 
 
 @pytest.mark.parametrize(

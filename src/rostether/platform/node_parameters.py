@@ -5,15 +5,11 @@ from __future__ import annotations
 import os
 import re
 import socket
-from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 
-from rostether.cli.role.node import node_arguments, run_role
-from rostether.cli.shell.output import warn, write_line
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level, ParamValue
+from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
-from rostether.names.remap import Arguments
 from rostether.platform.sensors.registered_sensor import SensorDescription, platform_word
 
 MAX_RATE_HZ = 1000.0
@@ -66,16 +62,6 @@ class Parameters:
         return tuple(stripped for each in texts if (stripped := each.strip()))
 
 
-def reporter(graph: TypedGraph) -> Callable[[Level, str], None]:
-    """Return a function that prints a line and logs it on the graph."""
-
-    def report(level: Level, text: str) -> None:
-        graph.log(level, text)
-        (warn if level > Level.INFO else write_line)(text)
-
-    return report
-
-
 @dataclass(frozen=True, slots=True)
 class SensorKind:
     """A node's default sensor, before its parameters are read."""
@@ -90,18 +76,6 @@ class SensorKind:
 def default_platform() -> str:
     """Return the robot's name: PLATFORM_NAME, else this machine's."""
     return os.environ.get("PLATFORM_NAME") or socket.gethostname()
-
-
-def run_sensor(
-    word: str,
-    words: Sequence[str],
-    main: Callable[[TypedGraph, Arguments], Awaitable[None]],
-    ros2: str | None,
-) -> None:
-    """Run a sensor's node; its name contains the robot's, so that robots share a graph."""
-    given = node_arguments(words).private_params
-    platform = str(given.get("platform_name") or default_platform())
-    run_role(f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}", words, main, ros2)
 
 
 async def read_description(parameters: Parameters, kind: SensorKind) -> SensorDescription:

@@ -6,13 +6,14 @@ import asyncio
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.ros1_access import OUR_NAME
 from rostether.errors import (
     RostetherError,
     ServiceUnavailableError,
     UnknownNameError,
 )
+from rostether.mechanisms.text import did_you_mean
 from rostether.ros1.environment import parse_rpc_uri
+from rostether.ros1.node.node_calls import TOOL_NAME
 from rostether.ros1.tcpros_connection import connect
 from rostether.tcpros.handshake import probe_fields
 
@@ -38,10 +39,7 @@ async def provider(client: MasterClient, service: str) -> str:
 
 def unknown_service(service: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for a service that no node offers."""
-    from difflib import get_close_matches
-
-    near = get_close_matches(service, list(known), n=1)
-    hint = f"did you mean {near[0]}?" if near else "`rostether service list` shows all services"
+    hint = did_you_mean(service, known) or "`rostether service list` shows all services"
     return UnknownNameError(f"no node offers the service {service}; {hint}")
 
 
@@ -61,7 +59,7 @@ async def probe_uri(service: str, uri: str) -> str:
 
     try:
         address = parse_rpc_uri(uri, scheme="rosrpc")
-        await connect(address.host, address.port, probe_fields(service, caller_id=OUR_NAME), accept)
+        await connect(address.host, address.port, probe_fields(service, caller_id=TOOL_NAME), accept)
     except RostetherError as error:
         raise ServiceUnavailableError(
             f"service {service} is registered at {uri} but does not answer ({error}); "

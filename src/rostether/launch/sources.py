@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import click
-
-from rostether.cli.shell.completion import is_plain
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import did_you_mean
 from rostether.names.remap import ASSIGNMENT
-from rostether.packages.locate import package_folders
 from rostether.packages.search_path import walk
 
 STDIN = "-"
@@ -86,17 +82,6 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
     return found[0] if found else None
 
 
-def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return packages with launch files; after a package, its launch files."""
-    packages = package_folders(os.environ, Path.cwd())
-    words = ctx.params.get("words") or ()
-    if words and words[0] in packages:
-        names = launch_files(packages[words[0]])
-    else:
-        names = sorted(name for name, folder in packages.items() if launch_files(folder))
-    return [name for name in names if name.startswith(incomplete) and is_plain(name)]
-
-
 def launch_files(folder: Path) -> list[str]:
     """Return the names of the launch files in a package."""
     return sorted(
@@ -108,18 +93,14 @@ def launch_files(folder: Path) -> list[str]:
 
 
 def _explain_missing(words: list[str], missing: str, packages: Mapping[str, Path]) -> str:
-    from difflib import get_close_matches
-
     if len(words) < 2 or missing != words[0]:
         return f"there is no launch file {missing}"
     package, name = words[0], words[1]
     if package not in packages:
-        near = get_close_matches(package, packages, n=1)
-        hint = f"did you mean {near[0]}?" if near else "`rostether pkg list` shows the packages found"
+        hint = did_you_mean(package, packages) or "`rostether pkg list` shows the packages found"
         return f"there is no package and no launch file {package}; {hint}"
     there = launch_files(packages[package])
-    near = get_close_matches(name, there, n=1)
-    if near:
-        return f"package {package} has no launch file {name}; did you mean {near[0]}?"
+    if hint := did_you_mean(name, there):
+        return f"package {package} has no launch file {name}; {hint}"
     listed = ", ".join(there[:_MAX_LISTED]) + (", ..." if len(there) > _MAX_LISTED else "")
     return f"package {package} has no launch file {name}; it has {listed or 'none'}"

@@ -8,7 +8,7 @@ from contextlib import aclosing
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rostether.cli.board.status import BoardStatus, read_statuses
+from rostether.bridge.health.board_status import BoardStatus, read_statuses
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rostether.cli.bridge.reported_boards import FORGET_S, MAX_BOARDS, STALE_S, BoardsSeen
+from rostether.bridge.health.reported_boards import FORGET_S, MAX_BOARDS, STALE_S, BoardsSeen
 from unit.cli.bridge.test_monitor_table import ARM
 
 

@@ -1,0 +1,57 @@
+"""A simulated board in the terminal: its commands on standard input, its events on standard output."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.cli.shell.input import input_lines
+from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.errors import BoardError, ConfigError
+
+if TYPE_CHECKING:
+    from rostether.simulation.simavr.board_events import BoardEvent
+
+
+@asynccontextmanager
+async def obeying(obey: Callable[[str], Awaitable[None]]) -> AsyncIterator[None]:
+    """Handle the lines of standard input during the block; a line that `obey` refuses is reported."""
+
+    async def listen() -> None:
+        async for line in input_lines():
+            if line.strip():
+                try:
+                    await obey(line)
+                except (BoardError, ConfigError) as error:
+                    warn(f"rostether: error: {error}")
+
+    listening = asyncio.create_task(listen())
+    try:
+        yield
+    finally:
+        listening.cancel()
+        await asyncio.gather(listening, return_exceptions=True)
+
+
+def show_start(
+    title: str, kind: str, program: Path, address: str, link_path: Path | None, note: str = ""
+) -> None:
+    """Print what runs where; `title` is empty for `--json`, which gets an event with the board's kind."""
+    if not title:
+        write_json({"event": "ready", "board": kind, "link": address})
+        return
+    linked = f", linked at {link_path}" if link_path else ""
+    write_line(f"{title} runs {program}; serial port {address}{linked}{note}")
+
+
+def show_event(event: BoardEvent, *, as_json: bool) -> None:
+    """Print an event of a board."""
+    from rostether.simulation.simavr import board_events
+
+    if as_json:
+        write_json({"event": event.name, "time_s": event.time_s, **event.values})
+    else:
+        write_line(board_events.show_event(event))

@@ -1,0 +1,60 @@
+"""The common part of `topic echo` on ROS 1 and ROS 2: which messages are shown, how many, and which field."""
+
+from __future__ import annotations
+
+import sys
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+from rostether.cli.shell.output import warn, write_json
+from rostether.cli.topic.topics import EchoOptions
+from rostether.errors import SerializationError
+
+if TYPE_CHECKING:
+    from rostether.serde.field_path import FieldPath
+
+CLEAR_SCREEN = "\033[2J\033[;H"
+
+
+class EchoPrinter(ABC):
+    """Prints messages in one style and counts them; `received_count` includes those the filter leaves out."""
+
+    def __init__(self, topic: str, options: EchoOptions) -> None:
+        self.options = options
+        self.received_count = 0
+        self.shown_count = 0
+        self._topic = topic
+        self._filter = options.compiled_filter()
+        self._problem = ""
+
+    @property
+    def is_done(self) -> bool:
+        """Whether as many messages as wanted have been printed."""
+        return self.options.wanted_count is not None and self.shown_count >= self.options.wanted_count
+
+    def print_field(self, message: Any, path: FieldPath | None) -> None:
+        """Print a field of a message, or with None all of it, if the filter lets it through."""
+        self.received_count += 1
+        if self._filter is not None and not self._filter(message, self._topic):
+            return
+        try:
+            value = message if path is None else path.read(message)
+        except SerializationError as error:
+            if str(error) != self._problem:
+                self._problem = str(error)
+                warn(self._problem)
+            return
+        self.shown_count += 1
+        if self.options.clear:
+            sys.stdout.write(CLEAR_SCREEN)
+        if self.options.as_json:
+            from rostether.serde.plain_form import plain_value
+
+            plain = plain_value(value)
+            write_json(plain if isinstance(plain, dict) else {"value": plain})
+        else:
+            self.write_text(value)
+
+    @abstractmethod
+    def write_text(self, value: Any) -> None:
+        """Print a message or a field of it."""
