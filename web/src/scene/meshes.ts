@@ -3,6 +3,7 @@ import { type Material, Mesh, MeshLambertMaterial, type Object3D } from "three";
 import { ColladaLoader } from "three/examples/jsm/loaders/ColladaLoader.js";
 import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
+import { checkCollada, checkStl } from "./mesh_limits.ts";
 
 type FetchAsset = (uri: string) => Promise<Uint8Array>;
 
@@ -27,6 +28,7 @@ export async function loadMesh(uri: string, fetchAsset: FetchAsset, material?: M
 function parse(kind: string, uri: string, bytes: Uint8Array): Object3D {
   try {
     if (kind === "stl") {
+      checkStl(bytes);
       const geometry = new STLLoader().parse(ownBuffer(bytes));
       // Many files have zeros for normals.
       geometry.computeVertexNormals();
@@ -34,6 +36,7 @@ function parse(kind: string, uri: string, bytes: Uint8Array): Object3D {
     }
     const text = new TextDecoder().decode(bytes);
     if (kind === "dae") {
+      checkCollada(text);
       const scene = new ColladaLoader().parse(text, "")?.scene;
       if (scene === undefined) throw new Error("it has no scene");
       // Collada files of robots have z up as ROS; the loader turns them to three's y up.

@@ -1,0 +1,58 @@
+// Refuses mesh files that a loader would expand to more than a browser has memory for.
+
+/** A header and the number of triangles; then 50 bytes for each. */
+const STL_HEAD_BYTES = 84;
+const STL_TRIANGLE_BYTES = 50;
+
+/** A thousand times the parts of a robot's link. */
+const MAX_NODES = 100_000;
+const MAX_DEPTH = 100;
+const NODES = /<(\/?)node\b([^>]*)>|<instance_node\b[^>]*?\burl\s*=\s*["']#([^"']*)["']/g;
+const ID = /\bid\s*=\s*["']([^"']*)["']/;
+
+interface Content {
+  own: number;
+  instances: string[];
+}
+
+/** Throw an Error if a binary STL file promises more triangles than it has: a loader makes room for all. */
+export function checkStl(bytes: Uint8Array): void {
+  if (new TextDecoder().decode(bytes.subarray(0, 200)).trimStart().startsWith("solid")) return;
+  const room = Math.floor((bytes.length - STL_HEAD_BYTES) / STL_TRIANGLE_BYTES);
+  if (room < 0) throw new Error("it has no triangles");
+  const count = new DataView(bytes.buffer, bytes.byteOffset).getUint32(STL_HEAD_BYTES - 4, true);
+  if (count > room) throw new Error(`it ends after ${room} of ${count} triangles`);
+}
+
+/** Throw an Error if the nodes of a Collada file, which may each contain others twice, are too many. */
+export function checkCollada(text: string): void {
+  const file: Content = { own: 0, instances: [] };
+  const inside = new Map<string, Content>();
+  const open = [file];
+  for (const [tag, end, attributes, url] of text.matchAll(NODES)) {
+    if (url !== undefined) for (const each of open) each.instances.push(url);
+    else if (end) open.pop();
+    else {
+      const node: Content = { own: 1, instances: [] };
+      for (const each of open) each.own++;
+      const id = ID.exec(attributes ?? "")?.[1];
+      if (id !== undefined) inside.set(id, node);
+      if (!tag.endsWith("/>")) open.push(node);
+    }
+    if (open.length > MAX_DEPTH) throw new Error(`its nodes have more than ${MAX_DEPTH} levels`);
+    if (file.own + file.instances.length > MAX_NODES) throw new Error(`it has more than ${MAX_NODES} nodes`);
+  }
+  const sizes = new Map<Content, number>();
+  const sizeOf = (content: Content | undefined): number => {
+    if (content === undefined) return 0;
+    const known = sizes.get(content);
+    if (known !== undefined) return known;
+    // A node that contains itself has no end.
+    sizes.set(content, Number.POSITIVE_INFINITY);
+    const size = content.instances.reduce((sum, each) => sum + sizeOf(inside.get(each)), content.own);
+    if (size > MAX_NODES) throw new Error(`it has more than ${MAX_NODES} nodes`);
+    sizes.set(content, size);
+    return size;
+  };
+  sizeOf(file);
+}
