@@ -81,10 +81,10 @@ test("what nobody publishes can be controlled", () => {
     ]),
     publishers: new Map([
       ["/busy", ["/driver"]],
-      ["/mine", ["/gateway"]],
+      ["/mine", ["/gateway", "/web_teleop"]],
     ]),
     services: new Map(),
-    ownNode: "/gateway",
+    ownNodes: ["/gateway", "/web_teleop"],
   };
   assert.deepEqual(controllableTopics(graph), ["/led", "/mine"]);
 });

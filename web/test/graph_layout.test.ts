@@ -20,6 +20,19 @@ test("five hundred topics of one node are one box", () => {
   assert.equal(drawing?.edges.length, 4);
 });
 
+test("a hundred topics of one node are one box each namespace", () => {
+  const names = Array.from({ length: 100 }, (_, i) => `/${i % 2 ? "left" : "right"}/t${i}`);
+  const publishers = new Map([...names, "/count", "/led"].map((name) => [name, ["/a"]]));
+  const drawing = layout({ publishers, subscribers: new Map() }, "", false);
+  assert.deepEqual(drawing?.boxes.map((each) => each.label).sort(), [
+    "/a",
+    "/count",
+    "/led",
+    "/left/t… (50 topics)",
+    "/right/t… (50 topics)",
+  ]);
+});
+
 test("what the page itself receives is drawn with the plumbing only", () => {
   const graph = {
     publishers: new Map([["/t", ["/a"]]]),

@@ -13,7 +13,7 @@ function graph(topics: Topic[], publishers: [string, string[]][], subscribers: [
     publishers: new Map(publishers),
     subscribers: new Map(subscribers),
     services: new Map(),
-    ownNode: "/page",
+    ownNodes: ["/page"],
   };
 }
 

@@ -4,16 +4,17 @@ import type { Graph } from "./panel.ts";
 
 /** Reading it in a computed signal follows its changes. */
 export function graphOf(robot: Robot): Graph {
+  const { node = "", teleop_node: teleopNode = "" } = robot.info.value?.metadata ?? {};
   return {
     topics: robot.topics.value,
     publishers: robot.publishers.value,
     subscribers: robot.subscribers.value,
     services: robot.services.value,
-    ownNode: robot.info.value?.metadata?.node,
+    ownNodes: [node, teleopNode],
   };
 }
 
-/** Whether a node subscribes to a topic; the gateway's node does so only to show it. */
-export function hasSubscriber({ subscribers, ownNode }: Graph, topic: string): boolean {
-  return subscribers.get(topic)?.some((node) => node !== ownNode) ?? false;
+/** Whether a node subscribes to a topic; the gateway's nodes do so only to show it. */
+export function hasSubscriber({ subscribers, ownNodes }: Graph, topic: string): boolean {
+  return subscribers.get(topic)?.some((node) => !ownNodes.includes(node)) ?? false;
 }

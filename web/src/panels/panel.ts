@@ -27,8 +27,8 @@ export interface Graph {
   publishers: ReadonlyMap<string, readonly string[]>;
   subscribers: ReadonlyMap<string, readonly string[]>;
   services: ReadonlyMap<string, { name: string; type: string }>;
-  /** The gateway's node, which publishes and subscribes for pages. */
-  ownNode: string | undefined;
+  /** The gateway's nodes, which publish and subscribe for pages. */
+  ownNodes: readonly string[];
 }
 
 export interface PanelContext {

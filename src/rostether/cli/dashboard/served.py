@@ -9,7 +9,7 @@ import socket
 import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -125,10 +125,13 @@ async def _served_at(
         metadata={"rostether_version": version("rostether"), **_map_metadata(tiles)},
     )
     graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report)
+    teleop = NodeWords().name_for(TELEOP_NODE, port, DEFAULT_PORT)
+    # By its name, pages know which commands are their own.
+    teleop_node = f"{graph.node_name.rpartition('/')[0]}/{teleop}"
+    served = replace(served, metadata={**served.metadata, "teleop_node": teleop_node})
 
     async def join_teleop() -> Graph:
-        name = NodeWords().name_for(TELEOP_NODE, port, DEFAULT_PORT)
-        return await joined_as(on, NodeWords(namespace=settings.node.namespace), name, report)
+        return await joined_as(on, NodeWords(namespace=settings.node.namespace), teleop, report)
 
     try:
         async with gateway_on(

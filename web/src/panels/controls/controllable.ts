@@ -8,8 +8,8 @@ const NOT_FOR_HANDS =
 
 /** Topics that a person can control. */
 export function controllableTopics(graph: Graph): string[] {
-  const { topics, publishers, subscribers, ownNode } = graph;
-  const isFree = (topic: string) => publishers.get(topic)?.every((node) => node === ownNode) ?? true;
+  const { topics, publishers, subscribers, ownNodes } = graph;
+  const isFree = (topic: string) => publishers.get(topic)?.every((node) => ownNodes.includes(node)) ?? true;
   return [...subscribers.keys()]
     .filter(
       (each) => !NOT_FOR_HANDS.test(each) && topics.has(each) && hasSubscriber(graph, each) && isFree(each),

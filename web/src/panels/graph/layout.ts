@@ -33,6 +33,8 @@ export interface GraphInput {
   readonly subscribers: ReadonlyMap<string, readonly string[]>;
 }
 
+/** With more boxes, topics that connect the same nodes are one box each namespace. */
+const MAX_SINGLE_BOXES = 80;
 /** With more boxes, the layout takes over a second, and the picture is unreadable. */
 export const MAX_BOXES = 400;
 const CHARACTER_WIDTH = 7.6;
@@ -70,9 +72,17 @@ export function layout(
   const text = filter.trim().toLowerCase();
   const wanted = pairs.filter(({ node, topic }) => `${node} ${topic}`.toLowerCase().includes(text));
   const drawing = boxesOf(wanted.map((pair) => ({ ...pair, members: [pair.topic] })));
-  if (drawing.nodes.size + drawing.topics.size <= MAX_BOXES) return place(drawing, boxHeight);
-  const merged = boxesOf(mergeTopics(wanted));
-  return merged.nodes.size + merged.topics.size <= MAX_BOXES ? place(merged, boxHeight) : undefined;
+  if (sizeOf(drawing) <= MAX_SINGLE_BOXES) return place(drawing, boxHeight);
+  const byNamespace = boxesOf(
+    mergeTopics(wanted, (topic) => topic.slice(0, topic.indexOf("/", 1) + 1) || topic),
+  );
+  if (sizeOf(byNamespace) <= MAX_BOXES) return place(byNamespace, boxHeight);
+  const merged = boxesOf(mergeTopics(wanted, () => ""));
+  return sizeOf(merged) <= MAX_BOXES ? place(merged, boxHeight) : undefined;
+}
+
+function sizeOf({ nodes, topics }: Boxes): number {
+  return nodes.size + topics.size;
 }
 
 interface Pair {
@@ -97,8 +107,8 @@ function boxesOf(pairs: readonly Connection[]): Boxes {
   };
 }
 
-/** Draws topics with the same publishers and the same subscribers as one. */
-function mergeTopics(pairs: readonly Pair[]): Connection[] {
+/** Draws topics of one family with the same publishers and the same subscribers as one. */
+function mergeTopics(pairs: readonly Pair[], familyOf: (topic: string) => string): Connection[] {
   const ends = new Map<string, string[]>();
   for (const { node, topic, publishes } of pairs) {
     const own = ends.get(topic) ?? [];
@@ -107,16 +117,16 @@ function mergeTopics(pairs: readonly Pair[]): Connection[] {
   }
   const groups = new Map<string, string[]>();
   for (const [topic, own] of ends) {
-    const key = own.sort().join();
+    const key = `${own.sort().join()} ${familyOf(topic)}`;
     groups.set(key, [...(groups.get(key) ?? []), topic]);
   }
   const merged: Connection[] = [];
-  for (const [key, members] of groups) {
+  for (const members of groups.values()) {
     const topic =
       members.length === 1
         ? (members[0] as string)
         : texts.graph.several(`${commonStart(members)}…`, members.length);
-    for (const end of key.split(","))
+    for (const end of ends.get(members[0] as string) ?? [])
       merged.push({ node: end.slice(1), topic, publishes: end.startsWith(">"), members });
   }
   return merged;

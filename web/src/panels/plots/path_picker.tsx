@@ -35,7 +35,13 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
   const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
   const shown = ids.filter((id) => words.every((word) => id.toLowerCase().includes(word)));
   return (
-    <aside class="plots-picker" aria-label={texts.plots.add}>
+    <aside
+      class="plots-picker"
+      aria-label={texts.plots.add}
+      onKeyDown={(event) => {
+        if (event.key === "Escape") onClose();
+      }}
+    >
       <div class="plots-picker-head">
         <SearchField
           value={search.value}
