@@ -14,6 +14,7 @@ from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board
 from rostether.bridge.health.diagnostics import view_board
 from rostether.bridge.health.diagnostics_message import TOPIC, TYPE, StatusWriter
+from rostether.bridge.health.shared_topics import SharedTopics
 from rostether.bridge.reporter import Reporter, reason_of
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, Publisher
@@ -49,6 +50,7 @@ class HealthRound:
         self._publications: WeakKeyDictionary[BoardNode, _Publication] = WeakKeyDictionary()
         self._tasks: list[asyncio.Task[None]] = []
         self._is_broken = False
+        self._shared_topics = SharedTopics(reporter)
 
     def start(self) -> None:
         """Start."""
@@ -82,6 +84,7 @@ class HealthRound:
             for start in starts:
                 await asyncio.sleep(PERIOD_S / len(starts))
                 self._check_boards(boards[start : start + TURN_BOARDS])
+            self._shared_topics.check(boards)
 
     async def _serve_new_subscribers(self) -> None:
         while True:

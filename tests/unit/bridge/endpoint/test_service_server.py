@@ -207,7 +207,7 @@ async def test_a_board_that_is_lost_fails_the_call_at_once(world: World) -> None
 
 
 async def test_after_it_came_back_the_board_is_called_again(world: World) -> None:
-    old, new, switch = FakeLine(), FakeLine(), endpoint(world, timeout_s=0.05)
+    old, new, switch = FakeLine(), FakeLine(), endpoint(world, timeout_s=1.0)
     switch.attach(old, switch.info)
     with pytest.raises(ServiceTimeoutError):
         await switch.call(YES)
