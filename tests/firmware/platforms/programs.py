@@ -17,6 +17,7 @@ EXAMPLES = client_library() / "examples"
 STUBS = EXTRAS / "stubs"
 CORTEX_M = EXTRAS / "cortexm"
 LX106 = EXTRAS / "lx106"
+RP2040 = EXTRAS / "rp2040"
 WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
 
 
@@ -71,13 +72,29 @@ def compile_for_esp8266(source: Path, library: Path, output: Path) -> Path:
     return compile_program(command, sources, library, output, "-L", str(libc / "lib"), "-lc", "-lgcc")
 
 
+def compile_for_rp2040(source: Path, library: Path, output: Path) -> Path:
+    """Compile a sketch for an RP2040; return the image of its flash."""
+    flags = ("-DARDUINO=10819", "-DARDUINO_ARCH_RP2040", f"-I{STUBS}/arduino", "-L", str(RP2040))
+    program = _compile_for_core(
+        "cortex-m0plus",
+        "rp2040.ld",
+        str(RP2040 / "rp2040_core.cpp"),
+        source,
+        library,
+        output.with_suffix(".elf"),
+        *flags,
+    )
+    subprocess.run(["arm-none-eabi-objcopy", "-O", "binary", program, output], check=True)
+    return output
+
+
 def _compile_for_core(
     core: str, memory: str, kit: str, source: Path, library: Path, output: Path, *flags: str
 ) -> Path:
     command = [
         *("arm-none-eabi-g++", f"-mcpu={core}", "-mthumb", "-Os", "-ffunction-sections", "-fdata-sections"),
         *("-fno-exceptions", "-fno-rtti", "-nostartfiles", "-Wl,--gc-sections"),
-        *("-L", str(CORTEX_M), "-T", str(CORTEX_M / memory), f"-I{CORTEX_M}", *flags),
+        *("-L", str(CORTEX_M), "-T", memory, f"-I{CORTEX_M}", *flags),
     ]
     return compile_program(command, [source, CORTEX_M / "startup.cpp", CORTEX_M / kit], library, output)
 

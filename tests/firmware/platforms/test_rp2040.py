@@ -1,0 +1,26 @@
+"""The node on an RP2040, the chip of the Pico, in the emulator rp2040js, through the real bridge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from firmware.platforms.meeting import meeting
+from firmware.platforms.programs import NODE, compile_for_rp2040
+from interop_web.web_peers import WebPeers, install_packages
+
+
+@pytest.mark.arm
+@pytest.mark.web
+@pytest.mark.timeout(240)
+async def test_converses_over_its_uart(library: Path, tmp_path: Path) -> None:
+    image = compile_for_rp2040(NODE / "arduino.cpp", library, tmp_path / "node.bin")
+    peers = WebPeers(install_packages(), tmp_path / "peers")
+    try:
+        async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as listening:
+            host, _, port = listening[0].removeprefix("tcp://").partition(":")
+            await peers.start("rp2040_board.mjs", str(image), host, port)
+            await met.converse()
+    finally:
+        await peers.close()
