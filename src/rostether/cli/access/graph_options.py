@@ -119,8 +119,7 @@ _SERVED_MASTER = "The ROS master to join; the command waits for it."
 _TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS_IP is set); may be repeated."
 _SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
 
-_ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced; with --ros2, use both."
-ROS1_OPTION = click.option("--ros1", is_flag=True, help=_ROS1_HELP)
+_ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced"
 
 
 def ros2_option(explanation: str, metavar: str = "[zenoh|rclpy]") -> Callable[[Function], Function]:
@@ -137,7 +136,6 @@ def ros2_option(explanation: str, metavar: str = "[zenoh|rclpy]") -> Callable[[F
 
 
 ROS2_CHOICE = ros2_option("Use the ROS 2 graph, through zenoh or an installed rclpy.")
-_ROS_OPTIONS = (ROS1_OPTION, ROS2_CHOICE)
 _REACH_OPTIONS = (
     click.option(
         "--zenoh-connect",
@@ -181,15 +179,17 @@ def graph_options(
         served: Whether other nodes and boards depend on the command: it has --allow, and with `ros` all zenoh
             options and --params-file. master: Whether to add --master. ros: Whether to add --ros1 and --ros2;
             without them the graph is ROS 1. allow: Whether to add --allow. zenoh: Whether to add
-            --zenoh-connect and --zenoh-listen.
+            --zenoh-connect and --zenoh-listen; such a command can use both graphs at once.
     """
     options: list[Callable[[Any], Any]] = []
+    takes_both = served or zenoh
     if master:
         options.append(
             click.option("--master", metavar="URI", help=_SERVED_MASTER if served else _TOOL_MASTER)
         )
     if ros:
-        options += _ROS_OPTIONS
+        end = "; with --ros2, use both." if takes_both else "."
+        options += (click.option("--ros1", is_flag=True, help=_ROS1_HELP + end), ROS2_CHOICE)
     if zenoh or (served and ros):
         options += _REACH_OPTIONS
     if served and ros:
@@ -197,7 +197,8 @@ def graph_options(
     if allow or served:
         text = _SERVED_ALLOW if served else _TOOL_ALLOW
         options.append(click.option("--allow", multiple=True, metavar="CIDR", help=text))
-    return option_group("graph", _chosen_graph if ros else _ros1_graph, options)
+    build = _ros1_graph if not ros else _chosen_graph if takes_both else _one_graph
+    return option_group("graph", build, options)
 
 
 def ros_arguments() -> Mapping[str, str]:
@@ -205,6 +206,14 @@ def ros_arguments() -> Mapping[str, str]:
     context = click.get_current_context(silent=True)
     arguments = context.find_root().obj if context is not None else None
     return arguments if isinstance(arguments, dict) else {}
+
+
+def _one_graph(
+    *, ros1: bool = False, ros2: str | None = None, master: str | None = None, allow: tuple[str, ...] = ()
+) -> GraphOptions:
+    if ros1 and ros2:
+        raise click.UsageError("this command uses one graph: give --ros1 or --ros2, not both")
+    return _chosen_graph(ros1=ros1, ros2=ros2, master=master, allow=allow)
 
 
 def _ros1_graph(

@@ -89,7 +89,7 @@ class BoardOptions:
     )
     seed: int = option(
         "--seed",
-        "The seed of the random RAM contents at power-up.",
+        "The seed of the random RAM contents at power-up (0).",
         type=click.IntRange(0, 2**32 - 1),
         default=0,
     )

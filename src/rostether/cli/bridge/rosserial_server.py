@@ -60,7 +60,7 @@ def udp(arguments: tuple[str, ...]) -> None:
 @click.command("message-info-service", cls=RoleVerb, examples="rostether role message-info-service")
 @node_words
 def message_info(arguments: tuple[str, ...]) -> None:
-    """Tell the md5sum and the text of definitions: services message_info and service_info."""
+    """Offer the md5sum and the text of definitions: services message_info and service_info."""
 
     async def main(graph: TypedGraph, _: Arguments) -> None:
         from rostether.msgdef.registry import Registry

@@ -20,14 +20,14 @@ from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.bridge.options import config_option, read_devices
+from rostether.cli.bridge.options import read_devices
 from rostether.cli.bridge.serving import serving, type_store
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
 from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
-from rostether.cli.shell.option_group import PORT, flag, option, option_group, shared
+from rostether.cli.shell.option_group import PATH, PORT, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -66,7 +66,9 @@ class DemoOptions:
         "(default: uno where avr-gcc and libsimavr are installed).",
         type=click.Choice((UNO, PYTHON)),
     )
-    config: Path | None = shared(config_option, None)
+    config: Path | None = option(
+        "--config", "File of board names and settings (default: none).", type=PATH, metavar="FILE"
+    )
     ros1: bool = flag("--ros1", "Use only the ROS 1 graph.")
     join: bool = flag("--join", "Join the ROS graph that runs here, instead of one of its own.")
     port: int | None = option(

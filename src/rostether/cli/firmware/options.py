@@ -146,6 +146,6 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         "builder",
         type=click.Choice([AVR_GCC, ARDUINO_CLI]),
         default=AVR_GCC,
-        help="Build with Debian's compiler or with arduino-cli (the only choice for boards without an AVR).",
+        help="Build with Debian's compiler (the default) or arduino-cli, also for boards without an AVR.",
     ),
 )

@@ -38,7 +38,7 @@ class LaunchOptions:
     required: bool = flag("--required", "Stop all nodes when any of them ends.")
     wait: bool = flag("--wait", "Wait for a master instead of starting one.")
     port: int | None = option(
-        "-p --port", "Port for the ROS master, which is started if none runs.", type=PORT
+        "-p --port", "Port for the ROS master, which is started if none runs (11311).", type=PORT
     )
     no_summary: bool = flag("--no-summary", "Do not print the summary.")
     sigint_timeout: float = option(

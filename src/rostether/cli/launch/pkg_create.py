@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.packages.create import NewPackage, create_package
@@ -59,9 +59,9 @@ _package_options = option_group(
     """,
 )
 @_package_options
-@click.option("--rosdistro", help="Accepted for compatibility; has no effect.")
+@ignored_options("--rosdistro")
 @json_option
-def create(package: NewPackage, rosdistro: str | None, as_json: bool) -> None:
+def create(package: NewPackage, as_json: bool) -> None:
     """Write package.xml and CMakeLists.txt of a new package into a folder of its name."""
     created = create_package(Path.cwd(), replace(package, user=_user()))
     for line in created.warnings:

@@ -39,7 +39,7 @@ class ConformanceOptions:
     address: str | None = argument(required=False, metavar="[ADDRESS]", shell_complete=complete_ports)
     quick: bool = flag("--quick", "Leave out the cases that wait longer than 10 s.")
     names: tuple[str, ...] = option(
-        "--case", "Check only this case; repeatable.", multiple=True, metavar="NAME"
+        "--case", "Check only this case; may be repeated.", multiple=True, metavar="NAME"
     )
     is_client: bool = flag("--client", "Run the conformance program at ADDRESS, in Python.")
     is_list: bool = flag("--list", "List the cases.")
@@ -65,7 +65,7 @@ def conformance(options: ConformanceOptions) -> int:
     """Check whether a client library speaks the wire protocol.
 
     The client at ADDRESS must run the conformance program: the example sketch Conformance, or the same
-    endpoints in another language. A client without some of them passes over the cases that need them. The
+    endpoints in another language. A client without some of them skips the cases that need them. The
     exit code is 0 if no case failed.
     """
     if options.is_vectors:

@@ -58,7 +58,10 @@ def _place_options(function: Function) -> Function:
         help="Write below this folder, such as a mounted image, and start nothing.",
     )
     user = click.option(
-        "--user/--system", "for_user", default=None, help="For this user, or as root for all."
+        "--user/--system",
+        "for_user",
+        default=None,
+        help="For this user, or for all (default: --system if root runs it, else --user).",
     )
     return user(root(function))
 

@@ -52,7 +52,7 @@ class EchoOptions:
 @option_group("options", EchoOptions)
 @graph_options(ros=False, allow=True)
 def echo(options: EchoOptions, graph: GraphOptions) -> int:
-    """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (default: once).
+    """Print the pose of the frame CHILD in the frame PARENT, RATE times a second (1).
 
     Translations are in metres, rotations a quaternion and roll, pitch and yaw. The command waits for frames
     that are not known yet.

@@ -30,7 +30,7 @@ ROLES = verb_entries(
         ),
         "message-info-service": (
             "bridge.rosserial_server:message_info",
-            "Tell the md5sums of types, like message_info_service.py.",
+            "Offer the md5sums of types, like message_info_service.py.",
         ),
         "xbee-network": ("xbee.network:xbee_network", "Bridge boards on XBee radios, like xbee_network.py."),
         "robot-state-publisher": ("role.robot:robot_state_publisher", "Turn joint states into transforms."),

@@ -23,7 +23,10 @@ _arguments = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metav
 @click.command("relay", cls=RoleVerb, examples="rostether role relay /chatter /copy")
 @_arguments
 def relay(arguments: tuple[str, ...]) -> None:
-    """Publish IN again as OUT (IN_relay): relay IN [OUT] [_lazy:=true]."""
+    """Publish IN again as OUT (default: IN_relay): relay IN [OUT] [_lazy:=true].
+
+    With _lazy:=true it subscribes to IN only while OUT has a subscriber.
+    """
     rest = _plain(arguments, 1, 2, "relay IN [OUT]")
     source, target = rest[0], rest[1] if len(rest) == 2 else f"{rest[0]}_relay"
 
@@ -47,10 +50,10 @@ def relay(arguments: tuple[str, ...]) -> None:
 def throttle(arguments: tuple[str, ...]) -> None:
     """Publish IN again as OUT (IN_throttle), with limited messages or bytes per second.
 
-    throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW_SECONDS [OUT];
+    Write: throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW_SECONDS [OUT].
 
-    with _lazy:=true, only while OUT has a subscriber; with _wall_clock:=true, in wall time instead of ROS
-    time.
+    With _lazy:=true it publishes only while OUT has a subscriber. With _wall_clock:=true it uses this
+    machine's clock instead of ROS time.
     """
     usage = "throttle messages IN HZ [OUT], or throttle bytes IN BYTES_PER_SECOND WINDOW [OUT]"
     rest = _plain(arguments, 3, 5, usage)

@@ -48,21 +48,21 @@ class SimulationOptions:
         "--kind", "The radios.", type=click.Choice(_KINDS), show_default=True, default=_KINDS[0]
     )
     loss: float = option(
-        "--loss", "The share of lost transmissions, e.g. 0.05.", type=_PROBABILITY, default=0.0
+        "--loss", "The share of lost transmissions, e.g. 0.05 (0).", type=_PROBABILITY, default=0.0
     )
     repeat: float = option(
-        "--repeat", "The share of packets that arrive twice.", type=_PROBABILITY, default=0.0
+        "--repeat", "The share of packets that arrive twice (0).", type=_PROBABILITY, default=0.0
     )
     delay_ms: float = option(
         "--delay",
-        "The additional delay of each packet.",
+        "The additional delay of each packet, in ms (0).",
         type=click.FloatRange(0.0, 10_000.0),
         metavar="MS",
         default=0.0,
     )
     rssi_dbm: int = option(
         "--signal",
-        "The signal strength.",
+        "The signal strength, in dBm.",
         type=click.IntRange(-120, -1),
         show_default=True,
         metavar="DBM",
@@ -76,7 +76,7 @@ class SimulationOptions:
         metavar="HZ",
         default=5.0,
     )
-    seed: int = option("--seed", "The seed of the losses.", type=click.IntRange(0, 2**32 - 1), default=0)
+    seed: int = option("--seed", "The seed of the losses (0).", type=click.IntRange(0, 2**32 - 1), default=0)
 
 
 @click.command(

@@ -13,7 +13,7 @@ from rostether.cli.access.graph_options import (
     graph_options,
     is_middleware,
 )
-from rostether.cli.main import main
+from rostether.cli.main import main, rostether
 from rostether.cli.shell.option_group import insert_value
 from rostether.cli.shell.verbs import Verb
 
@@ -75,12 +75,17 @@ def test_what_is_typed_goes_before_the_environment(
     seen: list[tuple[bool, Middleware | None]] = []
 
     @click.command(cls=Verb)
-    @graph_options()
+    @graph_options(zenoh=True)
     def command(graph: GraphOptions) -> None:
         seen.append((graph.uses_ros1, graph.ros2))
 
     command.main(arguments, standalone_mode=False)
     assert seen == [(ros1, ros2)]
+
+
+def test_a_tool_of_one_graph_refuses_two() -> None:
+    with pytest.raises(click.UsageError, match="give --ros1 or --ros2, not both"):
+        rostether.main(["topic", "list", "--ros1", "--ros2", "zenoh"], standalone_mode=False)
 
 
 def test_ros2_alone_takes_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
