@@ -134,7 +134,9 @@ class SensingManager:
                 platform = entry.publishers[0].lstrip("/") or "Platform"
                 # The list is full.
                 with suppress(ServiceCallError):
-                    self._registry.adopt(name.rpartition("/")[2], entry.type, platform, now_s)
+                    self._registry.adopt(
+                        f"sensor_node{name.removeprefix(prefix)}", entry.type, platform, now_s
+                    )
 
     async def _subscribe_to_new(self) -> None:
         """Subscribe to the sensors without a lease, except cameras: pictures cost too much."""

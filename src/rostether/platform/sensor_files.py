@@ -15,8 +15,9 @@ from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
 
-# The saved state of a thousand sensors has about 400 KB.
-_MAX_STATE_BYTES = 1024 * 1024
+# The saved state of a thousand sensors has about 400 KB, and 12 MB with the longest texts, of which each
+# character may need 12 bytes: a larger limit than that, or a restart would forget all sensors.
+_MAX_STATE_BYTES = 16 << 20
 
 _FORMAT = 1
 _REGISTERED_TOPIC = re.compile(r"/sensor_node\d+")

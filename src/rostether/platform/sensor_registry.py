@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from rostether.errors import ServiceCallError
+from rostether.mechanisms.text import escape_line
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED, Condition
 
 # The message type for each sensor type of the registration service.
@@ -33,7 +34,7 @@ MAX_RATE_HZ = 1e6
 _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _TYPE = re.compile(r"[A-Z][A-Z0-9_]*")
 _MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
-_COUNTED_TOPIC = re.compile(r"sensor_node(\d{1,9})")
+_COUNTED_TOPIC = re.compile(r"sensor_node(0|[1-9][0-9]{0,8})")
 
 
 class Origin(Enum):
@@ -105,6 +106,8 @@ class Registration:
         """Raise ServiceCallError for a field that cannot be used."""
         if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
             raise ServiceCallError(f"id is a name such as robot3/front, not {self.id!r:.100}")
+        if _COUNTED_TOPIC.fullmatch(self.id):
+            raise ServiceCallError(f"the id {self.id} is reserved for sensors_register; choose another one")
         if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
             raise ServiceCallError(f"sensor_type is a word such as ANALOG, not {self.sensor_type!r:.100}")
         if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
@@ -223,6 +226,7 @@ class SensorRegistry:
         if found is None or topic in self._sensors:
             return
         sensor_type = "CAMERA" if message_type == MESSAGE_TYPES["CAMERA"] else "ANALOG"
+        platform = escape_line(platform, MAX_TEXT_CHARACTERS)
         self._add_counted(int(found[1]), platform, sensor_type, now_s)
 
     def add(self, sensor: Sensor, now_s: float) -> None:

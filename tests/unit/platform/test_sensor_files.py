@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from rostether.errors import ConfigError
 from rostether.platform.sensor_files import read_sensors_toml, read_state, write_state
-from rostether.platform.sensor_registry import Sensor
+from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, Sensor
 
 KEPT = Sensor("sensor_node4", 4, "Robot", "ANALOG", "sensor_node4", "Front", "std_msgs/Float64")
 
@@ -63,6 +64,13 @@ def test_the_state_is_read_as_written(tmp_path: Path) -> None:
     write_state(path, [KEPT, by_id])
     assert read_state(path) == [KEPT, by_id]
     assert [each.name for each in path.parent.iterdir()] == ["sensors.json"]
+
+
+def test_the_longest_state_is_read_again(tmp_path: Path) -> None:
+    long = "\U0001f916" * MAX_TEXT_CHARACTERS
+    sensors = [replace(KEPT, id=f"s{number}", name=long, platform=long) for number in range(MAX_SENSORS)]
+    write_state(tmp_path / "sensors.json", sensors)
+    assert read_state(tmp_path / "sensors.json") == sensors
 
 
 @pytest.mark.parametrize(

@@ -199,3 +199,18 @@ def test_sensors_of_an_earlier_manager_are_adopted(registry: SensorRegistry) -> 
     registry.adopt("sensor_nodes", "std_msgs/Float64", "x", 0.0)
     assert [(each.id, each.sensor_type) for each in registry.sensors] == [("sensor_node4", "CAMERA")]
     assert registry.register("Robot", "ANALOG", 1.0).topic == "sensor_node5"
+
+
+def test_other_spellings_of_a_numbered_topic_replace_no_sensor(registry: SensorRegistry) -> None:
+    taken = registry.register("Robot", "ANALOG", 0.0)
+    for topic in ("sensor_node00", "sensor_node\u0660"):
+        registry.adopt(topic, "std_msgs/Float64", "x", 0.0)
+    with pytest.raises(ServiceCallError, match="sensor_node0 is reserved"):
+        registry.register_by_id(replace(CAMERA, id="sensor_node0"), 0.0)
+    assert registry.sensors == (taken,)
+
+
+def test_the_platform_of_an_adopted_sensor_is_a_short_printable_text(registry: SensorRegistry) -> None:
+    registry.adopt("sensor_node1", "std_msgs/Float64", "\x1b[2J" + "x" * 1000, 0.0)
+    assert registry.sensors[0].platform.isprintable()
+    assert len(registry.sensors[0].platform) == sensor_registry.MAX_TEXT_CHARACTERS
