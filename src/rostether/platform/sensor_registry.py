@@ -106,8 +106,6 @@ class Registration:
         """Raise ServiceCallError for a field that cannot be used."""
         if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
             raise ServiceCallError(f"id is a name such as robot3/front, not {self.id!r:.100}")
-        if _COUNTED_TOPIC.fullmatch(self.id):
-            raise ServiceCallError(f"the id {self.id} is reserved for sensors_register; choose another one")
         if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
             raise ServiceCallError(f"sensor_type is a word such as ANALOG, not {self.sensor_type!r:.100}")
         if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
@@ -190,6 +188,8 @@ class SensorRegistry:
         if before is not None and before.origin is not Origin.ID:
             raise ServiceCallError(f"the sensor {wanted.id} exists and has no lease; choose another id")
         if before is None:
+            if _COUNTED_TOPIC.fullmatch(wanted.id):
+                raise ServiceCallError(f"the id {wanted.id} is reserved for sensors_register; choose another")
             name = wanted.name or wanted.id
             before = Sensor(wanted.id, -1, "", "", f"/sensors/{wanted.id}", name, lease_s=wanted.lease_s)
             self.add(before, now_s)

@@ -205,8 +205,8 @@ def test_other_spellings_of_a_numbered_topic_replace_no_sensor(registry: SensorR
     taken = registry.register("Robot", "ANALOG", 0.0)
     for topic in ("sensor_node00", "sensor_node\u0660"):
         registry.adopt(topic, "std_msgs/Float64", "x", 0.0)
-    with pytest.raises(ServiceCallError, match="sensor_node0 is reserved"):
-        registry.register_by_id(replace(CAMERA, id="sensor_node0"), 0.0)
+    with pytest.raises(ServiceCallError, match="sensor_node1 is reserved"):
+        registry.register_by_id(replace(CAMERA, id="sensor_node1"), 0.0)
     assert registry.sensors == (taken,)
 
 
