@@ -15,7 +15,7 @@ class Blinker {
  public:
   Blinker(uint8_t pin, uint16_t period_ms)
       : pin_(pin), period_ms_(period_ms), changed_ms_(0), active_(true),
-        // A member function goes with the object whose it is: this one.
+        // A member function needs its object: this one.
         subscriber_("set_blink_period", &Blinker::setPeriod, this),
         server_("activate_blinker", &Blinker::activate, this) {}
 

@@ -1,4 +1,4 @@
-// Clapper: hears you clap twice, and says so on the topic "clap".
+// Clapper: detects that you clap twice, and publishes it on the topic "clap".
 //
 // Wiring:  a piezo disc between A0 and GND, a resistor of 1 megaohm beside it.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /clap

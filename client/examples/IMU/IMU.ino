@@ -50,7 +50,7 @@ geometry_msgs::Quaternion turnAbout(float x, float y, float z, float angle) {
   return turn;
 }
 
-// What gravity and the magnetic field say.
+// The attitude from gravity and the magnetic field.
 geometry_msgs::Quaternion trueAttitude() {
   const Vector3& a = sensor.acceleration;
   const Vector3& m = sensor.magnetic_field;
@@ -76,7 +76,7 @@ void follow(float dt) {
   const geometry_msgs::Quaternion guess = multiply(attitude, turn);
   const geometry_msgs::Quaternion truth = trueAttitude();
 
-  // q and -q are the same attitude; take the one that is near.
+  // q and -q are the same attitude; choose the nearer one.
   const float near = guess.w * truth.w + guess.x * truth.x + guess.y * truth.y + guess.z * truth.z;
   const float trust = dt / (MEMORY_S + dt);
   const float t = near < 0 ? -trust : trust;

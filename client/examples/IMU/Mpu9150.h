@@ -1,4 +1,4 @@
-// An MPU-9150 on I2C: accelerometer, gyroscope and (a chip of its own in the same case) magnetometer.
+// An MPU-9150 on I2C: accelerometer, gyroscope and (a separate chip in the same case) magnetometer.
 #ifndef MPU9150_H
 #define MPU9150_H
 
@@ -15,7 +15,7 @@ class Mpu9150 {
   Vector3 angular_velocity;  // rad/s
   Vector3 magnetic_field;    // tesla
 
-  // False when no sensor answers. Keep it still meanwhile: what the gyroscope reads now is taken for zero.
+  // False when no sensor answers. Keep it still meanwhile: the gyroscope's current values become its zero.
   bool begin() {
     Wire.begin();
     Wire.setClock(400000);
@@ -51,7 +51,7 @@ class Mpu9150 {
   static const uint8_t MPU = 0x68;
   static const uint8_t MAGNETOMETER = 0x0c;
 
-  // A measurement takes 9 ms: fetches the last when it is there, and orders the next.
+  // A measurement takes 9 ms: reads the last one when it is ready, and starts the next.
   void measureMagneticField() {
     if (read(MAGNETOMETER, 0x02, 1) && (Wire.read() & 1) && read(MAGNETOMETER, 0x03, 6)) {
       // It is mounted with other axes: its x is the board's y, its y the board's x, its z points down.

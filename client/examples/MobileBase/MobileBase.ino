@@ -89,7 +89,7 @@ ros::Subscriber<std_msgs::Bool> sub_power("motor_power", &power_cb);
 ros::Subscriber<std_msgs::Empty> sub_reset("reset", &reset_cb);
 ros::Subscriber<turtlebot3_msgs::Sound> sub_sound("sound", &sound_cb);
 
-// Tells the compiler not to melt them into one function with all messages in it: each leaves its memory to the next.
+// Keeps the compiler from inlining them into one function that holds all messages at once.
 #define APART __attribute__((noinline))
 
 APART void publishOdometry(const ros::Time& stamp) {

@@ -1,4 +1,4 @@
-// Odom: a robot that drives in a circle, at least on paper. Tells where it is with the transform odom -> base_link.
+// Odom: a robot that drives in a circle, at least on paper. Publishes its pose as the transform odom -> base_link.
 //
 // Wiring: none. A real robot would take speed and turn rate from its wheels' encoders.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /tf
@@ -33,7 +33,7 @@ void loop() {
   const float dt = (now_ms - last_ms) * 0.001;
   last_ms = now_ms;
 
-  // Over a short time it goes straight ahead, in the direction it has halfway.
+  // Over a short time it drives straight ahead, in its direction at half of the time.
   const float halfway = heading + 0.5 * TURN_RATE * dt;
   x += FORWARD_SPEED * dt * cos(halfway);
   y += FORWARD_SPEED * dt * sin(halfway);

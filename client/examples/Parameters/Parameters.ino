@@ -29,7 +29,7 @@ void setup() {
   nh.advertise(pub_name);
   while (!nh.connected()) nh.spinOnce();  // without a host there is nobody to ask
 
-  // Each waits for its answer, a second at most, and is false when there is none: then the value stays.
+  // Each waits at most a second for its answer. Without one, it returns false and the value stays.
   if (!nh.getParam("~gains", gains, 3)) nh.loginfo("~gains is not set: 1.0, 0.0, 0.1");
   nh.getParam("~period_ms", &period_ms);
   nh.getParam("~enabled", &enabled);

@@ -28,7 +28,7 @@ ros::Publisher chatter("chatter", &text);
 unsigned long said_ms;
 Client_::Refusal told = Client_::NONE;
 
-// Says on the serial line why the host and we do not come together.
+// Prints on the serial line why the connection to the host fails.
 void explain(Client_::Refusal refusal) {
   if (refusal == told) return;
   told = refusal;

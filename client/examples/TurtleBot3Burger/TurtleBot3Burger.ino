@@ -238,8 +238,8 @@ void publishSlowly(const ros::Time& stamp) {
 }
 
 void drive() {
-  // Each has its own life: commands from the computer must not keep those of a lost remote control alive, nor the
-  // reverse.
+  // Each has its own time limit: commands from the computer must not extend those of a lost remote control,
+  // nor the reverse.
   if (remote.update()) remote_ms = millis();
   if (millis() - commanded_ms > COMMAND_LIFE_MS) forward = turn = 0;
   if (millis() - remote_ms > COMMAND_LIFE_MS) remote.forward = remote.turn = 0;

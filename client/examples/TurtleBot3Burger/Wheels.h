@@ -93,7 +93,7 @@ class Wheels {
     bus_.syncWrite(dynamixel::GOAL_VELOCITY, 4, IDS, speeds, 2);
   }
 
-  // Reads both servos, and adds the way since the last time. False if they do not answer.
+  // Reads both servos, and adds the distance since the last time. False if they do not answer.
   bool measure() {
     uint8_t bytes[2 * BLOCK_BYTES];
     has_failed = !note(bus_.syncRead(dynamixel::TORQUE_ENABLE, BLOCK_BYTES, IDS, bytes, 2));

@@ -1,4 +1,4 @@
-// button_example: tells on the topic "pushed" when a button is pressed, and when it is let go.
+// button_example: publishes on the topic "pushed" when a button is pressed, and when it is released.
 //
 // Wiring:  a push button between pin 7 and GND; the LED on pin 13 shows that it is pressed.
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /pushed

@@ -1,4 +1,4 @@
-// pubsub: both directions at once. Says hello on "chatter", and toggles the LED on "toggle_led".
+// pubsub: both directions at once. Publishes hello on "chatter", and toggles the LED on "toggle_led".
 //
 // Wiring: none.
 // Try it:  rostether serve /dev/ttyACM0

@@ -95,8 +95,8 @@ class Bus {
   }
 
  private:
-  // A line that never pauses must not stop the program: more bytes than any driver keeps, and more than the request that is
-  // heard too, the answer and some noise.
+  // A line that never pauses must not stop the program: these limits are above what any driver keeps, and
+  // above an echoed request, its answer and some noise.
   static const uint16_t MOST_WAITING_BYTES = 4096;
   static const size_t MOST_ANSWER_BYTES = 4 * PACKET_BYTES;
 

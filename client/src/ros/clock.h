@@ -48,8 +48,8 @@ class Clock {
     moment_ms_ = then_ms;
   }
 
-  // Takes over the host's time of the moment `then_ms`, 8 bytes as on the wire. What it makes of the time is worked out in
-  // `at`: a sketch that never asks for the time does without that code.
+  // Takes over the host's time of the moment `then_ms`, 8 bytes as on the wire. `at` computes the time from
+  // it, so a sketch that never asks for the time does not contain that code.
   void follow(const uint8_t* host, uint32_t then_ms) {
     memcpy(&moment_, host, 8);
     moment_ms_ = then_ms;

@@ -26,7 +26,7 @@ namespace ros {
 
 class CommandReceiver {
  public:
-  // Bits: to do as the datagram says, and to send a status to its sender.
+  // Bits: obey the datagram, and send a status to its sender.
   enum { NOTHING, OBEY, ANSWER };
   enum { HEADER_BYTES = 28, FRAME_BYTES = HEADER_BYTES + SipHash::TAG_BYTES };
   enum { STATUS_BYTES = 32 + 6 + SipHash::TAG_BYTES };

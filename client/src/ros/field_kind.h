@@ -1,4 +1,4 @@
-// How the elements of an array go over the wire.
+// The form of an array's elements on the wire.
 #ifndef ROS_FIELD_KIND_H_
 #define ROS_FIELD_KIND_H_
 
@@ -9,7 +9,7 @@ namespace ros {
 template <class M>
 class Message;
 
-// The wire is little endian, and so is every board we know: most values are sent as they lie in memory.
+// The wire and all known boards are little endian: most values are sent as they are in memory.
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "ros_lib needs a little-endian processor"
 #endif

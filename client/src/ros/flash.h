@@ -22,7 +22,7 @@
 #define ROS_COPY_FLASH(to, from, count) memcpy(to, from, count)
 #endif
 
-// Arduino's F("...") has this type on every board; elsewhere it merely exists.
+// Arduino's F("...") has this type on every board; on other systems nothing has it.
 class __FlashStringHelper;
 
 namespace ros {

@@ -21,7 +21,7 @@ inline uint8_t widenFloat(const void* from, uint8_t* bytes) {
   const uint8_t sign = f[3] & 0x80, f3 = f[3] & 0x7f;
   uint16_t top = 0;
   if (f0 | f1 | f2 | f3) {
-    // What the exponent's bias grows by: 896, twice that for infinities and NaNs.
+    // The difference of the exponents' biases: 896, twice that for infinities and NaNs.
     top = 0x3800;
     if (f3 == 0x7f && f2 & 0x80) top = 0x7000;
     if (f3 == 0) {

@@ -56,7 +56,7 @@ class Message {
     return serializedLength() <= capacity ? serialize(buffer) : -1;
   }
 
-  // Reads a message of exactly `length` bytes; returns `length`, or -1 if the bytes are no such message.
+  // Reads a message of exactly `length` bytes; returns `length`, or -1 if the bytes are not such a message.
   // Strings and arrays then point into `buffer`, whose bytes are rearranged for it. Arrays of strings and
   // of messages need memory besides, which is taken from the buffer's end: [length, capacity).
   int deserialize(unsigned char* buffer, size_t length, size_t capacity) {

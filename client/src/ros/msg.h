@@ -1,4 +1,4 @@
-// Messages whose headers an older generator wrote, or a person: virtual functions and no bounds.
+// Messages with headers of an older generator, or written by hand: virtual functions and no bounds.
 //
 // Sketches that bring such headers along compile and work as before. Generate them again where possible: what these read is only
 // checked after they have read it, and what they write goes through a buffer on the stack.

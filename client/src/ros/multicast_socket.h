@@ -56,7 +56,7 @@ class MulticastSocket {
 #endif
   }
 
-  // Opens the socket again if it is due, or if `expected` is: there should have been a datagram.
+  // Opens the socket again if that is due, or if a datagram is overdue (`expected`).
   ROS_APART void watch(uint16_t now_ms, bool expected) {
     const uint8_t now = ticks(now_ms);
     const uint8_t open = static_cast<uint8_t>(now - opened_);

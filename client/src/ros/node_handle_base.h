@@ -89,7 +89,7 @@ class NodeHandleBase_ : public FrameWriter {
     requested_ms_ = shortTime();
     awaiting_time_ = true;
     begin(ID_TIME, 8);
-    // A Time, which the host does not look at.
+    // A Time, which the host ignores.
     count(0);
     count(0);
     finish();
@@ -118,8 +118,8 @@ class NodeHandleBase_ : public FrameWriter {
     finish();
   }
 
-  // Values of the host's parameter server. False, and a warning in the host's log, if within `timeout_ms` it did not
-  // give `length` values of that type. The text forms copy: into as many buffers, which the caller knows to be large
+  // Values of the host's parameter server. False, and a warning in the host's log, without `length` values of
+  // that type within `timeout_ms`. The text forms copy: into as many buffers, which the caller knows to be large
   // enough, or into one whose size is known.
   bool getParam(const char* name, int* values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, float* values, int length = 1, int timeout_ms = 1000);
@@ -329,7 +329,7 @@ class NodeHandleBase_ : public FrameWriter {
 
   ROS_APART void takeTime(const uint8_t* host) {
     const uint32_t now_ms = time();
-    // The host looked at its clock halfway between question and answer.
+    // The host read its clock halfway between request and answer.
     const uint16_t answer_ms = awaiting_time_ ? since(requested_ms_, static_cast<uint16_t>(now_ms)) / 2 : 0;
     clock_.follow(host, now_ms - answer_ms);
     awaiting_time_ = false;

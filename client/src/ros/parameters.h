@@ -15,8 +15,8 @@ namespace ros {
 class ParameterRequest : public Endpoint {
  public:
   enum List { INT_LIST, FLOAT_LIST, TEXT_LIST };
-  // Stores one element of the list, a number's four bytes or a text. A function for each kind of values: a program has
-  // those that it uses.
+  // Stores one element of the list, a number's four bytes or a text. A function for each kind of values: a
+  // program contains only those that it uses.
   typedef void (*Store)(void* values, size_t index, const uint8_t* element);
 
   // Asks for `name`; whether the parameter is a list of as many elements as wanted, and they have been stored.

@@ -260,7 +260,7 @@ class Reader {
     for (size_t i = 0; i < length; ++i) message(array[i]);
   }
 
-  // A bool that is neither 0 nor 1 is no bool: the bytes of an array are corrected in place.
+  // A bool must be 0 or 1: the bytes of an array are corrected in place.
   template <class T>
   void normalize(T*, size_t) {}
   void normalize(bool* array, size_t length) {

@@ -20,7 +20,7 @@
 
 namespace ros {
 
-// Takes nothing in before it is opened: all zero till then.
+// Accepts no bytes before it is opened: all zero until then.
 class ReceiveWindow {
  public:
   void open(uint8_t* bytes, uint16_t capacity) {
@@ -132,7 +132,7 @@ class ReceiveWindow {
   class Taken {
    public:
     explicit Taken(ReceiveWindow& window) : window_(window), base_(window.base_), limit_(window.limit_) {
-      // What comes in while its callback transmits shall find room, also when other frames lay before this one.
+      // Bytes that arrive while its callback transmits need room, also when other frames were before this one.
       if (window.begin_ - window.base_ > window.limit_ - window.end_) window.compact();
       frame_ = window.begin_;
       window.begin_ += length() + FRAME_OVERHEAD_BYTES;
@@ -168,8 +168,8 @@ class ReceiveWindow {
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
 
-  // Bytes a frame that begins like this needs before more can be said of it, no more than there are if it is whole
-  // and undamaged, 0 if it is not a frame.
+  // The number of bytes that a frame with this beginning needs to be checked further; at most the available
+  // ones if it is complete and undamaged; 0 if it is not a frame.
   ROS_APART uint16_t judge() {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;

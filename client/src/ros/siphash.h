@@ -45,7 +45,7 @@ class FleetKey {
                                 : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                                        : not_a_hexadecimal_digit());
   }
-  // Not to be called: the compiler names it.
+  // Never called: it makes the compiler's error message.
   static int not_a_hexadecimal_digit();
 };
 

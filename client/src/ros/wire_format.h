@@ -26,7 +26,7 @@ struct WireFormat {
   static FlashNames names() { return M::flashNames(); }
   static FlashNames names(const M*) { return names(); }
 
-  // The serialized form, as long as it is needed for: its length and its bytes.
+  // The serialized form, which is kept while its length and its bytes are needed.
   class Written {
    public:
     explicit Written(const M& message) : message_(message) {}
@@ -48,7 +48,7 @@ struct WireFormat {
   static void read(Reader& reader, M& message) { M::_fields(reader, message); }
 };
 
-// What a message that brings its own `serialize` and `deserialize` is handled as: all of Msg alike, any other as what it is.
+// The type as which a message with its own `serialize` and `deserialize` is handled: Msg for all classes derived from it, else its own.
 template <bool is_msg, class M>
 struct OwnForm {
   typedef Msg Class;

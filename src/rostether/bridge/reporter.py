@@ -25,7 +25,7 @@ class Reporter(Protocol):
 
 
 class SilentReporter:
-    """Shows nothing."""
+    """A reporter without output."""
 
     def line(self, level: Level, text: str, *, node: str = "") -> None:
         """Drop the line."""

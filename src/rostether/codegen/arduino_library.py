@@ -43,7 +43,7 @@ class RenderedLibrary:
 
 @dataclass(frozen=True, slots=True)
 class WrittenLibrary:
-    """A library on disk; `replaced` says whether an older one was there."""
+    """A library on disk; `replaced`: whether it replaced an older one."""
 
     path: Path
     replaced: bool

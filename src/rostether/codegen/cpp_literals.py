@@ -75,5 +75,5 @@ def _escape(character: str) -> str:
     # A question mark may begin a trigraph.
     if " " <= character <= "~" and character != "?":
         return character
-    # Always three digits, so that a digit that follows is not taken for one of them.
+    # Always three digits, so that a digit after them does not count as one of them.
     return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8", "surrogateescape"))

@@ -51,13 +51,13 @@ def class_name(short_name: str) -> str:
 def qualified_class(full_name: str) -> str:
     """Return the class of `package/Name` as any header can write it."""
     package, _, short_name = full_name.partition("/")
-    # From the root: a package may have a message that is called like another package.
+    # From the root: a package may have a message with the name of another package.
     return f"::{namespace_name(package)}::{class_name(short_name)}"
 
 
 def constants_class(cpp_class: str) -> str:
     """Return the class that holds the float and string constants of a message's class."""
-    # No message can be called so.
+    # No message can have this name.
     return f"_constants_of_{cpp_class}"
 
 

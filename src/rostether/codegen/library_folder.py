@@ -13,7 +13,7 @@ from rostether.errors import CodegenError
 _NODE_HANDLES = ("src/ros/node_handle.h", "ros/node_handle.h")
 _FACADES = ("src/ros.h", "ros.h")
 _MICROPYTHON = "ros/node_handle.py"
-# Another run may put its library in place between our two steps; more often than this is no coincidence.
+# Another run may put its library in place between our two steps; more often than this is not a coincidence.
 _ATTEMPTS = 10
 
 
@@ -37,7 +37,7 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     """Make `target` hold exactly these files (paths with slashes); return whether a library was replaced.
 
     Unchanged files keep their times, so that they are not compiled again. Raises CodegenError if the folder
-    exists and is no generated library, or if it cannot be written.
+    exists and is not a generated library, or if it cannot be written.
     """
     # The target of a link is replaced, not the link.
     target = target.resolve()

@@ -37,7 +37,7 @@ ROBOTS_OWN_PACKAGES = frozenset({"turtlebot3_msgs"})
 MAX_NAME_CHARACTERS = 256
 
 
-class _SearchNeeded(Exception):  # noqa: N818 - it ends an attempt, it is no error
+class _SearchNeeded(Exception):  # noqa: N818 - it ends an attempt, it is not an error
     """A definition can only be found by a search of folders."""
 
 

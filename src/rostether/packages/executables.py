@@ -16,7 +16,7 @@ from rostether.packages.locate import workspace_of
 from rostether.packages.python_scripts import is_module
 from rostether.packages.search_path import walk
 
-# Where Debian's packages have their programs, without a word in the environment.
+# Where Debian's packages have their programs, without a variable in the environment.
 SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
 
 _BUILD_FOLDER = "build"

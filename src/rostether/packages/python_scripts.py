@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import ast
 
-# A longer script is generated; parsing it would hold up its start.
+# A longer script is generated; parsing it would delay its start.
 _MAX_BYTES = 1 << 20
 
 # Python's errors for statements and literals that only Python 2 has.

@@ -14,7 +14,7 @@ from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_
 # A large workspace has some thousands; a home directory must not be read whole.
 MAX_FOLDERS = 20_000
 
-# workspace/src/repository/stack/package is 4; more than 12 is no workspace.
+# workspace/src/repository/stack/package is 4; more than 12 is not a workspace.
 MAX_DEPTH = 12
 PACKAGE_FILE = "package.xml"
 ROSBUILD_FILE = "manifest.xml"
@@ -86,7 +86,7 @@ def _is_source(package: Path) -> bool:
 def package_name(folder: Folder) -> str | None:
     """Return the name of the package whose root this folder is; None if its package.xml is broken."""
     file = folder.path / (PACKAGE_FILE if PACKAGE_FILE in folder.files else ROSBUILD_FILE)
-    # A rosbuild manifest has no name: the package is called like its folder.
+    # A rosbuild manifest has no name: the package has the name of its folder.
     default_name = "" if PACKAGE_FILE in folder.files else folder.path.name
     try:
         with file.open("rb") as stream:

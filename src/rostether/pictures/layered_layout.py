@@ -86,7 +86,7 @@ def _fitting(sizes: Mapping[str, Size], edges: Sequence[Ends], gap: float) -> _C
 
 
 class _Columns:
-    """Vertices and bends in columns; a bend's key is a tuple's text that no vertex has."""
+    """Vertices and bends in columns; a bend's key differs from all keys of vertices."""
 
     def __init__(self, sizes: Mapping[str, Size], edges: Sequence[Ends], column: Mapping[str, int]) -> None:
         self._sizes = dict(sizes)

@@ -26,11 +26,11 @@ from rostether.graph.joint_marks import (
 )
 from rostether.graph.ports import Level, Publisher, Snapshot
 from rostether.relay.action_relay import ActionRelay, action_entries
+from rostether.relay.item import Kind, RelayItem
 from rostether.relay.relay_filter import Direction, RelayFilter
 from rostether.relay.service_relay import ServiceRelay
 from rostether.relay.side import Side
 from rostether.relay.topic_relay import TopicRelay
-from rostether.relay.wish import Kind, Wish
 from rostether.ros2.actions.board_graph import BoardJoin
 
 # The pause before something that a graph refused is tried again; graphs come back within seconds.
@@ -77,9 +77,9 @@ class Relay:
         self._gone: set[str] = set()
         self._left_out: dict[str, str] = {}
         self._news = asyncio.Event()
-        self._carrying: dict[Wish, asyncio.Task[None]] = {}
-        self._ending: dict[Wish, asyncio.Task[None]] = {}
-        self._relays: dict[Wish, TopicRelay | ServiceRelay | ActionRelay] = {}
+        self._carrying: dict[RelayItem, asyncio.Task[None]] = {}
+        self._ending: dict[RelayItem, asyncio.Task[None]] = {}
+        self._relays: dict[RelayItem, TopicRelay | ServiceRelay | ActionRelay] = {}
 
     @property
     def relays(self) -> list[TopicRelay | ServiceRelay | ActionRelay]:
@@ -165,44 +165,44 @@ class Relay:
             self._news.clear()
             if len(self._seen) == len(self._sides):
                 left_out: dict[str, str] = {}
-                self._arrange(set(self._wishes(left_out)))
+                self._arrange(set(self._items(left_out)))
                 for text, reason in left_out.items():
                     if self._left_out.get(text) != reason:
                         self._report(Level.INFO, f"not relaying {text}: {reason}")
                 self._left_out = left_out
 
-    def _arrange(self, wishes: set[Wish]) -> None:
-        for wish in self._carrying.keys() - wishes:
-            task = self._ending[wish] = self._carrying.pop(wish)
-            task.add_done_callback(partial(self._forget, wish))
+    def _arrange(self, items: set[RelayItem]) -> None:
+        for item in self._carrying.keys() - items:
+            task = self._ending[item] = self._carrying.pop(item)
+            task.add_done_callback(partial(self._forget, item))
             task.cancel()
         # A relay that is wanted again while it ends starts again after its end.
-        for wish in sorted(wishes - self._carrying.keys() - self._ending.keys(), key=lambda each: each.text):
-            self._carrying[wish] = asyncio.get_running_loop().create_task(self._carry(wish))
+        for item in sorted(items - self._carrying.keys() - self._ending.keys(), key=lambda each: each.text):
+            self._carrying[item] = asyncio.get_running_loop().create_task(self._carry(item))
 
-    def _forget(self, wish: Wish, _: object) -> None:
-        del self._ending[wish]
+    def _forget(self, item: RelayItem, _: object) -> None:
+        del self._ending[item]
         self._news.set()
 
-    def _wishes(self, left_out: dict[str, str]) -> Iterator[Wish]:
-        """Yield the wished relays; `left_out` gets those of another relay, with the reason."""
+    def _items(self, left_out: dict[str, str]) -> Iterator[RelayItem]:
+        """Yield the items to relay; `left_out` gets those of another relay, with the reason."""
         first, second = self._sides
-        for wish, there in (
+        for item, there in (
             *self._topics(first, second, Direction.FORTH),
             *self._topics(second, first, Direction.BACK),
             *self._services(first, second),
             *self._services(second, first),
             *self._actions(),
         ):
-            carrier = self._carrier(wish.target.graph.node_name, there)
+            carrier = self._carrier(item.target.graph.node_name, there)
             if carrier:
-                left_out[wish.text] = f"the relay {carrier} carries it"
+                left_out[item.text] = f"the relay {carrier} carries it"
             else:
-                yield wish
+                yield item
 
     def _topics(
         self, source: Side, target: Side, direction: Direction
-    ) -> Iterator[tuple[Wish, tuple[str, ...]]]:
+    ) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the topics of one side to be carried, each with its publishers in the other one."""
         there = self._seen[target.name].topics
         own = {source.graph.node_name, *self._skip_nodes}
@@ -210,9 +210,12 @@ class Relay:
             if is_mark(name) or own.issuperset(topic.publishers):
                 continue
             if self._choice.carries_topic(name, direction):
-                yield Wish(Kind.TOPIC, name, source, target), there[name].publishers if name in there else ()
+                yield (
+                    RelayItem(Kind.TOPIC, name, source, target),
+                    there[name].publishers if name in there else (),
+                )
 
-    def _services(self, source: Side, target: Side) -> Iterator[tuple[Wish, tuple[str, ...]]]:
+    def _services(self, source: Side, target: Side) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the services of one side to be offered in the other one, each with its providers there."""
         there = self._seen[target.name].services
         own = {source.graph.node_name, *self._skip_nodes}
@@ -224,9 +227,9 @@ class Relay:
             # If both graphs have a service, each keeps its own.
             providers = there[name].providers if name in there else ()
             if relays.issuperset(providers):
-                yield Wish(Kind.SERVICE, name, source, target, chosen.type), providers
+                yield RelayItem(Kind.SERVICE, name, source, target, chosen.type), providers
 
-    def _actions(self) -> Iterator[tuple[Wish, tuple[str, ...]]]:
+    def _actions(self) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the actions of one side to be offered in the other one, each with its servers there."""
         if self._actions_join is None:
             return
@@ -240,7 +243,7 @@ class Relay:
                 is_wanted = self._choice.carries_action(name) and not own.issuperset(entry.servers)
                 # If both graphs have an action, each keeps its own.
                 if is_wanted and relays.issuperset(servers):
-                    yield Wish(Kind.ACTION, name, source, target, entry.type), servers
+                    yield RelayItem(Kind.ACTION, name, source, target, entry.type), servers
 
     def _carrier(self, own_name: str, nodes: Iterable[str]) -> str:
         """Return the relay among nodes that keeps something from us, an empty string if none does."""
@@ -250,44 +253,44 @@ class Relay:
             return ""
         return others[0][1]
 
-    async def _carry(self, wish: Wish) -> None:
+    async def _carry(self, item: RelayItem) -> None:
         reported = ""
         while True:
             # Older relays go first; this task is cancelled if one of them carries the topic.
             await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
-            relay = self._relays[wish] = self._new_relay(wish)
+            relay = self._relays[item] = self._new_relay(item)
             is_open = False
             try:
                 await relay.open()
                 is_open = True
                 while True:
-                    self._report(Level.INFO, f"relaying {wish.text} ({relay.type_name})")
+                    self._report(Level.INFO, f"relaying {item.text} ({relay.type_name})")
                     await relay.follow_type()
             except RostetherError as error:
                 if str(error) != reported:
                     reported = str(error)
-                    self._report(Level.ERROR, f"cannot relay {wish.text}: {error}")
+                    self._report(Level.ERROR, f"cannot relay {item.text}: {error}")
             finally:
-                del self._relays[wish]
-                await self._end(relay, wish, was_open=is_open)
+                del self._relays[item]
+                await self._end(relay, item, was_open=is_open)
             await asyncio.sleep(RETRY_S)
 
-    def _new_relay(self, wish: Wish) -> TopicRelay | ServiceRelay | ActionRelay:
-        if wish.kind is Kind.TOPIC:
-            return TopicRelay(wish.name, wish.source, wish.target, self._skip_nodes)
-        if wish.kind is Kind.SERVICE:
-            return ServiceRelay(wish.name, wish.source, wish.target, wish.chosen_type)
+    def _new_relay(self, item: RelayItem) -> TopicRelay | ServiceRelay | ActionRelay:
+        if item.kind is Kind.TOPIC:
+            return TopicRelay(item.name, item.source, item.target, self._skip_nodes)
+        if item.kind is Kind.SERVICE:
+            return ServiceRelay(item.name, item.source, item.target, item.chosen_type)
         assert self._actions_join is not None
         ros1, _ = self._sides
-        is_forth = wish.source is ros1
-        return ActionRelay(wish.name, wish.chosen_type, ros1.graph, self._actions_join, to_ros2=is_forth)
+        is_forth = item.source is ros1
+        return ActionRelay(item.name, item.chosen_type, ros1.graph, self._actions_join, to_ros2=is_forth)
 
     async def _end(
-        self, relay: TopicRelay | ServiceRelay | ActionRelay, wish: Wish, *, was_open: bool
+        self, relay: TopicRelay | ServiceRelay | ActionRelay, item: RelayItem, *, was_open: bool
     ) -> None:
         try:
             await relay.close()
         except RostetherError as error:
-            self._report(Level.WARN, f"{wish.text} may still be listed: {error}")
+            self._report(Level.WARN, f"{item.text} may still be listed: {error}")
         if was_open:
-            self._report(Level.INFO, f"no longer relaying {wish.text}")
+            self._report(Level.INFO, f"no longer relaying {item.text}")

@@ -93,7 +93,7 @@ class Roscore:
             collected = await rosout.advertise(ROSOUT_AGG, LOG_TYPE)
 
             def forward(payloads: Sequence[bytes]) -> None:
-                # Logs never wait for who reads them slowly.
+                # Logs never wait for a slow reader.
                 collected.publish_raw(payloads)
 
             await rosout.subscribe(ROSOUT, LOG_TYPE, forward)

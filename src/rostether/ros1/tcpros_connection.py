@@ -26,7 +26,7 @@ CLOSE_GRACE_S = 1.0
 # Nearly all headers are below; larger ones are counted together, so that many cannot fill the memory.
 _LARGE_HEADER_BYTES = 64 << 10
 
-# As rospy and roscpp set them: a peer that vanished without a word is noticed after 2.5 minutes.
+# As rospy and roscpp set them: a peer that disappeared without closing is detected after 2.5 minutes.
 _KEEPALIVE = (("TCP_KEEPIDLE", 60), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 9))
 
 _next_id = itertools.count(1)
@@ -119,7 +119,7 @@ class HandshakeProtocol(asyncio.Protocol):
         return self._decoder.held_bytes
 
     def abort(self) -> None:
-        """Give up."""
+        """Abort the connection."""
         self._fail(RemoteProtocolError("connection given up"))
 
     def _fail(self, error: Exception) -> None:

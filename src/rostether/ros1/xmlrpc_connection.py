@@ -13,11 +13,11 @@ _LARGE_BODY_BYTES = 256 * 1024
 
 
 class ServerConnection(asyncio.Protocol):
-    """Reads requests, hands each body to `answer`, writes what comes back; `on_lost` is called at the end.
+    """Reads requests, passes each body to `answer` and writes the result; `on_lost` is called at the end.
 
     A large body continues only while `has_room` returns true; a large answer calls `make_room`. `admit`
-    closes connections that are not allowed. What comes after one request, or after much of one, waits for its
-    turn: `take_turn` calls `go_on` soon.
+    closes connections that are not allowed. After one request, or a large part of one, other connections are
+    served first: `schedule` calls `resume` soon.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
     (to notice that the client has gone): what a client can make us hold is bounded.
@@ -29,7 +29,7 @@ class ServerConnection(asyncio.Protocol):
         on_lost: Callable[[ServerConnection], None],
         has_room: Callable[[], bool],
         make_room: Callable[[], None],
-        take_turn: Callable[[ServerConnection], None],
+        schedule: Callable[[ServerConnection], None],
         admit: Callable[[ServerConnection, asyncio.Transport], bool] = lambda _connection, _transport: True,
         *,
         max_body_bytes: int = MAX_BODY_BYTES,
@@ -38,7 +38,7 @@ class ServerConnection(asyncio.Protocol):
         self._answer = answer
         self._has_room = has_room
         self._make_room = make_room
-        self._take_turn = take_turn
+        self._schedule = schedule
         self._waits_for_turn = False
         self._admit = admit
         self._on_lost = on_lost
@@ -91,7 +91,7 @@ class ServerConnection(asyncio.Protocol):
             self._transport.abort()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin."""
+        """Wait for a request, if the connection is admitted."""
         # uvloop's transports are not subclasses of asyncio's.
         self._transport = cast(asyncio.Transport, transport)
         peer = transport.get_extra_info("peername")
@@ -107,7 +107,7 @@ class ServerConnection(asyncio.Protocol):
         self._on_lost(self)
 
     def data_received(self, data: bytes) -> None:
-        """Read on."""
+        """Handle the next bytes of a request."""
         self.last_active_s = self._loop.time()
         if self._transport is None:
             return
@@ -127,7 +127,7 @@ class ServerConnection(asyncio.Protocol):
         self._pause()
 
     def resume_writing(self) -> None:
-        """Go on."""
+        """Write the waiting answers."""
         self._is_congested = False
         self._serve()
 
@@ -135,7 +135,7 @@ class ServerConnection(asyncio.Protocol):
         if self._transport is not None and not self._transport.is_closing():
             self._transport.pause_reading()
 
-    def go_on(self) -> None:
+    def resume(self) -> None:
         """Read the next request, or more of it."""
         self._waits_for_turn = False
         self._serve()
@@ -158,7 +158,7 @@ class ServerConnection(asyncio.Protocol):
                 return
         if body is not None or self._http.is_behind:
             self._waits_for_turn = True
-            self._take_turn(self)
+            self._schedule(self)
         elif self._http.ended:
             self._transport.close()
         elif not self._transport.is_closing() and not self._is_congested:

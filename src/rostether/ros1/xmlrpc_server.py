@@ -132,7 +132,7 @@ class XmlRpcServer:
             self._forget,
             self._has_room,
             self._make_room,
-            self._queue_turn,
+            self._schedule,
             self._admit,
             max_body_bytes=self._limits.body_bytes,
             is_own_host=self._own_names.include,
@@ -156,22 +156,22 @@ class XmlRpcServer:
         held_bytes = sum(connection.body_bytes for connection in self._connections)
         return held_bytes <= _LARGEST_AT_ONCE * self._limits.body_bytes
 
-    def _queue_turn(self, connection: ServerConnection) -> None:
+    def _schedule(self, connection: ServerConnection) -> None:
         self._turns.append(connection)
         if len(self._turns) == 1:
-            asyncio.get_running_loop().call_soon(self._give_turn)
+            asyncio.get_running_loop().call_soon(self._serve_waiting)
 
-    def _give_turn(self) -> None:
+    def _serve_waiting(self) -> None:
         due_s = monotonic() + SLICE_S
         while self._turns:
             try:
-                self._turns[0].go_on()
+                self._turns[0].resume()
             finally:
                 self._turns.popleft()
             if monotonic() >= due_s:
                 break
         if self._turns:
-            asyncio.get_running_loop().call_soon(self._give_turn)
+            asyncio.get_running_loop().call_soon(self._serve_waiting)
 
     def _make_room(self) -> None:
         """End the connections that have left their answers unread for longest, while all hold too much."""

@@ -129,7 +129,7 @@ class BaudProbe:
         self.result: BoardFound | NoBoard | None = None
 
     def start(self, now_s: float) -> None:
-        """Begin."""
+        """Start to probe."""
         self._next(now_s)
 
     def receive_data(self, data: bytes, now_s: float) -> None:
@@ -148,7 +148,7 @@ class BaudProbe:
         return self._until_s if timer_s is None else min(timer_s, self._until_s)
 
     def handle_timer(self, now_s: float) -> None:
-        """Do what is due."""
+        """Handle the link's timer, and try the next rate when it is due."""
         if self.result is not None:
             return
         self._handle_events(self._link.handle_timer(now_s), now_s)

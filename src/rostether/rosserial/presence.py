@@ -182,7 +182,7 @@ class Presence:
         return self._due_s
 
     def handle_timer(self, now_s: float, *, probes: bool) -> Verdict | None:
-        """Do what is due."""
+        """Return the action that is due now, None if there is none."""
         self._note_stall(now_s)
         if self.state is State.ABSENT:
             return None

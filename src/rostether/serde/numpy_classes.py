@@ -31,7 +31,7 @@ class NumpyClasses(MessageClasses):
     def __init__(self) -> None:
         super().__init__()
         try:
-            # By name: numpy belongs to the program, and is not one of our dependencies.
+            # Imported by name, because only the program depends on numpy.
             self.view: Callable[[bytes, str, int, int], Any] = import_module("numpy").frombuffer
         except ImportError:
             raise ConfigError("numpy=True needs numpy; type: pip install numpy") from None

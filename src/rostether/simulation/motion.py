@@ -39,7 +39,7 @@ class Pose:
 
 
 @dataclass(frozen=True, slots=True)
-class Feeling:
+class ImuValues:
     """The values of an ideal inertial sensor, in the robot's axes."""
 
     turn_rate: Vector
@@ -62,7 +62,7 @@ class CircleDrive:
         position = Vector(self.radius * sin(yaw), self.radius * (1.0 - cos(yaw)), 0.0)
         return Pose(position, _quaternion(roll, pitch, yaw))
 
-    def feeling(self, time_s: float) -> Feeling:
+    def imu_values(self, time_s: float) -> ImuValues:
         """Return turn rate and acceleration at a time; gravity appears as an upward acceleration."""
         roll, pitch, roll_rate, pitch_rate = self._sway_at(time_s)
         yaw_rate = self._yaw_rate
@@ -77,7 +77,7 @@ class CircleDrive:
             inward * cos(roll) + GRAVITY * sin(roll) * cos(pitch),
             -inward * sin(roll) + GRAVITY * cos(roll) * cos(pitch),
         )
-        return Feeling(turn_rate, acceleration)
+        return ImuValues(turn_rate, acceleration)
 
     @property
     def _yaw_rate(self) -> float:

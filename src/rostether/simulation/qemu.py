@@ -31,7 +31,7 @@ MACHINES = {
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
 # The last lines of output contain the reason for its end.
-MAX_SAID_BYTES = 4096
+MAX_OUTPUT_BYTES = 4096
 
 _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 
@@ -141,7 +141,7 @@ class QemuBoard:
         stdout = self._process.stdout
         assert stdout is not None
         while chunk := await stdout.read(4096):
-            output = (output + chunk)[-MAX_SAID_BYTES:]
+            output = (output + chunk)[-MAX_OUTPUT_BYTES:]
         self.last_words = _complaint(output)
 
 

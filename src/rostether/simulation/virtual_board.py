@@ -192,7 +192,7 @@ class VirtualBoard:
 
     def _publish_imu(self, now_s: float) -> None:
         time_s = now_s - self._booted_s
-        feeling = self._drive.feeling(time_s)
+        feeling = self._drive.imu_values(time_s)
         imu = self._imu_message
         imu.header.stamp = self._device.now()
         imu.header.frame_id = self._frame_id

@@ -83,7 +83,7 @@ def test_words_change_the_surroundings_and_answer(running: subprocess.Popen[str]
         "remote sideways: the remote control has the buttons",
         "the servos are left and right",
         "D13=2: write 0 or 1",
-        "dance: the simulated OpenCR has no such word",
+        "dance: the simulated OpenCR has no such command",
     ):
         assert reason in running.stderr.readline()
 

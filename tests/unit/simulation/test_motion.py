@@ -51,7 +51,7 @@ def test_turn_rate_is_what_turns_the_robot(time_s: float) -> None:
     before, after = (drive.pose(time_s + shift).orientation for shift in (-STEP_S, STEP_S))
     turned = product(conjugate(before), after)
     rate = [2 * part / (2 * STEP_S) for part in turned[:3]]
-    assert rate == pytest.approx(list(drive.feeling(time_s).turn_rate), abs=1e-5)
+    assert rate == pytest.approx(list(drive.imu_values(time_s).turn_rate), abs=1e-5)
 
 
 @pytest.mark.parametrize("time_s", TIMES_S)
@@ -60,7 +60,7 @@ def test_acceleration_is_that_of_the_path_and_gravity(time_s: float) -> None:
     before, here, after = (drive.pose(time_s + shift).position for shift in (-STEP_S, 0.0, STEP_S))
     world = Vector(*((a - 2 * h + b) / STEP_S**2 for a, h, b in zip(after, here, before, strict=True)))
     felt = rotate(conjugate(drive.pose(time_s).orientation), world._replace(z=world.z + GRAVITY))
-    assert list(felt) == pytest.approx(list(drive.feeling(time_s).acceleration), abs=1e-4)
+    assert list(felt) == pytest.approx(list(drive.imu_values(time_s).acceleration), abs=1e-4)
 
 
 def test_drive_a_circle_forward() -> None:

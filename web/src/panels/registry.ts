@@ -21,7 +21,7 @@ import { servicesPanel } from "./services/services.ts";
 import { simulationPanel } from "./simulation/simulation.ts";
 import { topicsPanel } from "./topics/topics.ts";
 
-/** What the robot does and what it shall do; what its data look like; the ROS graph; tools. */
+/** The robot and its control; its data; the ROS graph; tools. */
 export const panelGroups: readonly (readonly Panel[])[] = [
   [boardsPanel, fleetPanel, sensorsPanel, controlsPanel, drivePanel],
   [plotsPanel, imagesPanel, scenePanel, mapPanel],

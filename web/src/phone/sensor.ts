@@ -8,7 +8,7 @@ export type Problem =
   | "busy"
   | "unavailable"
   | "insecure"
-  /** The browser's own words follow. */
+  /** The browser's own text follows. */
   | { text: string };
 
 /** Why a sensor cannot be used. */

@@ -80,7 +80,7 @@ export class SeriesStore {
     let series = this.byId.get(id);
     if (series) this.byId.delete(id);
     else series = new Series(id, this.clock);
-    // The last one asked for is the last to go.
+    // The most recently used series is dropped last.
     this.byId.set(id, series);
     if (this.byId.size > MAX_SERIES) this.byId.delete(this.byId.keys().next().value!);
     return series;

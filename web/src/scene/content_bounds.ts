@@ -1,4 +1,4 @@
-// Where what a display draws is, for a camera that shows all of it.
+// The extent of a display's content, for a camera that shows all of it.
 import {
   type Box3,
   type BufferGeometry,
@@ -9,7 +9,7 @@ import {
   Vector3,
 } from "three";
 
-/** Of one object; so many of its points show well enough where it is. */
+/** The number of points of an object that are measured: enough to find its extent. */
 const MAX_LOOKED_AT = 1000;
 /** A few wrong points far away must not make the rest a dot. */
 const MAX_DISTANCE_M = 200;

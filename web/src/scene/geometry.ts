@@ -21,7 +21,7 @@ import { arrow, axes } from "./shapes.ts";
 const MAX_POSES = 5000;
 /** A path of an hour at 20 Hz. */
 const MAX_PATH_POINTS = 100_000;
-/** Odometry leaves a trail of so many points, one for each 2 cm of way. */
+/** Odometry leaves a trail of so many points, one for each 2 cm. */
 const MAX_TRAIL = 2000;
 /** 64 million cells are 64 MB of texture, more than a phone gives. */
 const MAX_CELLS = 4096 * 4096;

@@ -20,7 +20,7 @@ export class BoardRelay {
   readonly name: string;
   readonly baud: number;
   readonly state: Signal<RelayState> = signal("opening");
-  /** Why it is not connected, in the robot's or the browser's words. */
+  /** Why it is not connected: the robot's or the browser's text. */
   readonly problem = signal("");
   /** Bytes from the board and to it, since the start. */
   receivedBytes = 0;

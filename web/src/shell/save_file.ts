@@ -6,6 +6,6 @@ export function saveFile(name: string, data: BlobPart | BlobPart[], type: string
   link.href = url;
   link.download = name;
   link.click();
-  // The browser has taken it by then.
+  // The browser has read it by then.
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }

@@ -5,7 +5,7 @@ import { parseDefinition } from "../wire/definition.ts";
 import { encoder } from "../wire/encode.ts";
 import type { Robot } from "./robot.ts";
 
-/** Rejects with the reason in words when the call fails. */
+/** Rejects with the reason when the call fails. */
 export async function callService(robot: Robot, service: Service, request: Message): Promise<Message> {
   const { request: asked, response: answered } = service;
   const payload = encoder(parseDefinition(asked.schemaName, asked.schema))(request);

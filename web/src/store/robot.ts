@@ -31,7 +31,7 @@ export interface Subscription {
 
 export class Robot {
   readonly connection: Signal<ConnectionState> = signal("connecting");
-  /** Why the connection was lost, in the server's words; may be empty. */
+  /** Why the connection was lost, the server's reason; may be empty. */
   readonly lostReason = signal("");
   readonly canCommand = signal(false);
   /** Whether this page may publish, call, set and record; false without a connection too. */

@@ -15,6 +15,6 @@ export function saveSetting(key: string, value: unknown): void {
   try {
     localStorage.setItem(PREFIX + key, JSON.stringify(value));
   } catch {
-    // Then it is kept as long as the page.
+    // Then it is kept while the page is open.
   }
 }

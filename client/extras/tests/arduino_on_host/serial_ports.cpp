@@ -3,7 +3,7 @@
 
 HardwareSerial Serial;
 
-// As SoftwareSerial: no say on its room, so that Print answers 0.
+// As SoftwareSerial: it does not report its room, so Print returns 0.
 class QuietPort : public Stream {
  public:
   QuietPort() : baud_(0), written_(0) {}
@@ -62,7 +62,7 @@ int main() {
   ArduinoHardware soft(&quiet);
   soft.init();
   if (quiet.baud_ != 57600) return 5;
-  // Unknown room is not none: messages go out.
+  // Unknown room does not mean no room: messages are sent.
   if (soft.writable() < 1024) return 6;
   uint8_t bytes[3] = {1, 2, 3};
   soft.write(bytes, 3);

@@ -11,7 +11,7 @@ typedef void (*Constructor)();
 extern Constructor __init_array_start[], __init_array_end[];
 
 void startProgram();
-// A guard without threads: newlib's own brings in locks.
+// A guard without threads: newlib's guard links locks.
 int __cxa_guard_acquire(uint8_t* guard) { return !*guard; }
 void __cxa_guard_release(uint8_t* guard) { *guard = 1; }
 int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }
@@ -20,7 +20,7 @@ void* __dso_handle = nullptr;
 
 int main();
 
-// A fault shows as a board that is silent, until somebody asks the debugger.
+// After a fault the board is silent; a debugger shows the reason.
 static void stop() {
   for (;;) {
   }

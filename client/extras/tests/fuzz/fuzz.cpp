@@ -90,7 +90,7 @@ static unsigned long delivered;
 static int last_number;
 static unsigned number_count;
 
-// What a transmitter that is sometimes full, and a sketch that does much in its callbacks, make of it.
+// A transmitter that is sometimes full, and a sketch that does much in its callbacks.
 class FuzzHardware : public QueueingHardware {
  public:
   int writable() {
@@ -109,7 +109,7 @@ class FuzzHardware : public QueueingHardware {
   bool faulty = false;
 
  private:
-  // The receive buffer begins behind it; behind its end the sanitizer watches.
+  // The receive buffer follows it; the sanitizer checks the bytes after its end.
   const std::array<uint8_t, 64> canary_ = filled();
 
   static std::array<uint8_t, 64> filled() {
@@ -272,7 +272,7 @@ int main(int count, char** arguments) {
         bytes = sample + damaged(sample) + valid[chance(static_cast<uint32_t>(valid.size()))];
         break;
       default:
-        // Damaged inside, whole outside: what reaches the reader.
+        // A damaged payload in a valid frame: it reaches the reader.
         bytes = frame(chance(8) ? static_cast<uint16_t>(sample[5] | sample[6] << 8) : id,
                       damaged(Bytes(sample.begin() + 7, sample.end() - 1)));
     }
@@ -280,7 +280,7 @@ int main(int count, char** arguments) {
     while (!board->line.arriving.empty()) board->node.spinOnce();
     // Each question for the topics ends a spin.
     while (board->node.spinOnce() != ros::SPIN_OK) continue;
-    // A pause, after which the next frame stands for itself.
+    // A pause, so that the next frame is separate.
     for (uint16_t before = static_cast<uint16_t>(board->node.dropped() - 1); before != board->node.dropped();) {
       before = board->node.dropped();
       board->line.now_ms += 250;
@@ -292,7 +292,7 @@ int main(int count, char** arguments) {
     board->line.noise = 0;
     const int number = static_cast<int>(chance(30000));
     const unsigned before = number_count;
-    // All endpoints are announced for a question: seldom asked, it would be most of the work.
+    // Each topic request is answered with all endpoints, so it is sent rarely.
     const bool asks = fed % 16 == 0;
     board->line.send(frame(numbers.id_, Payload().u16(static_cast<uint16_t>(number))) + (asks ? frame(0) : Bytes()));
     const int result = board->node.spinOnce();

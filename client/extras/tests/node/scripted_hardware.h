@@ -19,14 +19,14 @@ struct Line {
   };
 
   unsigned long now_ms = 0;
-  // Time that goes by with each look at a silent line: what a loop that waits needs.
+  // The time that passes with each check of a silent line, for loops that wait.
   unsigned long silence_ms = 0;
   unsigned long looks = 0;
   int begun = 0;
   std::deque<Arrival> arriving;
   Bytes written;
   std::vector<Frame> frames;
-  // Bytes that are no frame: the library writes none.
+  // Bytes that are not a frame; the library never writes such bytes.
   size_t noise = 0;
   std::function<void(const Frame&)> on_frame;
 
@@ -49,7 +49,7 @@ struct Line {
     now_ms += silence_ms;
     return -1;
   }
-  // A loop that only looks at the clock gets on, too.
+  // A loop that only reads the clock also advances.
   unsigned long time() {
     if (silence_ms && ++looks % 50 == 0) ++now_ms;
     return now_ms;
@@ -99,7 +99,7 @@ struct Line {
   }
 };
 
-// The four functions that a Hardware has had ever since: it cannot say what its transmitter would take.
+// The four functions that every Hardware has: it cannot report the room of its transmitter.
 class PlainHardware {
  public:
   void init() { ++line.begun; }

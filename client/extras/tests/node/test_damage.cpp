@@ -104,7 +104,7 @@ TEST(damage, every_byte_lost_or_doubled) {
     const int heard = numbers_heard;
     target.line.send(damaged + frame(target.numbers.id_, Payload().u16(1)));
     for (int ms = 0; ms < 600; ++ms) ++target.line.now_ms, target.node.spinOnce();
-    // The frame behind may have been taken for the rest of the damaged one, and is found in it then.
+    // The next frame may count as the rest of the damaged one, and is then found in it.
     EXPECT_EQUAL(numbers_heard, heard + 1);
     target.line.take();
     target.line.send(Board<>::time(1700000000));

@@ -4,7 +4,7 @@
 #include "expect.h"
 #include "bytes.h"
 
-// What the host's processor makes of the same bits.
+// The host processor's result for the same bits.
 static uint64_t widened(uint32_t bits) {
   if ((bits & 0x7f800000) == 0x7f800000) {
     return static_cast<uint64_t>(bits & 0x80000000) << 32 | 0x7ff0000000000000ULL | static_cast<uint64_t>(bits & 0x7fffff) << 29;
@@ -94,7 +94,7 @@ TEST(float64, edges_of_rounding) {
 TEST(float64, random_doubles) {
   for (int i = 0; i < 2000000; ++i) {
     uint64_t bits = random64();
-    // Half of them where a float has numbers, some of them with nothing behind a float's last bit.
+    // Half of them in the range of a float, some of them exact in a float.
     if (i % 2) bits = (bits & 0x800fffffffffffffULL) | (865 + random64() % 300) << 52;
     if (i % 5 == 0) bits &= ~0xfffffffULL;
     expectNarrow(bits);

@@ -70,7 +70,7 @@ TEST(negotiation, without_endpoints_it_only_asks_for_the_time) {
   EXPECT_EQUAL(board.line.take().size(), 1u);
 }
 
-// A board's first words are a question for the time: a host that asks for the topics would hear announcements twice.
+// A board first asks for the time: a host that asks for the topics would hear announcements twice.
 TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_ask) {
   Board<> board;
   std_msgs::String text;
@@ -87,7 +87,7 @@ TEST(negotiation, introduces_itself_after_its_own_reset_to_a_host_that_does_not_
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
   const std::vector<Frame> introduction = board.line.take();
   EXPECT_EQUAL(introduction.size(), 2u);
-  // Hosts tell it by the order from the answer to a question of theirs.
+  // Hosts distinguish it from a requested answer by the order.
   EXPECT_EQUAL(introduction[0].id, 0);
   EXPECT_EQUAL(introduction[1].id, 10);
   EXPECT(board.node.connected());
@@ -118,7 +118,7 @@ TEST(negotiation, requests_that_came_in_together_are_answered_once) {
     EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_OK);
   }
   EXPECT_EQUAL(board.line.take().size(), 0u);
-  // One that comes later is a question of its own: an announcement may have been lost.
+  // A later request is a separate one: an announcement may have been lost.
   board.line.send(frame(0));
   EXPECT_EQUAL(board.node.spinOnce(), ros::SPIN_ERR);
   EXPECT_EQUAL(board.announced().size(), 2u);

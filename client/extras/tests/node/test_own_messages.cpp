@@ -1,4 +1,4 @@
-// Message classes that no generator of ours wrote: a base class with virtual functions, and none at all.
+// Message classes of other generators: with a base class of virtual functions, and without one.
 #include "ros/subscriber.h"
 
 #include <ros.h>
@@ -7,7 +7,7 @@
 
 #include "scripted_hardware.h"
 
-// As a test of a library with other message classes has it: the functions alone.
+// Only the functions, as in the tests of a library with other message classes.
 class Pair {
  public:
   uint8_t left = 0, right = 0;

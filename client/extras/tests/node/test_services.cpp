@@ -76,7 +76,7 @@ TEST(services, no_response_within_the_time) {
   EXPECT(!caller.lookup.call(caller.request, caller.response, 300));
   EXPECT(caller.line.now_ms - began_ms >= 300 && caller.line.now_ms - began_ms < 400);
   EXPECT_EQUAL(caller.calls, 1);
-  // By default less than it takes to give up the host.
+  // By default shorter than the time after which the host counts as disconnected.
   const unsigned long again_ms = caller.line.now_ms;
   EXPECT(!caller.lookup.call(caller.request, caller.response));
   EXPECT(caller.line.now_ms - again_ms >= 5000 && caller.line.now_ms - again_ms <= 11000);

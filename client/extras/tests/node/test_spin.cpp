@@ -117,7 +117,7 @@ TEST(spin, a_line_that_never_pauses_does_not_keep_it) {
     EXPECT(board.line.now_ms - began_ms >= 50 && board.line.now_ms - began_ms < 120);
     board.node.setSpinTimeout(0);
   }
-  // And its own questions go out meanwhile.
+  // Its own requests are sent meanwhile.
   EXPECT(board.line.take(10).size() >= 2);
 }
 

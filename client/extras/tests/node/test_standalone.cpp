@@ -38,7 +38,7 @@ TEST(standalone, cut_off_bytes_are_no_message) {
   Bytes whole(state.serializedLength());
   EXPECT_EQUAL(state.serialize(&whole[0]), static_cast<int>(whole.size()));
   for (size_t length = 0; length < whole.size(); ++length) {
-    // Each in memory of just its size, where a byte too far is found out.
+    // Each in memory of exactly its size, so that a byte too far is detected.
     std::unique_ptr<uint8_t[]> buffer(new uint8_t[length + 64]);
     memcpy(buffer.get(), whole.data(), length);
     sensor_msgs::JointState back;
@@ -47,7 +47,7 @@ TEST(standalone, cut_off_bytes_are_no_message) {
   std::unique_ptr<uint8_t[]> buffer(new uint8_t[whole.size() + 64]);
   memcpy(buffer.get(), whole.data(), whole.size());
   sensor_msgs::JointState back;
-  // Without room for its pointers it is refused, never read into nothing.
+  // Without room for its pointers it is refused.
   EXPECT_EQUAL(back.deserialize(buffer.get(), whole.size()), -1);
   memcpy(buffer.get(), whole.data(), whole.size());
   EXPECT_EQUAL(back.deserialize(buffer.get(), whole.size(), whole.size() + 64), static_cast<int>(whole.size()));

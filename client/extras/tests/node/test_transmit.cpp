@@ -51,7 +51,7 @@ TEST(transmit, what_no_frame_holds_is_not_sent) {
 
 TEST(transmit, it_goes_on_reading_while_the_transmitter_is_full) {
   Sender<QueueingHardware> sender;
-  // A line as slow out as in: while 400 bytes go out, 20 messages come in.
+  // A line that is equally slow in both directions: while 400 bytes are sent, 20 messages arrive.
   const Bytes number = frame(sender.numbers.id_, Payload().u16(1));
   for (int i = 0; i < 20; ++i) sender.line.sendSlowly(number, 0);
   const std::string text(400, 'x');
@@ -104,7 +104,7 @@ TEST(transmit, a_transmitter_that_takes_nothing_is_given_up) {
   EXPECT(sender.line.now_ms - began_ms > 50 && sender.line.now_ms - began_ms < 500);
   EXPECT_EQUAL(sender.node.dropped(), 1);
   EXPECT_EQUAL(sender.line.written.size(), 0u);
-  // Spinning does not wait for it over and over.
+  // Spinning does not wait for it again.
   const unsigned long spun_ms = sender.line.now_ms;
   for (int i = 0; i < 100; ++i) sender.node.spinOnce();
   EXPECT(sender.line.now_ms - spun_ms < 500);

@@ -23,7 +23,7 @@ ros::Publisher answers("answer", &answer);
 
 ros::ServiceClient<std_srvs::TriggerRequest, std_srvs::TriggerResponse> trigger("trigger");
 
-// Set by the callback, done by the loop: a service call within a callback would be answered too, but keeps its frame.
+// Set by the callback, handled by the loop: a service call in a callback also works, but keeps the callback's frame.
 enum Task { NOTHING, ASK_PARAMETER, CALL_SERVICE };
 Task task = NOTHING;
 

@@ -1,5 +1,5 @@
-// An Arduino sketch where there is no Arduino: -DSKETCH='"path/X.ino"'. It has the time, pins that remember what was
-// written to them, and what else sketches use that need nothing but the client library.
+// An Arduino sketch where there is no Arduino: -DSKETCH='"path/X.ino"'. It provides the time, pins that keep
+// their level, and the rest of Arduino that simple sketches use.
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// A line that takes nothing for a while, by a clock of its own. Exits with the number of the first check that fails.
+// A line that accepts nothing for a while, with its own clock. Exits with the number of the first check that fails.
 #define ROS_NO_PLATFORM
 #include <ros.h>
 #include <std_msgs/UInt32.h>
@@ -47,7 +47,7 @@ int main() {
   }
   if (line.now_ms_ - began_ms > 20) return 5;
 
-  // A little at a time is enough, and then a full line is waited for as before.
+  // A few bytes at a time are enough; then the node waits for a full line as before.
   line.room_ = 1;
   line.sent_ = 0;
   if (counter.publish(&count) != 12 || line.sent_ != 12) return 6;

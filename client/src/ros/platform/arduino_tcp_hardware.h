@@ -43,7 +43,7 @@ class ArduinoTcpHardware {
   unsigned long time() { return millis(); }
 
  private:
-  // To ask a network chip whether it is still connected costs as much time as to read many bytes from it.
+  // Asking a network chip whether it is still connected takes as long as reading many bytes from it.
   static const uint8_t WATCH_PERIOD_MS = 10;
 
   void watch() {
@@ -70,7 +70,7 @@ class ArduinoTcpHardware {
     }
   }
 
-  // Where small packets would otherwise wait for each other.
+  // On boards where small packets would otherwise wait for each other.
   template <class C>
   static auto sendAtOnce(C& client, int) -> decltype(client.setNoDelay(true), void()) {
     client.setNoDelay(true);

@@ -39,7 +39,7 @@ class TtyPipe {
     fcntl(fd_, F_SETFD, FD_CLOEXEC);
     struct termios line;
     if (tcgetattr(fd_, &line) != 0) {
-      reason_ = "is no serial port";
+      reason_ = "is not a serial port";
       close();
       return PIPE_FAILED;
     }

@@ -1,5 +1,5 @@
-// A serial port of any class. Arduino's ports are all Streams, but a Stream has no `begin`, and does not say of every
-// port how much it takes.
+// A serial port of any class. Arduino's ports are all Streams, but a Stream has no `begin`, and not every
+// port reports its room.
 #ifndef ROS_PLATFORM_SERIAL_PORT_H_
 #define ROS_PLATFORM_SERIAL_PORT_H_
 
@@ -47,7 +47,7 @@ class SerialPort {
  private:
   static const int ANY_ROOM = 0x7fff;
 
-  // In a program whose ports are all of `Class` nothing ever sets this, and the compiler leaves out what asks for it.
+  // In a program whose ports are all of `Class` nothing sets this, and the compiler leaves out the checks of it.
   static bool& sawOtherClass() {
     static bool saw = false;
     return saw;
@@ -80,7 +80,7 @@ class SerialPort {
   }
 
 #if defined(__AVR__)
-  // A port that has no more than Print's way to write many bytes, each by a call: without going through that.
+  // A port that inherits Print's write of many bytes, which calls `write` for each one: writes them directly.
   template <class Port, size_t (Print::*)(const uint8_t*, size_t) = &Port::write>
   void write(const uint8_t* bytes, size_t count, int) {
     for (; count; --count) stream_->write(*bytes++);

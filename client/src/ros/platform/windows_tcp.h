@@ -2,7 +2,7 @@
 #ifndef ROS_PLATFORM_WINDOWS_TCP_H_
 #define ROS_PLATFORM_WINDOWS_TCP_H_
 
-// winsock2.h first: windows.h would bring the winsock of 1993.
+// winsock2.h first: windows.h would include the winsock of 1993.
 #include <winsock2.h>
 #include <ws2tcpip.h>
 #include <windows.h>

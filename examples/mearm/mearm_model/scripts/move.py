@@ -40,15 +40,15 @@ class JointMover:
 
     @staticmethod
     def explain_misfit(positions):
-        """Return why these are no positions for the arm's joints, or an empty text."""
+        """Return why these cannot be positions of the arm's joints, or an empty text."""
         if not isinstance(positions, list):
-            return "it is no list"
+            return "it is not a list"
         if len(positions) != len(JOINT_NAMES):
             return f"it has {len(positions)} values, the arm has {len(JOINT_NAMES)} joints"
         for value in positions:
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if not is_number or not math.isfinite(value):
-                return f"{value!r} is no angle in radians"
+                return f"{value!r} is not an angle in radians"
         return ""
 
     def run(self):

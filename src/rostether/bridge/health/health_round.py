@@ -53,14 +53,14 @@ class HealthRound:
         self._shared_topics = SharedTopics(reporter)
 
     def start(self) -> None:
-        """Start."""
+        """Start to publish the health of the boards."""
         loop = asyncio.get_running_loop()
         self._tasks = [loop.create_task(self._run())]
         if self._publishes:
             self._tasks.append(loop.create_task(self._serve_new_subscribers()))
 
     async def close(self) -> None:
-        """End. Idempotent."""
+        """Stop, and unadvertise. Idempotent."""
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)

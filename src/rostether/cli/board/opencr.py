@@ -27,13 +27,13 @@ async def start_opencr(
 ) -> OpenCrBoard:
     """Build a sketch and start it. The board gets `words` at its start.
 
-    Raises ConfigError for words that the board does not have, FirmwareError for a sketch that cannot be
+    Raises ConfigError for commands that the board does not have, FirmwareError for a sketch that cannot be
     built, BoardError.
     """
     from rostether.firmware.opencr_build import build_for_linux
     from rostether.mechanisms.own_loop import in_own_loop
     from rostether.simulation.opencr.board import OpenCrBoard
-    from rostether.simulation.opencr.words import obey
+    from rostether.simulation.opencr.commands import execute
 
     if has_other_options:
         raise ConfigError(
@@ -49,7 +49,7 @@ async def start_opencr(
     board = await OpenCrBoard.start(program, link_path=link_path)
     try:
         for line in words:
-            obey(board, line)
+            execute(board, line)
     except BaseException:
         await board.close()
         raise
@@ -65,13 +65,13 @@ async def run_opencr(
     has_other_options: bool,
     as_json: bool,
 ) -> None:
-    """Run a sketch until it ends, with words on standard input. Raises the same errors as `start_opencr`."""
-    from rostether.simulation.opencr.words import obey
+    """Run a sketch until it ends, with commands on standard input. Raises the errors of `start_opencr`."""
+    from rostether.simulation.opencr.commands import execute
 
     board = await start_opencr(sketch, words, link_path, msg_paths, has_other_options=has_other_options)
 
     async def obey_line(line: str) -> None:
-        answer = obey(board, line)
+        answer = execute(board, line)
         if answer is not None:
             show_event(answer, as_json=as_json)
 

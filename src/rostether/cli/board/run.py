@@ -124,8 +124,8 @@ def board_run(program: Path, options: BoardOptions, msg_paths: tuple[Path, ...],
     """Run a sketch, or an ELF or HEX file, on a simulated Arduino board.
 
     Its serial port is a pseudo-terminal, whose path is printed: `rostether serve` accepts it. While it runs,
-    lines of standard input are commands with the same words as the options (adc A0=2.5, range 0.5, pin D7=1,
-    fault none) and more (reset, power off, memory SYMBOL); see the reference of words and events.
+    lines of standard input are commands with the names of the options (adc A0=2.5, range 0.5, pin D7=1,
+    fault none) and more (reset, power off, memory SYMBOL); see the reference of commands and events.
     """
     if options.link_path is not None and options.tcp_port is not None:
         raise click.UsageError("give --link or --tcp, not both")

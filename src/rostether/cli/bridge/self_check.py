@@ -111,7 +111,7 @@ def _extra(extra: str, module: str, distribution: str, purpose: str) -> Finding:
     try:
         return Finding(extra, purpose, f"{distribution} {importlib.metadata.version(distribution)}")
     except importlib.metadata.PackageNotFoundError:
-        # Of a sourced ROS 2, or of the system.
+        # It belongs to a sourced ROS 2, or to the system.
         return Finding(extra, purpose, f"{module}, not installed by pip")
 
 

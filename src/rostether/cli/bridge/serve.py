@@ -268,7 +268,7 @@ async def _serve(
             ):
                 if settings.discovers:
                     supervisor.discover(KnownBoards(known_boards_path()), taken=opened)
-                # Present objects stay; without freezing, a garbage collection delays messages by 20 ms.
+                # Existing objects are permanent: frozen, they no longer make a garbage collection take 20 ms.
                 gc.freeze()
                 await supervisor.wait_done()
                 return EXIT_FAILED if supervisor.has_failed else EXIT_DONE

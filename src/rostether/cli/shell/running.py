@@ -163,7 +163,7 @@ async def reporting(main: Coroutine[Any, Any, T]) -> T:
 
     The watchdog's period is half of WATCHDOG_USEC. A loop that is held sends nothing.
     """
-    # The programs that this one starts have no part in it.
+    # It does not apply to programs that this one starts.
     address = os.environ.pop("NOTIFY_SOCKET", "")
     if not address:
         return await main

@@ -94,7 +94,7 @@ class _Printer(EchoPrinter):
 
 
 async def _hint_at_silence(graph: TypedGraph, topic: str, printer: _Printer) -> None:
-    # Another part reports a master that is away.
+    # Another part reports an unreachable master.
     with contextlib.suppress(GraphError):
         is_simulated = await graph.get_param("/use_sim_time", False)
         await asyncio.sleep(SILENCE_WARNING_S)

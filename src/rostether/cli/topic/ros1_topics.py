@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 ONCE_S = 3.0
 # For messages from files and pipes, as rostopic.
 FILE_RATE_HZ = 10.0
-# Every graph has them, so a topic with a similar name is no typing error.
+# Every graph has them, so a topic with a similar name is not a typing error.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
 # Messages from files and pipes wait this long for a subscriber.
 SUBSCRIBER_TIMEOUT_S = 5.0

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import AccessDeniedError, RemoteProtocolError, RostetherError, UnknownNameError
-from rostether.gateways.rosbridge.client_subscription import Wish
+from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, matches
@@ -19,7 +19,7 @@ from rostether.ros2.actions.server import ActionServer
 from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 
-Send = Callable[[dict[str, Any], Wish], None]
+Send = Callable[[dict[str, Any], Delivery], None]
 
 # A robot with a goal should stop if the page disconnects; the time limit of the cancel request.
 _CANCEL_LIMIT_S = 2.0
@@ -38,7 +38,7 @@ class ClientActions:
     async def send_goal(self, request: Request) -> None:
         """Send a goal; feedback and result are sent to the client when they arrive."""
         action, types = self._action(request, request.word("action_type"))
-        goal_id, wish = request.id, Wish.read(request)
+        goal_id, delivery = request.id, Delivery.read(request)
         if len(self._goals) >= MAX_GOALS:
             raise RemoteProtocolError(f"send_action_goal: at most {MAX_GOALS} goals at once are allowed")
         if goal_id in self._by_id:
@@ -50,7 +50,7 @@ class ClientActions:
 
         def on_feedback(message: bytes) -> None:
             values = forms.to_json(types.feedback, message)
-            self._send({"op": "action_feedback", **answer, "values": values}, wish)
+            self._send({"op": "action_feedback", **answer, "values": values}, delivery)
 
         async def run() -> None:
             result = {"op": "action_result", **answer}
@@ -60,7 +60,7 @@ class ClientActions:
                 result |= {"values": values, "status": int(status), "result": True}
             except RostetherError as error:
                 result |= {"values": str(error), "status": int(GoalStatus.UNKNOWN), "result": False}
-            self._send(result, wish)
+            self._send(result, delivery)
 
         task = asyncio.ensure_future(run())
         self._goals[task] = call
@@ -201,11 +201,11 @@ class _OfferedAction:
             "args": self._forms.to_json(self._types.goal, payload),
             "feedback": True,
         }
-        self._send(fields, Wish())
+        self._send(fields, Delivery())
 
     def _send_cancel(self, goal_id: bytes) -> None:
         fields = {"op": "cancel_action_goal", "id": self._text_id(goal_id), "action": self._name}
-        self._send(fields, Wish())
+        self._send(fields, Delivery())
 
     def _text_id(self, goal_id: bytes) -> str:
         return f"action_goal:{self._name}:{goal_id.hex()}"

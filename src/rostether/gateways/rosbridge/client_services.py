@@ -13,7 +13,7 @@ from rostether.errors import (
     RostetherError,
     UnknownNameError,
 )
-from rostether.gateways.rosbridge.client_subscription import Wish
+from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request
@@ -23,7 +23,7 @@ from rostether.gateways.rosbridge.type_names import short_type
 # Responses that the gateway computes for one client at once: a page with many requests must not delay others.
 MAX_LOCAL_CALLS = 2
 
-Send = Callable[[dict[str, Any], Wish], None]
+Send = Callable[[dict[str, Any], Delivery], None]
 
 
 class ClientServices:
@@ -38,16 +38,16 @@ class ClientServices:
 
     def call(self, request: Request) -> None:
         """Call a service; the answer is sent when it arrives, independently of other requests."""
-        service, wish = request.word("service"), Wish.read(request)
+        service, delivery = request.word("service"), Delivery.read(request)
         timeout_s = request.number("timeout", 0) or None
         is_too_large = self._calls and self._call_bytes + request.size_bytes > MAX_QUEUED_BYTES
         if len(self._calls) >= MAX_CALLS or is_too_large:
             # Refused rather than delayed: the client's next message may stop a robot.
             most = f"{self._call_bytes} bytes of" if is_too_large else MAX_CALLS
             reason = f"this client has {most} pending calls; {service} is not called"
-            self._send(_response(request, service) | {"values": reason, "result": False}, wish)
+            self._send(_response(request, service) | {"values": reason, "result": False}, delivery)
             return
-        task = asyncio.ensure_future(self._call(request, service, wish, timeout_s))
+        task = asyncio.ensure_future(self._call(request, service, delivery, timeout_s))
         self._calls[task] = request.size_bytes
         self._call_bytes += request.size_bytes
         task.add_done_callback(self._called)
@@ -61,7 +61,7 @@ class ClientServices:
         service_type = self._context.store.registry.service_type(short_type(request.word("type")))
         send = self._send
         service = OfferedService(
-            name, service_type, self, self._context.forms, lambda fields: send(fields, Wish())
+            name, service_type, self, self._context.forms, lambda fields: send(fields, Delivery())
         )
         old = await self._context.offered.offer(service)
         if old is not None and old.owner is not self:
@@ -90,7 +90,9 @@ class ClientServices:
     def _called(self, task: asyncio.Task[None]) -> None:
         self._call_bytes -= self._calls.pop(task)
 
-    async def _call(self, request: Request, service: str, wish: Wish, timeout_s: float | None) -> None:
+    async def _call(
+        self, request: Request, service: str, delivery: Delivery, timeout_s: float | None
+    ) -> None:
         answer = _response(request, service)
         try:
             async with asyncio.timeout(timeout_s):
@@ -100,7 +102,7 @@ class ClientServices:
             answer |= {"values": str(error), "result": False}
         except TimeoutError:
             answer |= {"values": f"service {service} did not answer within {timeout_s:g} s", "result": False}
-        self._send(answer, wish)
+        self._send(answer, delivery)
 
     async def _values(self, service: str, request: Request) -> dict[str, Any]:
         context = self._context

@@ -44,8 +44,8 @@ _STRENGTH = list(Compression)
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
-    """The requests of one subscribe message."""
+class Delivery:
+    """How one subscription wants its messages: rate, queue and form."""
 
     throttle_s: float = 0.0
     queue_length: int = 0
@@ -53,7 +53,7 @@ class Wish:
     compression: Compression = Compression.NONE
 
     @classmethod
-    def read(cls, request: Request) -> Wish:
+    def read(cls, request: Request) -> Delivery:
         """Read a subscribe or call_service message. Raises RemoteProtocolError."""
         name = request.optional_word("compression") or Compression.NONE
         try:
@@ -70,14 +70,14 @@ class Wish:
         )
 
 
-def merge(wishes: list[Wish]) -> Wish:
-    """Return one wish that satisfies all wishes of a client."""
-    sizes = [each.fragment_bytes for each in wishes if each.fragment_bytes is not None]
-    return Wish(
-        min(each.throttle_s for each in wishes),
-        min(each.queue_length for each in wishes),
+def merge(settings: list[Delivery]) -> Delivery:
+    """Return the settings that satisfy all subscriptions of a client."""
+    sizes = [each.fragment_bytes for each in settings if each.fragment_bytes is not None]
+    return Delivery(
+        min(each.throttle_s for each in settings),
+        min(each.queue_length for each in settings),
         min(sizes, default=None),
-        max((each.compression for each in wishes), key=_STRENGTH.index),
+        max((each.compression for each in settings), key=_STRENGTH.index),
     )
 
 
@@ -88,7 +88,7 @@ class ClientSubscription:
         self, topic: str, outbox: Outbox[ClientSubscription], report_mistake: Callable[[str], None]
     ) -> None:
         self.topic = topic
-        self.wish = Wish()
+        self.delivery = Delivery()
         self.dropped_count = 0
         # How many of them were reported to the client, and when it may receive the next report.
         self.reported_count = 0
@@ -97,40 +97,40 @@ class ClientSubscription:
         self.share: SharedSubscription | None = None
         self._outbox = outbox
         self._report_mistake = report_mistake
-        self._wishes: dict[object, Wish] = {}
+        self._settings: dict[object, Delivery] = {}
         self._type = ""
         self._refused: set[str] = set()
         self._next_s = 0.0
         self._held: deque[tuple[Batch, int]] = deque()
         self._timer: asyncio.TimerHandle | None = None
 
-    def want(self, request_id: object, wish: Wish, type_name: str) -> None:
-        """Add a wish, or replace the one of the same id. Raises RemoteProtocolError."""
-        if len(self._wishes) >= MAX_REQUESTS and request_id not in self._wishes:
+    def want(self, request_id: object, delivery: Delivery, type_name: str) -> None:
+        """Add the settings of a subscription, or replace those of the same id. Raises RemoteProtocolError."""
+        if len(self._settings) >= MAX_REQUESTS and request_id not in self._settings:
             raise RemoteProtocolError(
                 f"{self.topic} is subscribed {MAX_REQUESTS} times; unsubscribe some ids"
             )
         if type_name:
             self._type = type_name
-        self._wishes[request_id] = wish
+        self._settings[request_id] = delivery
         self._settle()
 
     def want_no_more(self, request_id: object) -> bool:
-        """Remove the wish of an id (default: all wishes); returns whether any wish is left."""
+        """Remove the subscription of an id (default: all); returns whether any is left."""
         if request_id is None:
-            self._wishes.clear()
+            self._settings.clear()
         else:
-            self._wishes.pop(request_id, None)
-        if self._wishes:
+            self._settings.pop(request_id, None)
+        if self._settings:
             self._settle()
-        return bool(self._wishes)
+        return bool(self._settings)
 
     def enqueue(self, batch: Batch) -> None:
         """Queue the messages that the client wants."""
         if not self._fits(batch.connection):
             return
         for index in range(len(batch.payloads)):
-            if self.wish.throttle_s:
+            if self.delivery.throttle_s:
                 self._throttle(batch, index)
             else:
                 self._put(batch, index)
@@ -155,10 +155,10 @@ class ClientSubscription:
         self._outbox.put(self, batch, index, self.queue_length)
 
     def _settle(self) -> None:
-        self.wish = merge(list(self._wishes.values()))
+        self.delivery = merge(list(self._settings.values()))
         # Zero means no queue in the protocol: messages for a slow client then wait within the server's
         # limits.
-        self.queue_length = min(self.wish.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
+        self.queue_length = min(self.delivery.queue_length or MAX_QUEUED_MESSAGES, MAX_QUEUED_MESSAGES)
         self._held = deque(self._held, maxlen=self.queue_length)
 
     def _fits(self, connection: PublisherConnection) -> bool:
@@ -171,7 +171,7 @@ class ClientSubscription:
 
     def _throttle(self, batch: Batch, index: int) -> None:
         now_s = asyncio.get_running_loop().time()
-        if self.wish.queue_length:
+        if self.delivery.queue_length:
             if len(self._held) == self._held.maxlen:
                 self.dropped_count += 1
             self._held.append((batch, index))
@@ -201,6 +201,6 @@ class ClientSubscription:
 
     def _step(self, now_s: float) -> None:
         # A message that is a little late must not shift the schedule of the next one.
-        throttle_s = self.wish.throttle_s
+        throttle_s = self.delivery.throttle_s
         is_in_step = now_s - self._next_s < throttle_s / 2
         self._next_s = (self._next_s if is_in_step else now_s) + throttle_s

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import AccessDeniedError, RemoteProtocolError, TypeMismatchError, UnknownNameError
-from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Wish
+from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.publication import Publication
@@ -66,17 +66,17 @@ class ClientTopics:
     async def subscribe(self, request: Request) -> None:
         """Subscribe a topic, which need not exist yet."""
         topic = request.word("topic")
-        wish = Wish.read(request)
+        delivery = Delivery.read(request)
         type_name = request.optional_word("type")
         known = self._subscriptions.get(topic)
         if known is not None:
-            known.want(request.id, wish, type_name)
+            known.want(request.id, delivery, type_name)
             return
         self._check_glob(topic)
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise RemoteProtocolError(f"subscribe: at most {MAX_SUBSCRIPTIONS} are allowed; unsubscribe some")
         subscription = ClientSubscription(topic, self._outbox, self._report_mistake)
-        subscription.want(request.id, wish, type_name)
+        subscription.want(request.id, delivery, type_name)
         self._subscriptions[topic] = subscription
         try:
             subscription.share = await self._context.shared.subscribe(topic, subscription.enqueue)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.rosbridge.client_actions import ClientActions
 from rostether.gateways.rosbridge.client_services import ClientServices
-from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Wish
+from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Delivery
 from rostether.gateways.rosbridge.client_topics import ClientTopics
 from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
 from rostether.gateways.rosbridge.operations import OPERATIONS
@@ -174,15 +174,15 @@ class Session:
             last = "; further errors are sent only to the client" if len(self._logged) == MAX_LOGGED else ""
             self._context.report(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
 
-    def _send(self, fields: dict[str, Any], wish: Wish) -> None:
+    def _send(self, fields: dict[str, Any], delivery: Delivery) -> None:
         text = write_json(fields)
-        if wish.compression is Compression.PNG:
+        if delivery.compression is Compression.PNG:
             text = pack_png(text)
-        for frame in self._pieces(text, wish):
+        for frame in self._pieces(text, delivery):
             self._outbox.answer(frame)
 
-    def _pieces(self, frame: Frame, wish: Wish) -> list[Frame]:
-        size = wish.fragment_bytes or self._context.settings.fragment_bytes
+    def _pieces(self, frame: Frame, delivery: Delivery) -> list[Frame]:
+        size = delivery.fragment_bytes or self._context.settings.fragment_bytes
         if size is None or isinstance(frame, bytes) or len(frame) <= size:
             return [frame]
         return list(split_fragments(frame, size, str(next(self._fragment_ids))))
@@ -220,13 +220,15 @@ class Session:
 
     def _frames(self, due: Due[ClientSubscription]) -> list[Frame]:
         subscription = due.receiver
-        wish = subscription.wish
+        delivery = subscription.delivery
         try:
-            frame = self._context.forms.published(subscription.topic, due.batch, due.index, wish.compression)
+            frame = self._context.forms.published(
+                subscription.topic, due.batch, due.index, delivery.compression
+            )
         except RostetherError as error:
             subscription.refuse(due.batch.connection, error)
             return []
-        frames = self._pieces(frame, wish)
+        frames = self._pieces(frame, delivery)
         self._report_losses(subscription)
         return frames
 

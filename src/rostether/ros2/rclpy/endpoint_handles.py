@@ -110,7 +110,7 @@ class Endpoints:
         return ListedClient(lambda: self._unlist(key))
 
     async def close(self) -> None:
-        """End everything."""
+        """End all endpoints. Idempotent."""
         self._is_closing = True
         if self._polling is not None:
             self._polling.cancel()

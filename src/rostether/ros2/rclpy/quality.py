@@ -33,7 +33,7 @@ ROSOUT_DEPTH: Final = 1000
 ROSOUT_LIFESPAN_S: Final = 10
 
 
-class Wish(Enum):
+class SubscriberQuality(Enum):
     """The quality of service that a subscriber requests."""
 
     RELIABLE = "reliable"
@@ -54,21 +54,21 @@ def publisher_profile(*, latch: bool) -> Any:
     )
 
 
-def subscriber_wish(publishers: Sequence[Any]) -> Wish:
+def subscriber_quality(publishers: Sequence[Any]) -> SubscriberQuality:
     """Return the most that all publishers (endpoint infos of rclpy) offer; reliable if there are none."""
     profiles = [publisher.qos_profile for publisher in publishers]
     is_reliable = all(profile.reliability.name != "BEST_EFFORT" for profile in profiles)
     is_latched = bool(profiles) and all(is_latching(publisher) for publisher in publishers)
     if is_latched:
-        return Wish.RELIABLE_LATCHED if is_reliable else Wish.BEST_EFFORT_LATCHED
-    return Wish.RELIABLE if is_reliable else Wish.BEST_EFFORT
+        return SubscriberQuality.RELIABLE_LATCHED if is_reliable else SubscriberQuality.BEST_EFFORT_LATCHED
+    return SubscriberQuality.RELIABLE if is_reliable else SubscriberQuality.BEST_EFFORT
 
 
-def subscriber_profile(wish: Wish) -> Any:
-    """Return the profile of a wish."""
+def subscriber_profile(quality: SubscriberQuality) -> Any:
+    """Return the profile of a subscriber."""
     qos = load_rclpy().qos
-    is_latched = wish in (Wish.RELIABLE_LATCHED, Wish.BEST_EFFORT_LATCHED)
-    is_reliable = wish in (Wish.RELIABLE, Wish.RELIABLE_LATCHED)
+    is_latched = quality in (SubscriberQuality.RELIABLE_LATCHED, SubscriberQuality.BEST_EFFORT_LATCHED)
+    is_reliable = quality in (SubscriberQuality.RELIABLE, SubscriberQuality.RELIABLE_LATCHED)
     return qos.QoSProfile(
         history=qos.HistoryPolicy.KEEP_LAST,
         depth=SUBSCRIBER_DEPTH,

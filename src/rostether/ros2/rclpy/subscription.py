@@ -25,11 +25,11 @@ from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import load_rclpy, message_class
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import (
-    Wish,
+    SubscriberQuality,
     connection_fields,
     name_policy,
     subscriber_profile,
-    subscriber_wish,
+    subscriber_quality,
 )
 from rostether.ros2.rclpy.view import node_name_of
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
@@ -67,7 +67,7 @@ class RclpySubscriber:
         self._support: MessageSupport | None = None
         if not self._is_of_any_type:
             self._support = own.types.message(message_type)
-        self._wish: Wish | None = None
+        self._quality: SubscriberQuality | None = None
         self._subscription: Any = None
         self._queue: Handover[bytes] = Handover(self._deliver, limit=DEFAULT_QUEUE_BYTES)
         # Publishers that were reported as connected, with the names of their nodes.
@@ -139,9 +139,9 @@ class RclpySubscriber:
         if self._support is None:
             return
         of_type = [each for each in publishers if each.topic_type == self._support.name]
-        wish = subscriber_wish(of_type)
-        if self._subscription is None or (of_type and wish != self._wish):
-            self._subscribe(wish)
+        quality = subscriber_quality(of_type)
+        if self._subscription is None or (of_type and quality != self._quality):
+            self._subscribe(quality)
         self._report_publishers(of_type)
 
     def _learn_type(self, name: str) -> None:
@@ -162,7 +162,7 @@ class RclpySubscriber:
         self._support = support
         self.adapt()
 
-    def _subscribe(self, wish: Wish) -> None:
+    def _subscribe(self, quality: SubscriberQuality) -> None:
         support = self._support
         assert support is not None
         if self._subscription is not None:
@@ -182,13 +182,13 @@ class RclpySubscriber:
                 type_class,
                 self.topic,
                 on_message,
-                subscriber_profile(wish),
+                subscriber_profile(quality),
                 callback_group=self._own.group,
                 event_callbacks=self._event_callbacks(),
                 raw=True,
             ),
         )
-        self._wish = wish
+        self._quality = quality
         try:
             self._own.check_definition(self._own.node.get_subscriptions_info_by_topic(self.topic), support)
         except TypeMismatchError:

@@ -106,7 +106,7 @@ class PutQueue:
             self.dropped_count += 1
         self._backlog.update()
         if self._job is None:
-            self._go_on()
+            self._continue()
 
     def note_longest(self, longest_ns: int) -> None:
         """Record the duration of a put: after long puts, the thread is used for some time."""
@@ -143,7 +143,7 @@ class PutQueue:
             if self._wary is not None:
                 self._wary.cancel()
 
-    def _go_on(self) -> None:
+    def _continue(self) -> None:
         taken: list[bytes] = []
         taken_bytes = 0
         while self._waiting and taken_bytes < JOB_BYTES:
@@ -165,7 +165,7 @@ class PutQueue:
             return
         if self._waiting:
             self._backlog.note_taken()
-            self._go_on()
+            self._continue()
         elif self._wary is None:
             self.is_idle = True
 

@@ -31,7 +31,7 @@ class SimpleGoalState:
 
 
 class SimpleActionClient:
-    """A client with one goal at a time; a new goal replaces the old one. A timeout of zero is no limit."""
+    """A client with one goal at a time; a new goal replaces the old one. A timeout of zero means no limit."""
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:  # noqa: N803 - the name is actionlib's
         self.action_client = ActionClient(ns, ActionSpec)

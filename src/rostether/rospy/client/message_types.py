@@ -75,7 +75,7 @@ class FacadeClasses(MessageClasses):
         }
         facade_class: Any = type(made.__name__, (Message,), namespace)
         for member in tree.members:
-            # One slot under two names: the codec knows that of the definition.
+            # One slot has two names; the codec uses the name in the definition.
             setattr(facade_class, _python_name(member.name), vars(facade_class)[member.name])
         # A list: programs of users join and index it.
         facade_class.__slots__ = [_python_name(member.name) for member in tree.members]

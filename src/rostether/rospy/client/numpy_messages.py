@@ -11,7 +11,7 @@ from rostether.rospy.client.message import Message
 @cache
 def numpy_msg(msg_type: type[Message]) -> type[Message]:
     """Return the class. Raises ImportError if numpy is not installed."""
-    # By name: numpy is the program's, not one of our dependencies.
+    # Imported by name, because only the program depends on numpy.
     from importlib import import_module
 
     numpy = import_module("numpy")
@@ -20,7 +20,7 @@ def numpy_msg(msg_type: type[Message]) -> type[Message]:
         return self.deserialize_numpy(str, numpy)
 
     namespace: dict[str, Any] = {"__slots__": (), "deserialize": deserialize}
-    # A class over its own base: `deserialize_numpy` there reads the plain form first.
+    # A subclass, whose `deserialize_numpy` reads the plain form first.
     namespace["deserialize_numpy"] = lambda self, payload, module: _read(self, msg_type, payload, module)
     return type(f"Numpy_{msg_type._type.replace('/', '__')}", (msg_type,), namespace)
 

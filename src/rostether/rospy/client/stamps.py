@@ -187,7 +187,7 @@ def _kind(stamp: TVal) -> type[TVal]:
 
 def _split_s(seconds: Any) -> tuple[int, int]:
     whole = int(seconds)
-    # Cut off, not rounded: float noise comes out as it does in rospy.
+    # Truncated, not rounded, so that inexact floats give the same result as in rospy.
     return whole, int((seconds - whole) * NS_PER_S)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from rostether.rospy.client.ros_time import get_rostime
 
-# How many messages a figure is of, where no window is given.
+# The number of messages for a figure, if no window is given.
 MAX_WINDOW = 50_000
 
 
@@ -69,7 +69,7 @@ class ROSTopicHz:
         return (1 / mean if mean > 0 else 0), min(steps), max(steps), deviation, len(steps) + 1
 
     def print_hz(self, topics: tuple[str | None, ...] = (None,)) -> None:
-        """Print it."""
+        """Print the rate of each topic."""
         for topic in topics:
             found = self.get_hz(topic)
             if found is None:
@@ -102,7 +102,7 @@ class ROSTopicDelay:
             self._is_new = True
 
     def get_delay(self) -> tuple[float, float, float, float, int] | None:
-        """Return mean, least and most delay, their deviation, and of how many messages; None for no new."""
+        """Return mean, minimum, maximum and deviation in s, and the number; None without new delays."""
         with self.lock:
             if not self._is_new:
                 return None
@@ -113,7 +113,7 @@ class ROSTopicDelay:
         return mean, min(delays), max(delays), deviation, len(delays)
 
     def print_delay(self) -> None:
-        """Print it."""
+        """Print the delays."""
         found = self.get_delay()
         if found is None:
             print("no new messages")

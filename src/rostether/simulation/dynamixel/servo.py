@@ -40,7 +40,7 @@ class Servo:
         self._set(BY_NAME["id"], servo_id)
         self._registered: bytes | None = None
         self._heard_s = now_s
-        self._deaf_until_s = now_s
+        self._restarting_until_s = now_s
         self._now_s = now_s
 
     @property
@@ -54,9 +54,9 @@ class Servo:
         data = self._table[register.address : register.address + register.size]
         return int.from_bytes(data, "little", signed=register.signed)
 
-    def is_deaf(self, now_s: float) -> bool:
+    def is_restarting(self, now_s: float) -> bool:
         """Whether it is restarting, and receives nothing."""
-        return now_s < self._deaf_until_s
+        return now_s < self._restarting_until_s
 
     def set_voltage(self, volts: float) -> None:
         """Change the supply. Outside the servo's limits, it reports an input voltage error."""
@@ -191,7 +191,7 @@ class Servo:
         self._registered = None
         # Without power, it loses the count of its turns.
         self.motor.angle_rad %= math.tau
-        self._deaf_until_s = now_s + REBOOT_S
+        self._restarting_until_s = now_s + REBOOT_S
 
     def _set(self, register: Register, value: int) -> None:
         data = value.to_bytes(register.size, "little", signed=register.signed)

@@ -53,7 +53,7 @@ class ServoBus:
         return answer
 
     def _do(self, packet: Packet, now_s: float) -> list[bytes]:
-        listening = [servo for servo in self._by_id() if not servo.is_deaf(now_s)]
+        listening = [servo for servo in self._by_id() if not servo.is_restarting(now_s)]
         if packet.id == BROADCAST_ID:
             for servo in listening:
                 servo.heard(now_s)

@@ -25,8 +25,8 @@ from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.transports.pty_link import check_link, place_link, remove_link
 
-# Its last lines say why it ended.
-_MAX_SAID_BYTES = 4096
+# Its last lines have the reason for its end.
+_MAX_OUTPUT_BYTES = 4096
 _MAX_LINE_BYTES = 256
 _MAX_TONES = 64
 END_LIMIT_S = 2.0
@@ -255,11 +255,11 @@ class OpenCrBoard:
     async def _wait(self) -> None:
         stderr = self._process.stderr
         assert stderr is not None
-        said = b""
+        output = b""
         while chunk := await stderr.read(4096):
-            said = (said + chunk)[-_MAX_SAID_BYTES:]
+            output = (output + chunk)[-_MAX_OUTPUT_BYTES:]
         await self._process.wait()
-        self.last_words = said.decode(errors="replace").strip().rpartition("\n")[2]
+        self.last_words = output.decode(errors="replace").strip().rpartition("\n")[2]
 
 
 def _send(line: socket.socket, data: str | bytes) -> None:
@@ -273,4 +273,4 @@ def _battery_line(volts: float) -> str:
 
 
 def _motion_line(base: DriveBase) -> str:
-    return "feel " + " ".join(f"{part:.9g}" for vector in base.feel() for part in vector) + "\n"
+    return "feel " + " ".join(f"{part:.9g}" for vector in base.imu_values() for part in vector) + "\n"

@@ -52,7 +52,7 @@ class DriveBase(ServoBus):
             self._step(self._advanced_s + span_s * step / steps)
         self._advanced_s = now_s
 
-    def feel(self) -> tuple[Vector, Vector, Vector]:
+    def imu_values(self) -> tuple[Vector, Vector, Vector]:
         """Return turn rate (rad/s), acceleration (m/s²) and magnetic field (T), in the robot's axes."""
         turn_rate, speed = self.turn_rate_rad_s, self.speed_m_s
         rising = sum(motor.acceleration_now_rad_s2 for motor in self._motors()) / 2 * WHEEL_RADIUS_M
@@ -72,9 +72,9 @@ class DriveBase(ServoBus):
         turn_rad = (right_m - left_m) / WHEEL_SEPARATION_M
         # The chord of the arc.
         chord = 1.0 if abs(turn_rad) < 1e-9 else math.sin(turn_rad / 2) / (turn_rad / 2)
-        way_m = (left_m + right_m) / 2 * chord
-        self.x_m += way_m * math.cos(self.heading_rad + turn_rad / 2)
-        self.y_m += way_m * math.sin(self.heading_rad + turn_rad / 2)
+        distance_m = (left_m + right_m) / 2 * chord
+        self.x_m += distance_m * math.cos(self.heading_rad + turn_rad / 2)
+        self.y_m += distance_m * math.sin(self.heading_rad + turn_rad / 2)
         self.heading_rad = math.remainder(self.heading_rad + turn_rad, math.tau)
 
     def _motors(self) -> tuple[WheelMotor, WheelMotor]:

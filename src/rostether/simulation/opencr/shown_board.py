@@ -1,4 +1,4 @@
-"""A simulated OpenCR as its node shows it: named pins, and words with errors of a board."""
+"""A simulated OpenCR as its node shows it: named pins, and commands whose errors are BoardError."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 
 from rostether.errors import BoardError, ConfigError
 from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.commands import execute
 from rostether.simulation.opencr.pins import pin_name, pin_number
-from rostether.simulation.opencr.words import obey
 from rostether.simulation.simavr.board_events import BoardEvent
 
 _INPUTS = ("PUSH_SW_1", "PUSH_SW_2", "DIP_SW_1", "DIP_SW_2", *(f"A{number}" for number in range(6)))
@@ -43,25 +43,25 @@ class ShownOpenCr:
         return inputs | {name: f"out{high:d}" for name, high in shown.items()}
 
     async def send_command(self, line: str) -> None:
-        """Execute a word; `pin NAME=z` lets go of a button. Raises BoardError."""
+        """Execute a command; `pin NAME=z` releases a button. Raises BoardError."""
         word, _, rest = line.strip().partition(" ")
         try:
             if word != "pin":
-                obey(self._board, line)
+                execute(self._board, line)
                 return
             for part in rest.split():
                 name, _, level = part.partition("=")
                 level = "0" if level == "z" else level
-                obey(self._board, f"pin {name}={level}")
+                execute(self._board, f"pin {name}={level}")
                 self._inputs[pin_name(pin_number(name)).removeprefix("BDPIN_")] = int(level)
         except ConfigError as error:
             raise BoardError(str(error)) from error
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
-        """Return where the robot is, as an AVR board answers the word `wheels`. Raises BoardError."""
+        """Return where the robot is, as an AVR board answers the command `wheels`. Raises BoardError."""
         if (line, answer) != ("wheels", "wheels"):
             raise BoardError(f"the simulated OpenCR does not answer {line!r}")
-        event = obey(self._board, "pose")
+        event = execute(self._board, "pose")
         assert event is not None
         return event
 

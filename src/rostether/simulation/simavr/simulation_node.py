@@ -46,7 +46,7 @@ class ShownBoard(Protocol):
         """Return the states of its pins by name, such as `in0`, `out1` and `pwm0.5`."""
 
     async def send_command(self, line: str) -> None:
-        """Execute one of its words."""
+        """Execute one of its commands."""
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
         """Execute a word that is answered with an event."""

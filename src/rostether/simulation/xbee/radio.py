@@ -222,7 +222,7 @@ class SimulatedRadio:
     ) -> None:
         is_broadcast = destination == BROADCAST
         packet = Transmission(destination, is_long and not is_broadcast, payload, frame_id, is_mesh_frame)
-        # A mesh knows only its own frames.
+        # A mesh has only its own kinds of frames.
         if self.model.is_mesh != is_mesh_frame and self.model.is_mesh:
             return
         if len(payload) > self.model.packet_bytes:

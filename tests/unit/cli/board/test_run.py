@@ -48,7 +48,7 @@ def test_lines_of_input_are_words() -> None:
     names = [json.loads(line)["event"] for line in result.stdout.splitlines()]
     assert names == ["ready", "reset", "memory", "cycles"]
     errors = result.stderr.splitlines()
-    assert errors[0].startswith("rostether: error: nonsense: no such word; words are adc aref ")
+    assert errors[0].startswith("rostether: error: nonsense: no such command; the commands are adc aref ")
     assert errors[1].startswith("rostether: error: adc A0=9: volts are written as")
     assert len(errors) == 2
 

@@ -11,7 +11,7 @@ from rostether.gateways.rosbridge.client_subscription import (
     MIN_FRAGMENT_BYTES,
     ClientSubscription,
     Compression,
-    Wish,
+    Delivery,
     merge,
 )
 from rostether.gateways.rosbridge.outbox import Due, Outbox
@@ -23,15 +23,15 @@ from rostether.graph.message_stream import LearnedTypes
 STRING = PublisherConnection("/a", {"type": "std_msgs/String"}, cast("LearnedTypes", None))
 
 
-def wish(**fields: Any) -> Wish:
-    return Wish.read(Request({"op": "subscribe", **fields}))
+def delivery(**fields: Any) -> Delivery:
+    return Delivery.read(Request({"op": "subscribe", **fields}))
 
 
 def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox[ClientSubscription], list[str]]:
     errors: list[str] = []
     outbox = Outbox[ClientSubscription](1 << 20, 1 << 20)
     made = ClientSubscription("/a", outbox, errors.append)
-    made.want(None, wish(**fields), str(fields.get("type", "")))
+    made.want(None, delivery(**fields), str(fields.get("type", "")))
     return made, outbox, errors
 
 
@@ -47,39 +47,43 @@ def sent(outbox: Outbox[ClientSubscription]) -> list[bytes]:
 
 
 def test_what_a_subscribe_message_asks_for() -> None:
-    assert wish() == Wish(0.0, 0, None, Compression.NONE)
-    assert wish(throttle_rate=100, queue_length=3, fragment_size=1000, compression="png") == Wish(
+    assert delivery() == Delivery(0.0, 0, None, Compression.NONE)
+    assert delivery(throttle_rate=100, queue_length=3, fragment_size=1000, compression="png") == Delivery(
         0.1, 3, 1000, Compression.PNG
     )
-    assert wish(throttle_rate=None, compression=None) == Wish()
-    assert wish(fragment_size=1).fragment_bytes == MIN_FRAGMENT_BYTES
+    assert delivery(throttle_rate=None, compression=None) == Delivery()
+    assert delivery(fragment_size=1).fragment_bytes == MIN_FRAGMENT_BYTES
     with pytest.raises(RemoteProtocolError, match="queue_length"):
-        wish(queue_length=-1)
+        delivery(queue_length=-1)
 
 
 def test_several_wishes_of_one_client_are_all_met() -> None:
-    assert merge([Wish(0.1, 5, 500, Compression.PNG), Wish(0.0, 10, None), Wish(0.2, 1, 100)]) == Wish(
-        0.0, 1, 100, Compression.PNG
-    )
+    assert merge(
+        [
+            Delivery(0.1, 5, 500, Compression.PNG),
+            Delivery(0.0, 10, None),
+            Delivery(0.2, 1, 100),
+        ]
+    ) == Delivery(0.0, 1, 100, Compression.PNG)
 
 
 def test_wishes_are_taken_back_one_by_one_or_all() -> None:
     made, _, _ = subscription(throttle_rate=1000)
-    made.want("b", wish(throttle_rate=100), "")
-    assert made.wish.throttle_s == 0.1
+    made.want("b", delivery(throttle_rate=100), "")
+    assert made.delivery.throttle_s == 0.1
     assert made.want_no_more("b")
-    assert made.wish.throttle_s == 1.0
-    made.want("b", wish(), "")
+    assert made.delivery.throttle_s == 1.0
+    made.want("b", delivery(), "")
     assert not made.want_no_more(None)
 
 
 def test_ids_are_bounded() -> None:
     made, _, _ = subscription()
     for number in range(MAX_REQUESTS - 1):
-        made.want(number, wish(), "")
+        made.want(number, delivery(), "")
     with pytest.raises(RemoteProtocolError, match="unsubscribe some"):
-        made.want("more", wish(), "")
-    made.want(0, wish(queue_length=2), "")
+        made.want("more", delivery(), "")
+    made.want(0, delivery(queue_length=2), "")
 
 
 @pytest.mark.parametrize(("asked", "kept"), [(0, MAX_QUEUED_MESSAGES), (3, 3), (10**9, MAX_QUEUED_MESSAGES)])

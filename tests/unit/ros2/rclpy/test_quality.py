@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from rostether.ros2.rclpy.quality import Wish, name_policy, subscriber_wish
+from rostether.ros2.rclpy.quality import SubscriberQuality, name_policy, subscriber_quality
 
 
 def offers(*words: str) -> list[SimpleNamespace]:
@@ -23,19 +23,19 @@ def offers(*words: str) -> list[SimpleNamespace]:
 
 # r: reliable, b: best effort, v: volatile, l: transient local ("latched")
 @pytest.mark.parametrize(
-    ("publishers", "wish"),
+    ("publishers", "quality"),
     [
-        ((), Wish.RELIABLE),
-        (("rv",), Wish.RELIABLE),
-        (("rl", "rl"), Wish.RELIABLE_LATCHED),
-        (("rl", "rv"), Wish.RELIABLE),
-        (("rv", "bv"), Wish.BEST_EFFORT),
-        (("rl", "bl"), Wish.BEST_EFFORT_LATCHED),
-        (("rl", "bv"), Wish.BEST_EFFORT),
+        ((), SubscriberQuality.RELIABLE),
+        (("rv",), SubscriberQuality.RELIABLE),
+        (("rl", "rl"), SubscriberQuality.RELIABLE_LATCHED),
+        (("rl", "rv"), SubscriberQuality.RELIABLE),
+        (("rv", "bv"), SubscriberQuality.BEST_EFFORT),
+        (("rl", "bl"), SubscriberQuality.BEST_EFFORT_LATCHED),
+        (("rl", "bv"), SubscriberQuality.BEST_EFFORT),
     ],
 )
-def test_the_most_that_all_offer(publishers: tuple[str, ...], wish: Wish) -> None:
-    assert subscriber_wish(offers(*publishers)) is wish
+def test_the_most_that_all_offer(publishers: tuple[str, ...], quality: SubscriberQuality) -> None:
+    assert subscriber_quality(offers(*publishers)) is quality
 
 
 def test_policies_have_names() -> None:

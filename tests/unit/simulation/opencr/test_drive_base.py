@@ -54,7 +54,7 @@ def test_different_wheels_go_a_circle() -> None:
     heading = drive.base.heading_rad
     assert drive.base.x_m == pytest.approx(radius * math.sin(heading), abs=0.003)
     assert drive.base.y_m == pytest.approx(radius * (1 - math.cos(heading)), abs=0.003)
-    turn_rate, acceleration, field = drive.base.feel()
+    turn_rate, acceleration, field = drive.base.imu_values()
     assert turn_rate.z == pytest.approx(50 * RAD_S_PER_UNIT * WHEEL_RADIUS_M / WHEEL_SEPARATION_M)
     assert acceleration.y == pytest.approx(turn_rate.z**2 * radius)
     assert math.atan2(-field.y, field.x) == pytest.approx(heading)

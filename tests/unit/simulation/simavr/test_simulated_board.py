@@ -163,7 +163,7 @@ async def test_words_are_one_line(start: Start) -> None:
     with pytest.raises(BoardError, match="too many words"):
         await board.send_command("watch " + "D1 " * 20)
     await board.send_command("")
-    with pytest.raises(BoardError, match="no such word"):
+    with pytest.raises(BoardError, match="no such command"):
         await board.send_command("x" * 100_000)
     await board.reset()
 
@@ -183,7 +183,7 @@ async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
         (b":0400000000000000FD\n:00000001FF\n", "neither an ELF file nor"),
         (b":020000040001F9\n:04FFFE0000000000FF\n", "larger than the board's flash"),
         (b"hello", "neither an ELF file nor"),
-        (Path("/bin/sh").read_bytes()[:5000], "no program for an AVR"),
+        (Path("/bin/sh").read_bytes()[:5000], "not a program for an AVR"),
     ],
     ids=["empty", "magic", "zeros", "end", "checksum", "far", "text", "sh"],
 )

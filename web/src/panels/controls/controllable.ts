@@ -2,7 +2,7 @@
 import { hasSubscriber } from "../graph_of.ts";
 import type { Graph } from "../panel.ts";
 
-// Subscribed by tools and by every node, never meant for a person's finger.
+// Subscribed by tools and by every node, not for people.
 const NOT_FOR_HANDS =
   /^\/(rosout|rosout_agg|clock|tf|tf_static|diagnostics|parameter_events)$|\/(feedback|status|result|goal|cancel)$|_simulation\/command$/;
 

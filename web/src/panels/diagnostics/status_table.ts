@@ -28,7 +28,7 @@ export class StatusTable {
     }
   }
 
-  /** Worst first, then by name. */
+  /** Returns the components, the worst first, then by name. */
   sorted(nowMs: number): (Entry & { level: "ok" | "warning" | "error" | "stale" })[] {
     return [...this.entries.values()]
       .map((entry) => ({ ...entry, level: levelOf(entry, nowMs) }))

@@ -11,7 +11,7 @@ import { CENTER, commandOf, type Limits, type Stick } from "./commands.ts";
 const PERIOD_MS = 40;
 // A page that slept for longer has left the robot standing; starting again needs a new touch.
 const ASLEEP_MS = 1000;
-// Other sources of commands must not be masked for ever.
+// Other sources of commands must not be masked forever.
 const ZEROS_MS = 500;
 
 export class Driver {
@@ -70,7 +70,7 @@ export class Driver {
     }
   }
 
-  /** Let go: the robot stops. */
+  /** Releases the stick: the robot stops. */
   release(): void {
     this.isBlocked.value = false;
     this.stick.value = CENTER;

@@ -28,7 +28,7 @@ export function stopAll(robot: Robot): void {
   for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic)?.stop();
 }
 
-/** A page that is hidden or left lets go. */
+/** A page that is hidden or left releases the stick. */
 export function releaseWhenHidden(): void {
   const release = () => {
     for (const { driver } of drivers.values()) driver.release();

@@ -13,7 +13,7 @@ export const MAX_PIXELS = 40_000_000;
 
 type Fill = (image: RawImage, out: Uint8ClampedArray) => void;
 
-/** Where red, green and blue are in a pixel of so many bytes. `deep`: of 16 bits each; the upper 8 are shown. */
+/** The positions of red, green and blue in a pixel of `bytes` bytes. `deep`: of 16 bits each; the upper 8 are shown. */
 function interleaved(bytes: number, red: number, green: number, blue: number, deep = false): Fill {
   return ({ width, height, step, data, is_bigendian: big }, out) => {
     const scale = deep ? 2 : 1;

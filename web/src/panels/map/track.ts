@@ -25,7 +25,7 @@ export class Track {
     const last = this.places.at(-1);
     if (last !== undefined && distanceM(last, place) < STEP_M) return false;
     this.places.push(place);
-    // Half of the older points: the shape stays, with room for new points.
+    // Keeps every other older point: the shape stays, and there is room for new points.
     if (this.places.length > MAX_POINTS) {
       const kept = this.places.filter((_, i) => i % 2 === 0 || i > MAX_POINTS * 0.9);
       this.places.splice(0, this.places.length, ...kept);

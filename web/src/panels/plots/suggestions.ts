@@ -6,7 +6,7 @@ import { controllableTopics } from "../controls/controllable.ts";
 import { MAIN_FIELDS } from "../main_fields.ts";
 import type { Graph, Suggestion } from "../panel.ts";
 
-/** Packages whose other messages are of no use as a plot, or are shown by other panels. */
+/** Packages whose other messages cannot be plotted usefully, or are shown by other panels. */
 const OTHER =
   /^(sensor_msgs|geometry_msgs|nav_msgs|visualization_msgs|tf2?_msgs|tf|actionlib_msgs|diagnostic_msgs|rosgraph_msgs|rcl_interfaces|action_msgs|lifecycle_msgs|service_msgs|type_description_interfaces|std_srvs|shape_msgs|stereo_msgs|trajectory_msgs|bond|dynamic_reconfigure)\//;
 const MAX_PATHS = 3;

@@ -8,7 +8,7 @@
 #include <sim_core.h>
 
 #define FLAG(name, value) flags[S_##name] = (uint8_t)((value) & 1)
-/* Each instruction jumps to the next by itself: one place that jumps to all is what processors predict worst. */
+/* Each instruction jumps to the next by itself: processors predict one shared jump to all of them badly. */
 #define DISPATCH()                                                                                           \
     do {                                                                                                     \
         if (cycle >= limit) goto out;                                                                        \
@@ -33,7 +33,7 @@
         if (condition) NEXT(1 + op->k / 2, (uint32_t)op->k / 2 + 1);                                   \
         NEXT(1, 1);                                                                                          \
     } while (0)
-/* Its answer may bring timers and interrupts, which are looked at after this instruction. */
+/* Its answer may cause timers and interrupts, which are checked after this instruction. */
 #define ASK_PERIPHERAL()                                                                                     \
     do {                                                                                                     \
         avr->cycle = cycle;                                                                                  \

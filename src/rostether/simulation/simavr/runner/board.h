@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The simulated board: one process, one board. It links libsimavr (GPL-3), so it is a program of its own;
- * rostether starts it and speaks with it in lines: words in on stdin, JSON events out on stdout.
+ * The simulated board: one process, one board. It links libsimavr (GPL-3), so it is a separate program;
+ * rostether starts it, and they exchange lines: commands on stdin, JSON events on stdout.
  *
  *     main -> pacing -> core (instructions)      commands <- stdin
  *                        |                        events  -> stdout
@@ -215,7 +215,7 @@ void canaries_tell_restart(uint32_t from);
 /* commands.c: performs commands; returns NULL, or the error. */
 const char *command_perform(char *line);
 
-/* lines.c: words of stdin and of the command line. */
+/* lines.c: commands of stdin and of the command line. */
 void command_run(char *line);
 void commands_read(void);
 

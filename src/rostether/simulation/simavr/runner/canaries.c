@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Signs of a faulty program: how near its stack came to its variables, a restart without a reset, accesses
- * where no memory is, opcodes that are none, and writes into guarded memory.
+ * where no memory is, invalid opcodes, and writes into guarded memory.
  *
  * The stack's depth is read from the noise that was in RAM at power-up: what is untouched was never used. So it is found
  * at any speed, a few bytes too good at worst, when the program wrote what was there by chance. What the heap ever held
- * (String objects that come and go) is no sign of the stack: it is looked for above the heap's highest end.
+ * (String objects that come and go) is not a sign of the stack: the search begins above the heap's highest end.
  */
 #include <stdio.h>
 #include <stdlib.h>

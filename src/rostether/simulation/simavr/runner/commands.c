@@ -154,7 +154,7 @@ static const char *do_range(int count, char **words) {
     bool none = count == 2 && strcmp(words[1], "none") == 0;
     if (count != 2 || (!none && (!read_number(words[1], &metres) || metres < 0)))
         return "the distance is written in metres: range 0.5, or range none";
-    /* As the established Ultrasound sketch has them. */
+    /* The pins of the established Ultrasound sketch. */
     if (!sonar_is_wired()) sonar_wire(pin_named("D6"), pin_named("D5"));
     sonar_set_range(metres);
     return NULL;
@@ -310,6 +310,6 @@ const char *command_perform(char *line) {
     if (count == 0 || *words[0] == '#') return NULL;
     for (size_t i = 0; i < sizeof vocabulary / sizeof *vocabulary; i++)
         if (strcmp(vocabulary[i].word, words[0]) == 0) return vocabulary[i].action(count, words);
-    return "no such word; words are adc aref attitude autoreset cycles fault guard hcsr04 memory network pause pin pins power "
+    return "no such command; the commands are adc aref attitude autoreset cycles fault guard hcsr04 memory network pause pin pins power "
            "quit range reset run send servo stack unwatch w5100 watch wheels";
 }

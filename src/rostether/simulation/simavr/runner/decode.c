@@ -20,7 +20,7 @@ static bool is_long(uint16_t code) { return (code & 0xfc0f) == 0x9000 || (code &
 
 static bool moves_heap(uint16_t address) { return board.heap_end_place && address == board.heap_end_place; }
 
-/* Bytes that a taken skip at pc leaps over. */
+/* The bytes that a skip at pc passes over. */
 static int32_t skipped_bytes(uint32_t pc) { return is_long(word_at(pc + 2)) ? 4 : 2; }
 
 static struct operation make(uint8_t kind, unsigned d, unsigned r, int32_t k) {
@@ -53,7 +53,7 @@ static struct operation decode_transfer(uint16_t code, uint32_t pc) {
     static const uint8_t pointers[16] = {0, 30, 30, 0, 0, 0, 0, 0, 0, 28, 28, 0, 26, 26, 26, 0};
     unsigned d = code >> 4 & 0x1f, mode = code & 0xf;
     bool stores = code & 0x0200;
-    /* Compilers store the high byte first: with the low one the heap has moved, which the simulator's way tells. */
+    /* Compilers store the high byte first: the heap has moved with the low one, which the simulator reports. */
     if (mode == 0x0 && stores && moves_heap(word_at(pc + 2))) return make(OP_SIMULATOR, 0, 0, 0);
     if (mode == 0x0) return make(stores ? OP_STS : OP_LDS, d, 0, word_at(pc + 2));
     if (mode == 0xf) return make(stores ? OP_PUSH : OP_POP, d, 0, 0);
@@ -144,7 +144,7 @@ static struct operation decode(uint32_t pc) {
     }
 }
 
-/* Jumps out of the flash are the simulator's affair too. */
+/* The simulator also handles jumps out of the flash. */
 static bool leaves_flash(const struct operation *operation) {
     bool jumps = operation->kind >= OP_BRBS && operation->kind <= OP_CALL;
     return jumps && (uint32_t)operation->k >= board.avr->codeend;
@@ -152,7 +152,7 @@ static bool leaves_flash(const struct operation *operation) {
 
 void instructions_decode(void) {
     uint32_t words = (board.avr->flashend + 1) / 2;
-    /* One more: what runs over the end of flash is the simulator's affair. */
+    /* One more: the simulator handles a program that runs over the end of flash. */
     if (!operations) operations = calloc(words + 2, sizeof *operations);
     if (!operations) abort();
     for (uint32_t word = 0; word < words; word++) {

@@ -104,7 +104,7 @@ static const char *load_elf(int file) {
     if (!elf || elf_kind(elf) != ELF_K_ELF || !gelf_getehdr(elf, &header))
         error = "it is not an ELF file";
     else if (header.e_machine != EM_AVR)
-        error = "it is no program for an AVR";
+        error = "it is not a program for an AVR";
     else if ((header.e_flags & ARCHITECTURE_MASK) != wanted)
         error = "it was built for another chip";
     else

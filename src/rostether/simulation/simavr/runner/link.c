@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The host's end of the UART: a pseudo-terminal, a TCP port on loopback, or only events and the word `send`.
+ * The host's end of the UART: a pseudo-terminal, a TCP port on loopback, or only events and the command `send`.
  * As on a real cable, bytes are lost if no host listens. A host that sends faster than the line waits.
  */
 #include <arpa/inet.h>
@@ -194,7 +194,7 @@ void link_flush(void) {
         return;
     }
     while (output_count && write_due()) continue;
-    /* Without a clock to keep, the board waits for its host instead of losing bytes. */
+    /* Without real time, the board waits for its host instead of losing bytes. */
     while (board.fast && output_count > OUTPUT_ROOM / 2 && is_listening() && !board.quitting) {
         struct pollfd wanted[2] = {{.fd = descriptor(), .events = POLLOUT}, {.fd = STDIN_FILENO, .events = POLLIN}};
         poll(wanted, 2, 100);

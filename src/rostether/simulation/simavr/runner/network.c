@@ -95,7 +95,7 @@ static void open_connection(void) {
         return;
     }
     connecting = true;
-    /* Without a clock to keep, the board may wait for the world. */
+    /* Without real time, the board may wait for the network. */
     finish_connecting(board.fast ? CONNECT_MS : 0);
 }
 
@@ -157,7 +157,7 @@ static void take(void) {
     }
 }
 
-/* Between slices: bytes to and from the world. */
+/* Between slices: bytes to and from the network. */
 void network_move(void) {
     if (connection < 0) return;
     if (connecting) finish_connecting(0);

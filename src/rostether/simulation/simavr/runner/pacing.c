@@ -11,7 +11,7 @@
 #include "board.h"
 
 #define SLICE CYCLES_PER_MS
-/* A machine that stops for longer than that (suspend, heavy load) does not make the board race afterwards. */
+/* A machine that stops for longer than that (suspend, heavy load) does not make the board run faster afterwards. */
 #define LONGEST_CATCH_UP_NS 250000000ll
 #define REPORT_BEHIND_NS 1000000000ll
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Digital pins: who listens to their levels, and what the world drives them to. A pin that the world drives reads that
+ * Digital pins: the listeners for their levels, and levels from outside. A pin that is driven from outside reads that
  * level while it is an input; released, it reads its pull-up, or low.
  */
 #include <avr_extint.h>
@@ -109,7 +109,7 @@ void pin_release(struct pin *pin) {
 }
 
 static void tell_level(struct pin *pin, bool level) {
-    /* A timer that drives the pin is told as PWM. */
+    /* A timer that drives the pin is reported as PWM. */
     if (timers_pwm(pin->place).active) return;
     event_begin("pin");
     event_text("pin", pin->place->name);

@@ -11,7 +11,7 @@
 #define LONGEST_SERVO_PULSE_US 3000.0
 #define SHORTEST_SERVO_PULSE_US 300.0
 /* A degree, in the whole microseconds of Servo.write. Interrupts delay the edges of a pulse made by software by
-   half of that; it is no new angle. */
+   half of that; it is not a new angle. */
 #define NEW_ANGLE_US 9.5
 #define ZERO_DEGREES_US 544.0
 #define US_PER_DEGREE ((2400.0 - 544.0) / 180.0)

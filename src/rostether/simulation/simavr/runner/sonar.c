@@ -3,14 +3,14 @@
  * An HC-SR04: a trigger pulse of at least 10 us, then an echo pulse as long as sound travels to the obstacle and back.
  * Nothing in sight, or nearer than 2 cm or farther than 4 m: no echo.
  *
- * Sound has 342 m/s here, as in air of 18 degrees. A sketch that reckons with 343 m/s (58.3 us a centimetre) is then
+ * Sound has 342 m/s here, as in air of 18 degrees. A sketch that calculates with 343 m/s (58.3 us a centimetre) is then
  * right within a centimetre up to 3.4 m both when it times the echo with micros() and when it does with pulseIn(), which
  * loses half a percent to the timer's interrupts, here as on a real board.
  */
 #include "board.h"
 
 #define SPEED_OF_SOUND 342.0
-#define SHORTEST_TRIGGER_US 9 /* ten, and what delayMicroseconds is allowed to miss */
+#define SHORTEST_TRIGGER_US 9 /* ten, and the tolerance of delayMicroseconds */
 #define BURST_US 460 /* from the trigger's end to the rising echo, as measured on modules: eight periods and more */
 #define NEAREST 0.02
 #define FARTHEST 4.0

@@ -47,7 +47,7 @@ static cycles_t frame_cycles(void) {
     return bit_cycles() * (1u + data_bits[size] + parity + 1u + avr_regbit_get(avr, uart->usbs));
 }
 
-/* Takes an interrupt back whose reason is gone; the simulator's queue has no such thing. */
+/* Cancels an interrupt whose reason has ended; the simulator's queue cannot. */
 static void withdraw(avr_int_vector_t *vector) {
     avr_int_pending_t *queue = &board.avr->interrupts.pending;
     uint16_t mask = avr_int_pending_fifo_size - 1, kept = queue->read;

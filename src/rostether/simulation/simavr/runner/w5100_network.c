@@ -55,7 +55,7 @@ static int open_at(const uint8_t *ip, uint16_t port) {
 
 const char *network_udp_open(int s, uint16_t port, const uint8_t *group) {
     sockets[s].port = port;
-    /* DHCP's server is played here, and its port belongs to this machine's own client. */
+    /* This is the DHCP server, because its port belongs to this machine's own client. */
     if (port == DHCP_CLIENT) return NULL;
     sockets[s].own = open_at(own_ip, port);
     if (sockets[s].own < 0) return "port in use";

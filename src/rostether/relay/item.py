@@ -16,7 +16,7 @@ class Kind(Enum):
     ACTION = "action "
 
 
-class Wish(NamedTuple):
+class RelayItem(NamedTuple):
     """A topic, service or action to relay.
 
     `chosen_type` is the type of an action, or of a service whose graph does not know it; else it is empty.
@@ -30,5 +30,5 @@ class Wish(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The wish for users."""
+        """Its description for users."""
         return f"{self.kind.value}{self.name} from {self.source.name} to {self.target.name}"

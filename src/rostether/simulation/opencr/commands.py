@@ -1,4 +1,4 @@
-"""Words that control a simulated OpenCR and its surroundings, as lines of text."""
+"""Commands to a simulated OpenCR and its robot, as lines of text."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _SERVOS = {"left": LEFT_ID, "right": RIGHT_ID}
 _MAX_RANGE_M = 4.0
 
 
-def obey(board: OpenCrBoard, line: str) -> BoardEvent | None:
+def execute(board: OpenCrBoard, line: str) -> BoardEvent | None:
     """Execute a line; return the answer, if it has one. Raises ConfigError for an invalid line."""
     word, _, rest = line.strip().partition(" ")
     action = _ACTIONS.get(word)
     if action is None:
         known = " ".join(sorted(_ACTIONS))
-        raise ConfigError(f"{word}: the simulated OpenCR has no such word; its words are {known}")
+        raise ConfigError(f"{word}: the simulated OpenCR has no such command; its commands are {known}")
     return action(board, rest.split())
 
 
