@@ -13,6 +13,7 @@ import time
 from typing import Any
 
 from rclpy.action.client import ActionClient
+from rclpy.action.server import ActionServer
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -83,6 +84,7 @@ class Peer:
         self.publishers: dict[str, Any] = {}
         self.received: dict[str, list[Any]] = {}
         self.requests: dict[str, list[Any]] = {}
+        self.servers: list[Any] = []
         threading.Thread(target=self.spin, daemon=True).start()
 
     def spin(self) -> None:
@@ -172,6 +174,16 @@ class Peer:
             }
         finally:
             client.destroy()
+
+    def serve_action(self, action: str, type: str, result: dict[str, Any]) -> None:  # noqa: A002
+        """Serve an action: every goal succeeds with the same result."""
+        types: Any = find(type)
+
+        def succeed(goal: Any) -> Any:
+            goal.succeed()
+            return fill(types.Result(), result)
+
+        self.servers.append(ActionServer(self.node, types, action, succeed))
 
     def set_own_parameter(self, name: str, value: Any) -> None:
         self.node.set_parameters([Parameter(name, value=value)])

@@ -9,6 +9,8 @@ import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -18,6 +20,7 @@ from interop.ros1_peers import Ros1Peers, debian_roscore
 from interop_ros2.rclpy_peer import RclpyPeer, rclpy_peer
 from interop_ros2.samples import MESSAGES
 from programs import Peer, start_command
+from rostether.msgdef.registry import Registry
 
 pytestmark = [
     pytest.mark.ros1,
@@ -27,6 +30,7 @@ pytestmark = [
 ]
 
 PATIENCE_S = 60.0
+SUCCEEDED = 4
 SERVER = """
 import rospy
 from std_srvs.srv import SetBool, SetBoolResponse
@@ -58,6 +62,29 @@ while not rospy.is_shutdown():
     rospy.sleep(0.02)
 """
 
+# Debian's actionlib: a server of /count_1, and a client of /count_2.
+COUNTING = """
+import sys, actionlib, genpy.dynamic, rospy
+types = genpy.dynamic.generate_dynamic("test_msgs/FibonacciAction", sys.stdin.read())
+Action, Goal, Feedback, Result = (types["test_msgs/Fibonacci" + each] for each in
+                                  ("Action", "Goal", "Feedback", "Result"))
+def count(goal):
+    numbers = [0, 1]
+    while len(numbers) <= goal.order:
+        numbers.append(numbers[-1] + numbers[-2])
+    server.publish_feedback(Feedback(numbers[:-1]))
+    server.set_succeeded(Result(numbers))
+rospy.init_node("counting")
+server = actionlib.SimpleActionServer("/count_1", Action, count, auto_start=False)
+server.start()
+client = actionlib.SimpleActionClient("/count_2", Action)
+client.wait_for_server()
+client.send_goal_and_wait(Goal(3))
+print(actionlib.TerminalState.to_string(client.get_state()), list(client.get_result().sequence), flush=True)
+rospy.spin()
+"""
+ACTION = "test_msgs/Fibonacci"
+
 
 @dataclass
 class Sides:
@@ -66,6 +93,7 @@ class Sides:
     ros1: Ros1Peers
     ros2: RclpyPeer
     relays: list[Peer]
+    definitions: Path
 
 
 @pytest.fixture(scope="module")
@@ -76,19 +104,24 @@ def peer() -> Iterator[RclpyPeer]:
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Sides]:
+    folder = tmp_path_factory.mktemp("definitions")
+    file = folder / "test_msgs" / "action" / "Fibonacci.action"
+    file.parent.mkdir(parents=True)
+    file.write_text("int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n")
     async with AsyncExitStack() as stack:
         ros1 = await stack.enter_async_context(debian_roscore(tmp_path_factory.mktemp("home")))
         command = ("relay", "--ros2", "rclpy", "/chatter", "--to-ros2", "/sensors/*", "--to-ros1", "/cmd_vel")
         services = ("--service", "/enable", "--service", "/pull")
+        actions = ("--action", "/count_*", "--msg-path", str(folder))
         relays = []
         for _ in range(2):
-            relay = await start_command(*command, *services, "--master", ros1.master_uri)
+            relay = await start_command(*command, *services, *actions, "--master", ros1.master_uri)
             stack.push_async_callback(relay.stop)
             await relay.wait_for("Joining ROS 2", PATIENCE_S)
             relays.append(relay)
         for relay in relays:
             await relay.wait_for("is between the same graphs", PATIENCE_S)
-        yield Sides(ros1, peer, relays)
+        yield Sides(ros1, peer, relays, folder)
 
 
 async def received(peer: RclpyPeer, topic: str, count: int) -> list[Any]:
@@ -150,6 +183,20 @@ async def test_services_of_each_are_called_in_the_other(sides: Sides) -> None:
         await asyncio.sleep(0.1)
     assert '"from ROS 2"' in await sides.ros1.run("rosservice", "call", "/pull")
     await server.stop()
+
+
+async def test_actions_of_each_are_called_in_the_other(sides: Sides) -> None:
+    if find_spec("test_msgs") is None:
+        pytest.skip("test_msgs is not installed: pip install ros-test-msgs")
+    ros2, action = sides.ros2, ACTION.replace("/", "/action/")
+    await ros2.ask("serve_action", action="/count_2", type=action, result={"sequence": [0, 1, 1, 2]})
+    text = Registry([sides.definitions]).message_type(f"{ACTION}Action").definition
+    counting = await sides.ros1.start("python", "-c", COUNTING, stdin=text.encode())
+    acted = await ros2.ask("act", action="/count_1", type=action, goal={"order": 5})
+    assert acted["status"] == SUCCEEDED
+    assert acted["result"] == {"sequence": [0, 1, 1, 2, 3, 5]}
+    await counting.wait_for("SUCCEEDED [0, 1, 1, 2]")
+    await counting.stop()
 
 
 async def test_one_relay_follows_when_the_other_is_killed(sides: Sides) -> None:

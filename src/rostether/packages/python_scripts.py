@@ -28,13 +28,39 @@ _ONLY_PYTHON_2 = re.compile(
 _CAUGHT_AS = re.compile(r"^\s*except\s+[\w.]+\s*,\s*[a-z_]\w*\s*:", re.MULTILINE)
 
 
+# Modules that have another name in Python 3; 2to3 renames them.
+_MODULES_OF_PYTHON_2 = re.compile(
+    "BaseHTTPServer|ConfigParser|Queue|SimpleHTTPServer|SocketServer|StringIO|Tkinter|__builtin__|cPickle|"
+    "cStringIO|httplib|tkMessageBox|urllib2|urlparse|xmlrpclib"
+)
+
+# Imported modules beside a script, with those that they import.
+_MAX_FILES = 50
+
+
 def explain_python2(script: Path) -> str:
-    """Return what to do with a script for Python 2; an empty string for every other file."""
+    """Return what to do with a script for Python 2, or that imports one; else an empty string."""
+    waiting, seen = [script], {script}
+    while waiting:
+        file = waiting.pop(0)
+        line, imported = _examine(file)
+        if line:
+            return f"{file}:{line}: written for Python 2; convert it with `2to3 -w {file}`"
+        beside = {file.parent / f"{name}.py" for name in imported} - seen
+        if len(seen) + len(beside) <= _MAX_FILES:
+            waiting += sorted(each for each in beside if each.is_file())
+            seen |= beside
+    return ""
+
+
+def _examine(script: Path) -> tuple[int, list[str]]:
+    """Return the first line that only Python 2 reads, 0 if there is none, and the imported modules."""
     data = _read(script)
     text = data.decode(errors="replace")
     line = 0
+    imported: dict[str, int] = {}
     try:
-        _parse(data)
+        imported = _imports(_parse(data))
     except SyntaxError as error:
         number = error.lineno or 1
         lines = text.splitlines()
@@ -45,7 +71,27 @@ def explain_python2(script: Path) -> str:
     else:
         if caught := _CAUGHT_AS.search(text):
             line = text.count("\n", 0, caught.start()) + 1
-    return f"{script}:{line}: written for Python 2; convert it with `2to3 -w {script}`" if line else ""
+        else:
+            old = (name for name in imported if _MODULES_OF_PYTHON_2.fullmatch(name))
+            line = next((imported[name] for name in old if not _is_beside(script, name)), 0)
+    return line, list(imported)
+
+
+def _imports(module: ast.Module) -> dict[str, int]:
+    """Return the modules that a file always imports, with their lines: those in a `try` may be missing."""
+    import ast
+
+    found: dict[str, int] = {}
+    for each in module.body:
+        if isinstance(each, ast.Import):
+            found.update({name.name.partition(".")[0]: each.lineno for name in each.names})
+        elif isinstance(each, ast.ImportFrom) and each.module and not each.level:
+            found[each.module.partition(".")[0]] = each.lineno
+    return found
+
+
+def _is_beside(script: Path, name: str) -> bool:
+    return (script.parent / f"{name}.py").exists() or (script.parent / name).is_dir()
 
 
 def is_module(file: Path) -> bool:

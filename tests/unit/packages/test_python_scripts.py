@@ -25,6 +25,8 @@ def _script(folder: Path, text: str) -> Path:
         "s = ur'text'",
         "try: pass\nexcept IOError, error: pass",
         "if x:\n        y = 1\n\tz = 2",
+        "import sys, Queue",
+        "from urllib2 import urlopen",
     ],
 )
 def test_a_script_for_python_2_is_reported(tmp_path: Path, line: str) -> None:
@@ -43,6 +45,19 @@ def test_others_are_left_to_python(tmp_path: Path, text: str) -> None:
 def test_the_line_of_a_python_2_exception_is_reported(tmp_path: Path) -> None:
     script = _script(tmp_path, "try:\n    x = 1\nexcept IOError, error:\n    pass\n")
     assert explain_python2(script).startswith(f"{script}:3: ")
+
+
+def test_the_modules_beside_a_script_are_examined(tmp_path: Path) -> None:
+    script = _script(
+        tmp_path, "import first\ntry:\n    import Queue\nexcept ImportError:\n    import queue\n"
+    )
+    (tmp_path / "first.py").write_text("import old\nfrom second import f\n")
+    (tmp_path / "second.py").write_text("import rospy, StringIO\n\ndef f():\n    print 'x'\n")
+    second = tmp_path / "second.py"
+    assert explain_python2(script) == f"{second}:4: written for Python 2; convert it with `2to3 -w {second}`"
+    second.write_text("import StringIO\n")
+    (tmp_path / "StringIO.py").touch()
+    assert explain_python2(script) == ""
 
 
 def test_modules_only_define(tmp_path: Path) -> None:
