@@ -19,6 +19,9 @@ from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfi
 from effort import effort
 from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
+from rostether.errors import ConfigError
+from rostether.pictures.png import png
+from rostether.pictures.scene import Scene
 from unit.codegen.compilers import COMPILERS, missing_compiler
 from unit.simulation.simavr.programs import missing_simavr
 from warm_start import (  # noqa: F401 - fixture and hooks
@@ -39,6 +42,15 @@ def missing_module(module: str, package: str) -> str:
     return "" if importlib.util.find_spec(module) else f'no module {module} (pip install "{package}")'
 
 
+def missing_font() -> str:
+    """Return why texts cannot be drawn in pictures here, or an empty string."""
+    try:
+        png(Scene(1, 1))
+    except ConfigError as error:
+        return str(error)
+    return ""
+
+
 # On a busy machine an example may take any time.
 settings.register_profile(
     "tests", max_examples=effort(30, 100), deadline=None, suppress_health_check=[HealthCheck.too_slow]
@@ -54,6 +66,7 @@ PEERS: dict[str, Callable[[], str]] = {
     "robot": functools.cache(missing_robot),
     "catkin": functools.partial(missing_program, "catkin_create_pkg", "catkin rospack-tools"),
     "topic_tools": functools.partial(missing_program, "/usr/lib/topic_tools/mux", "topic-tools"),
+    "font": functools.cache(missing_font),
     "fish": functools.partial(missing_program, "fish", "fish"),
     "qemu": functools.partial(missing_program, "qemu-system-arm", "qemu-system-arm"),
     "lx106": lambda: (

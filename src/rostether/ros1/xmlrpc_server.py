@@ -16,7 +16,7 @@ from rostether.ros1.long_work import SLICE_S
 from rostether.ros1.xmlrpc_connection import ServerConnection
 from rostether.ros1.xmlrpc_methods import Dispatch, MethodTable
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, system_bind_errors
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
@@ -65,6 +65,7 @@ class XmlRpcServer:
         self._turns: deque[ServerConnection] = deque()
         self._connections: dict[ServerConnection, None] = {}
         self._servers: list[asyncio.Server] = []
+        self._is_closed = False
         self._sweep: asyncio.TimerHandle | None = None
         self._emptied: asyncio.Event | None = None
         self.port = port
@@ -77,6 +78,7 @@ class XmlRpcServer:
     async def start(self) -> None:
         """Begin to listen. Raises GraphError when the port is taken, ConfigError for a foreign address."""
         for attempt in range(_BIND_ATTEMPTS):
+            self._is_closed = False
             try:
                 await self._bind()
             except OSError as error:
@@ -110,6 +112,7 @@ class XmlRpcServer:
         if self._sweep is not None:
             self._sweep.cancel()
             self._sweep = None
+        self._is_closed = True
         servers, self._servers = self._servers, []
         for server in servers:
             server.close()
@@ -127,6 +130,7 @@ class XmlRpcServer:
             await server.wait_closed()
 
     def _accept(self) -> ServerConnection:
+        refuse_if_closed(is_closed=self._is_closed)
         return ServerConnection(
             self._methods.answer,
             self._forget,
@@ -139,6 +143,9 @@ class XmlRpcServer:
         )
 
     def _admit(self, connection: ServerConnection, transport: asyncio.Transport) -> bool:
+        if self._is_closed:
+            transport.abort()
+            return False
         if not self._admission.admits(transport):
             return False
         if len(self._connections) >= self._limits.xmlrpc_connections:

@@ -142,3 +142,13 @@ def explain_reason(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     return str(error) or type(error).__name__
+
+
+def refuse_if_closed(*, is_closed: bool) -> None:
+    """Raise ConnectionAbortedError in the protocol factory of a closed server.
+
+    asyncio calls the factory also for a connection that it accepted just before the server closed. The
+    connection cannot get a transport then, and on Python 3.13 its destructor prints a TypeError.
+    """
+    if is_closed:
+        raise ConnectionAbortedError("the server is closed")

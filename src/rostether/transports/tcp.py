@@ -22,6 +22,7 @@ from rostether.transports.sockets import (
     explain_connect_error,
     lengthen_backlog,
     read_buffer,
+    refuse_if_closed,
     system_bind_errors,
     tune_stream,
 )
@@ -133,6 +134,7 @@ class TcpListener:
         self._transports: set[TcpTransport] = set()
         self._per_host: Counter[str] = Counter()
         self._server: asyncio.Server | None = None
+        self._is_closed = False
         self._address = ""
         self._refusals = RefusalLog("tcp listener", asyncio.get_running_loop().time)
 
@@ -186,6 +188,7 @@ class TcpListener:
         if self._server is None:
             return
         server, self._server = self._server, None
+        self._is_closed = True
         server.close()
         ending = list(self._transports)
         for transport in ending:
@@ -197,6 +200,7 @@ class TcpListener:
         await server.wait_closed()
 
     def _make_protocol(self) -> _AcceptedTransport:
+        refuse_if_closed(is_closed=self._is_closed)
         return _AcceptedTransport(self)
 
     def _accepted(self, transport: TcpTransport) -> None:
@@ -248,7 +252,7 @@ class TcpListener:
             transport.abort()
 
     def _refusal_reason(self, host: str, own_host: str) -> str | None:
-        if self._server is None:
+        if self._is_closed:
             return "it is closing"
         if not self._allow.allows_connection(host, own_host):
             return "its address is not allowed"

@@ -26,12 +26,14 @@ def drawn(scene: Scene, scale: int = 1) -> Image.Image:
     return Image.open(io.BytesIO(png(scene, scale=scale))).convert("RGB")
 
 
+@pytest.mark.font
 def test_a_picture_has_its_size_and_background() -> None:
     picture = drawn(Scene(4, 3, RED), 2)
     assert picture.size == (8, 6)
     assert picture.getcolors() == [(48, RED)]
 
 
+@pytest.mark.font
 def test_lines_and_areas_are_where_they_should_be() -> None:
     scene = Scene(40, 30)
     scene.area(rectangle(5, 5, 30, 20), RED, BLUE, 2)
@@ -42,6 +44,7 @@ def test_lines_and_areas_are_where_they_should_be() -> None:
     assert picture.getpixel((2, 2)) == WHITE
 
 
+@pytest.mark.font
 @pytest.mark.parametrize(("anchor", "left"), [(Anchor.START, 50), (Anchor.MIDDLE, 32), (Anchor.END, 14)])
 def test_text_is_at_its_anchor(anchor: Anchor, left: int) -> None:
     scene = Scene(100, 20)

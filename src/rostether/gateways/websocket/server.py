@@ -19,7 +19,7 @@ from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
 from rostether.gateways.websocket.settings import DEFAULT_HOST, ConnectionLimits, ServerSettings
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, system_bind_errors
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
@@ -122,7 +122,7 @@ class WebSocketServer:
             try:
                 async with system_bind_errors(each, port):
                     server = await loop.create_server(
-                        lambda: Connection(self), each, port, backlog=self.limits.clients
+                        self._create_connection, each, port, backlog=self.limits.clients
                     )
             except OSError as error:
                 if self._servers:
@@ -132,6 +132,10 @@ class WebSocketServer:
             lengthen_backlog(server)
             self._servers.append(server)
             port = self.port
+
+    def _create_connection(self) -> Connection:
+        refuse_if_closed(is_closed=self._is_closed)
+        return Connection(self)
 
     def close(self) -> None:
         """Accept no more connections; existing ones stay."""

@@ -13,7 +13,7 @@ from rostether.ros1.environment import connect_host, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
-from rostether.transports.sockets import lengthen_backlog, system_bind_errors
+from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, system_bind_errors
 
 # Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers.
 MAX_HANDSHAKES = 256
@@ -49,6 +49,7 @@ class TcprosListener:
         self._admission = admission
         self._limits = limits
         self._servers: list[asyncio.Server] = []
+        self._is_closed = False
         self._served: dict[asyncio.Transport, str] = {}
         self._handshakes: dict[HandshakeProtocol, None] = {}
         self.port = 0
@@ -56,6 +57,7 @@ class TcprosListener:
     async def start(self, hosts: Sequence[str]) -> None:
         """Listen on a free port, the same on all hosts. Raises ConfigError, GraphError."""
         for attempt in range(_BIND_ATTEMPTS):
+            self._is_closed = False
             try:
                 await self._bind([connect_host(host) for host in hosts])
             except OSError as error:
@@ -72,6 +74,7 @@ class TcprosListener:
 
     async def close(self) -> None:
         """Stop listening and give up handshakes in progress. Idempotent."""
+        self._is_closed = True
         self.port = 0
         servers, self._servers = self._servers, []
         for server in servers:
@@ -92,12 +95,13 @@ class TcprosListener:
             self.port = server.sockets[0].getsockname()[1]
 
     def _create_handshake(self) -> HandshakeProtocol:
+        refuse_if_closed(is_closed=self._is_closed)
         return HandshakeProtocol(
             self._accept, admit=self._admit, limits=self._limits, has_room=self._has_room
         )
 
     def _admit(self, handshake: HandshakeProtocol, transport: asyncio.Transport) -> bool:
-        if not self._admission.admits(transport):
+        if self._is_closed or not self._admission.admits(transport):
             return False
         if len(self._handshakes) >= MAX_HANDSHAKES:
             next(iter(self._handshakes)).abort()

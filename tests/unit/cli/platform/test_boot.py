@@ -167,10 +167,12 @@ async def test_the_parts_start_again_at_another_address(tmp_path: Path) -> None:
 
 def _children(parent: int, command: str) -> list[int]:
     """Return the processes that a process has started, by a part of their command line."""
-    found = subprocess.run(
-        ["pgrep", "-P", str(parent), "-f", command], capture_output=True, text=True, check=True
-    )
-    return [int(each) for each in found.stdout.split()]
+    numbers = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+    return [int(each) for each in numbers if command.encode() in command_line(int(each))]
+
+
+def command_line(number: int) -> bytes:
+    return Path(f"/proc/{number}/cmdline").read_bytes().replace(b"\0", b" ")
 
 
 async def test_the_line_of_the_unit_runs_the_parts(root: Path, shell: Shell, tmp_path: Path) -> None:

@@ -49,7 +49,9 @@ def test_dot_is_graphvizs(shell: Shell) -> None:
 
 
 @pytest.mark.usefixtures("busy")
-@pytest.mark.parametrize("name", ["graph.svg", "graph.png", "graph.dot", "graph.txt"])
+@pytest.mark.parametrize(
+    "name", ["graph.svg", pytest.param("graph.png", marks=pytest.mark.font), "graph.dot", "graph.txt"]
+)
 def test_files_by_their_names(shell: Shell, tmp_path: Path, name: str) -> None:
     file = tmp_path / name
     assert shell.output("graph", "-o", str(file)) == f"{file}: 2 nodes, 1 topics\n"
@@ -74,6 +76,7 @@ def test_what_cannot_be_done_is_reported(shell: Shell, tmp_path: Path) -> None:
     assert "cannot write" in shell.failure("graph", "--save", str(missing))
 
 
+@pytest.mark.font
 def test_an_empty_graph(shell: Shell, graph: LiveGraph, tmp_path: Path) -> None:
     assert shell.output("graph") == "no nodes\n"
     for name in ("graph.svg", "graph.png"):

@@ -132,6 +132,7 @@ def test_a_scale_title_and_clock_on_request(shell: Shell, tmp_path: Path) -> Non
     assert any(re.fullmatch(r"\d{4}-\d\d-\d\d", each) for each in found)
 
 
+@pytest.mark.font
 @pytest.mark.usefixtures("ranging")
 def test_png(shell: Shell, tmp_path: Path) -> None:
     file = tmp_path / "scan.png"

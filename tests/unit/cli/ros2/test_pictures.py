@@ -3,6 +3,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from unit.cli.command_shell import Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
 
@@ -25,6 +27,7 @@ def test_graph(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     assert "works on ROS 1 only; leave it out" in shell.failure("graph", "--master", "http://x:1", code=2)
 
 
+@pytest.mark.font
 def test_plot(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     printed = shell.output("plot", "/imu/angular_velocity/z:x", "--for", LOOK_S).splitlines()
     assert printed[-2:] == ["── /imu/angular_velocity/z 0.5 rad/s", "── /imu/angular_velocity/x 0 rad/s"]
