@@ -91,3 +91,5 @@ async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Brows
     await browser.wait_for(page, "document.querySelector('.push')?.matches(':disabled')")
     await browser.do("evaluate", page=page, script="void rostether.subscribe('/ultrasound')")
     await browser.wait_for(page, "rostether.feed('/ultrasound').last !== undefined")
+    # It does not try what it may not do.
+    assert await browser.do("evaluate", page=page, script="document.querySelector('.banner')") is None

@@ -32,8 +32,9 @@ export const texts = {
     connecting: "Connecting",
     lost: "Connection lost",
     notConnected: "Not connected",
-    neverConnected:
-      "The robot does not answer, or it wants a token: open the address that it printed. This page tries again by itself.",
+    neverConnected: "The robot does not answer. This page tries again by itself.",
+    wantsToken:
+      "The robot refuses this page: its address has no token, or a wrong one. Open the address that the robot prints",
     lostDetail: "The values on this page are old. The page reconnects by itself.",
     refused: "The robot refuses this page. If its token has changed, open the address that it prints now",
     graphProblemDetail:

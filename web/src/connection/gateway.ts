@@ -60,6 +60,7 @@ export class Gateway {
   private readonly watched = new Set<string>();
   private followsRecordings = false;
   private isCommandOpen = false;
+  private mayPublish = true;
   private nextId = 1;
 
   constructor(handlers: GatewayHandlers) {
@@ -215,8 +216,8 @@ export class Gateway {
   }
 
   private sendAdvertise(id: number, channel: ClientChannel): void {
-    // A connection that is about to open advertises all.
-    if (!this.isCommandOpen) return;
+    // A connection that is about to open advertises all; one that may only view would be refused.
+    if (!this.isCommandOpen || !this.mayPublish) return;
     const described = { id, encoding: "ros1", schemaEncoding: "ros1msg", ...channel };
     this.command.send({ op: "advertise", channels: [described] });
   }
@@ -263,6 +264,9 @@ export class Gateway {
 
   private onCommandText(message: ServerText): void {
     switch (message.op) {
+      case "serverInfo":
+        this.mayPublish = message.metadata?.rights !== "view";
+        break;
       case "advertiseServices":
         for (const each of message.services) this.commandServices.set(each.name, each);
         break;

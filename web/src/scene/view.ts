@@ -189,7 +189,8 @@ export class SceneView {
   shows(place: Vec3): boolean {
     this.camera.updateMatrixWorld();
     const { x, y } = new Vector3(...place).project(this.camera);
-    return Math.abs(x) < 1 && Math.abs(y) < 1;
+    // At the edge, half of the robot is cut off; `fit` leaves more room.
+    return Math.abs(x) < 0.9 && Math.abs(y) < 0.9;
   }
 
   dispose(): void {

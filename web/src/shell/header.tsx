@@ -52,7 +52,9 @@ export function Header({ robot }: { robot: Robot }) {
         <div class="banner" role="alert">
           {robot.info.value
             ? `${robot.lostReason.value || texts.shell.lost}. ${texts.shell.lostDetail}`
-            : texts.shell.neverConnected}
+            : robot.lostReason.value
+              ? `${robot.lostReason.value}.`
+              : texts.shell.neverConnected}
         </div>
       )}
     </>

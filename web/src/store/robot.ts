@@ -213,7 +213,7 @@ export class Robot {
   private async explainLoss(): Promise<void> {
     const answer = await fetch(location.pathname, { cache: "no-store" }).catch(() => undefined);
     if (answer?.ok && this.connection.value === "lost" && this.refusedBefore++ > 0)
-      this.lostReason.value = texts.shell.refused;
+      this.lostReason.value = this.info.value ? texts.shell.refused : texts.shell.wantsToken;
   }
 
   private onChannels(added: Topic[], removedIds: number[]): void {
