@@ -18,11 +18,11 @@ MIN_COLUMNS: Final = 3
 def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[str, int]]:
     """Yield columns by vertex, from wide to narrow.
 
-    First every vertex is behind its farthest source, where edges that close a cycle are turned. Then it is
-    behind its nearest source, and then these columns are folded back and forth in fewer and fewer columns.
+    In the first choice, every vertex follows its farthest source; edges that close a cycle are reversed. In
+    the second, it follows its nearest source. Each further choice folds these into one column less.
     """
-    yield _longest_ways(keys, _without_cycles(keys, edges))
-    depths = _shortest_ways(keys, edges)
+    yield _longest_paths(keys, _without_cycles(keys, edges))
+    depths = _shortest_paths(keys, edges)
     neighbours: dict[str, list[str]] = {key: [] for key in keys}
     for source, target in edges:
         neighbours[source].append(target)
@@ -48,7 +48,7 @@ def _apart(wanted: Mapping[str, int], neighbours: Mapping[str, Sequence[str]]) -
     return {key: numbers[column] for key, column in placed.items()}
 
 
-def _shortest_ways(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
+def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
     """Return how many edges each vertex is behind a source; a cycle without one begins at its first."""
     following: dict[str, list[str]] = {key: [] for key in keys}
     entered = dict.fromkeys(keys, 0)
@@ -99,7 +99,7 @@ def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
     return list(dict.fromkeys(oriented))
 
 
-def _longest_ways(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
+def _longest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
     """Return each vertex's column: after its last source; one without sources is just before a target."""
     following: dict[str, list[str]] = {key: [] for key in keys}
     waiting = dict.fromkeys(keys, 0)

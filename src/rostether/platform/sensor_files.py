@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from collections.abc import Iterable
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import ConfigError, InvalidNameError
+from rostether.mechanisms.state_file import load_state, store_state
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
@@ -19,7 +19,6 @@ from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS,
 # character may need 12 bytes: a larger limit than that, or a restart would forget all sensors.
 _MAX_STATE_BYTES = 16 << 20
 
-_FORMAT = 1
 _REGISTERED_TOPIC = re.compile(r"/sensor_node\d+")
 _KEYS = ("name", "platform", "type", "unit")
 
@@ -67,14 +66,7 @@ def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
 
 def read_state(path: Path) -> list[Sensor]:
     """Return the sensors of an earlier run; none if the file is missing or damaged."""
-    try:
-        with path.open("rb") as file:
-            content = json.loads(file.read(_MAX_STATE_BYTES))
-    except (OSError, ValueError, RecursionError):
-        return []
-    if not isinstance(content, dict) or content.get("format") != _FORMAT:
-        return []
-    entries = content.get("sensors")
+    entries = load_state(path, _MAX_STATE_BYTES).get("sensors")
     if not isinstance(entries, list):
         return []
     return [_restored(each) for each in entries[:MAX_SENSORS] if _is_sensor(each)]
@@ -82,11 +74,7 @@ def read_state(path: Path) -> list[Sensor]:
 
 def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
     """Write the sensors atomically. Raises OSError."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
-    text = json.dumps({"format": _FORMAT, "sensors": [asdict(each) for each in sensors]}, indent=1)
-    fresh.write_text(text + "\n", encoding="utf-8")
-    fresh.replace(path)
+    store_state(path, {"sensors": [asdict(each) for each in sensors]})
 
 
 def _is_sensor(entry: Any) -> bool:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-import json
-import os
 from pathlib import Path
 
+from rostether.mechanisms.state_file import load_state, store_state
 from rostether.transports.address_parser import MAX_BAUD
 
 # Enough for a workshop; the boards unseen for longest are removed, and detected again when they return.
 MAX_BOARDS = 500
 MAX_FILE_BYTES = 256 * 1024
-_FORMAT = 1
 
 
 class KnownBoards:
@@ -38,16 +36,11 @@ class KnownBoards:
         if is_news and self._path is not None:
             # If the folder cannot be written, the rate is detected again next time.
             with contextlib.suppress(OSError):
-                _write(self._path, self._bauds)
+                store_state(self._path, {"bauds": self._bauds})
 
 
 def _read(path: Path) -> dict[str, int]:
-    try:
-        with path.open("rb") as file:
-            content = json.loads(file.read(MAX_FILE_BYTES))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    bauds = content.get("bauds") if isinstance(content, dict) and content.get("format") == _FORMAT else None
+    bauds = load_state(path, MAX_FILE_BYTES).get("bauds")
     if not isinstance(bauds, dict):
         return {}
     return {
@@ -55,10 +48,3 @@ def _read(path: Path) -> dict[str, int]:
         for key, baud in list(bauds.items())[-MAX_BOARDS:]
         if isinstance(baud, int) and not isinstance(baud, bool) and 0 < baud <= MAX_BAUD
     }
-
-
-def _write(path: Path, bauds: dict[str, int]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
-    fresh.write_text(json.dumps({"format": _FORMAT, "bauds": bauds}, indent=1) + "\n", encoding="utf-8")
-    fresh.replace(path)

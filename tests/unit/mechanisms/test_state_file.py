@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rostether.mechanisms.state_file import load_state, store_state
+
+
+def test_values_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "state.json"
+    store_state(path, {"a": 1})
+    store_state(path, {"b": [2]})
+    assert load_state(path, 1000) == {"format": 1, "b": [2]}
+    assert [each.name for each in path.parent.iterdir()] == ["state.json"]
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"format": 2, "a": 1}', "[" * 100_000])
+def test_another_content_counts_as_none(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "state.json"
+    assert load_state(path, 1000) == {}
+    path.write_text(text)
+    assert load_state(path, 1_000_000) == {}
+
+
+def test_a_longer_file_counts_as_none(tmp_path: Path) -> None:
+    path = tmp_path / "state.json"
+    store_state(path, {"a": "long" * 100})
+    assert load_state(path, 100) == {}
