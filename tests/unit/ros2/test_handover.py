@@ -3,7 +3,7 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from rostether.ros2.handover import Handover
+from rostether.ros2.handover import MAX_BATCH, Handover
 from waiting import until
 
 
@@ -24,6 +24,17 @@ async def test_items_of_a_thread_arrive_in_order_and_in_batches() -> None:
     handover.put(1000)
     await until(lambda: len(batches) == 2)
     assert batches[1] == [1000]
+
+
+async def test_a_flood_gives_other_work_of_the_loop_its_turns() -> None:
+    batches: list[list[int]] = []
+    handover: Handover[int] = Handover(batches.append, limit=10_000)
+    for number in range(3 * MAX_BATCH + 1):
+        handover.put(number)
+    handover.put(-1)
+    await until(lambda: batches and batches[-1][-1] == -1)
+    assert [len(each) for each in batches] == [MAX_BATCH, MAX_BATCH, MAX_BATCH, 2]
+    assert [each for batch in batches for each in batch] == [*range(3 * MAX_BATCH + 1), -1]
 
 
 async def test_the_oldest_go_when_there_is_too_much() -> None:

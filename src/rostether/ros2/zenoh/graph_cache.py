@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import Counter
 from collections.abc import AsyncIterator, Callable, Sequence
 
 from rostether.graph.callbacks import call_contained
@@ -30,6 +31,10 @@ class GraphCache:
         self._listeners: dict[Place, list[Callable[[], None]]] = {}
         self._change_events: set[asyncio.Event] = set()
         self._snapshot: Snapshot | None = None
+        # The parts of the last snapshot that still hold: a fleet has thousands, and a change concerns few.
+        self._node_names: Counter[str] = Counter()
+        self._topic_entries: dict[str, TopicEntry] = {}
+        self._service_entries: dict[str, ServiceEntry] = {}
         self._problem = ""
 
     def apply_tokens(self, news: Sequence[tuple[str, bool]]) -> None:
@@ -40,7 +45,9 @@ class GraphCache:
             if token is None:
                 continue
             self._snapshot = None
+            self._count_node(token.node_name, 1 if is_there else -1)
             place = (token.kind, token.name)
+            self._entries_of(token.kind).pop(token.name, None)
             if is_there:
                 self._endpoints.setdefault(place, {})[text] = token
             else:
@@ -127,27 +134,40 @@ class GraphCache:
         if not endpoints:
             self._endpoints.pop(place, None)
 
+    def _count_node(self, name: str, change: int) -> None:
+        self._node_names[name] += change
+        if not self._node_names[name]:
+            del self._node_names[name]
+
+    def _entries_of(self, kind: Kind) -> dict[str, TopicEntry] | dict[str, ServiceEntry]:
+        return self._topic_entries if kind in _TOPICS else self._service_entries
+
     def _create_snapshot(self) -> Snapshot:
-        nodes = {token.node_name for token in self._tokens.values()}
         topics = sorted({name for kind, name in self._endpoints if kind in _TOPICS})
         services = sorted(name for kind, name in self._endpoints if kind is Kind.SERVER)
         return Snapshot(
-            nodes=tuple(sorted(nodes)),
-            topics={name: self._topic_info(name) for name in topics},
+            nodes=tuple(sorted(self._node_names)),
+            topics={name: self._topic_entries.get(name) or self._topic_entry(name) for name in topics},
             services={
-                name: ServiceEntry(name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name))
-                for name in services
+                name: self._service_entries.get(name) or self._service_entry(name) for name in services
             },
             problem=self._problem,
         )
 
-    def _topic_info(self, name: str) -> TopicEntry:
-        return TopicEntry(
+    def _topic_entry(self, name: str) -> TopicEntry:
+        entry = self._topic_entries[name] = TopicEntry(
             name,
             self._types(_TOPICS, name),
             self._nodes(Kind.PUBLISHER, name),
             self._nodes(Kind.SUBSCRIBER, name),
         )
+        return entry
+
+    def _service_entry(self, name: str) -> ServiceEntry:
+        entry = self._service_entries[name] = ServiceEntry(
+            name, self._nodes(Kind.SERVER, name), self._types((Kind.SERVER,), name)
+        )
+        return entry
 
     def _types(self, kinds: Sequence[Kind], name: str) -> str:
         types = {

@@ -53,7 +53,7 @@ class LearntTypes:
         key = f"{type_name}/{type_hash}"
         if self._found.get(key) is None and key not in self._asking:
             name = type_of_dds_name(type_name)
-            if len(self._found) >= MAX_LEARNT_TYPES:
+            if len(self._found.keys() | self._asking.keys()) >= MAX_LEARNT_TYPES:
                 return self._found.get(key)
             if self._describe is not None and node_name and self._is_unknown(name):
                 self._on_waiting()

@@ -44,6 +44,21 @@ def test_what_goes_is_gone() -> None:
     assert graph.endpoints(Kind.PUBLISHER, "/chat") == []
 
 
+def test_a_change_makes_only_its_own_entries_again() -> None:
+    graph = GraphCache()
+    graph.apply_tokens([(TALKER, True), (SERVER, True), (token(Kind.PUBLISHER, "b", "/other", STRING), True)])
+    before = graph.snapshot()
+    graph.apply_tokens([(LISTENER, True)])
+    after = graph.snapshot()
+    assert after.topics["/chat"].subscribers == ("/listener",)
+    assert after.topics["/other"] is before.topics["/other"], "fleets have thousands"
+    assert after.services["/switch"] is before.services["/switch"]
+    graph.apply_tokens([(LISTENER, False), (token(Kind.SERVER, "twin", "/switch", entity_id=9), True)])
+    last = graph.snapshot()
+    assert (last.nodes, last.topics) == (("/b", "/server", "/talker", "/twin"), before.topics)
+    assert last.services["/switch"].providers == ("/server", "/twin")
+
+
 def test_what_is_no_token_is_passed_over() -> None:
     graph = GraphCache()
     graph.apply_tokens([("", True), ("@ros2_lv/0/nonsense", True), ("x" * 100_000, True)])
