@@ -69,7 +69,9 @@ def _spelled(name: str) -> str:
     context = click.get_current_context(silent=True)
     for parameter in context.command.params if context is not None else ():
         if parameter.name == name:
-            return max(parameter.opts, key=len) if isinstance(parameter, click.Option) else name.upper()
+            if isinstance(parameter, click.Option):
+                return max(parameter.opts, key=len)
+            return parameter.human_readable_name.strip("[].")
     return name
 
 

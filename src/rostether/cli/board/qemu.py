@@ -33,6 +33,7 @@ async def start_in_qemu(
         )
     if program.suffix.lower() != ".elf":
         raise ConfigError(f"{machine} runs only ELF files; compile {program} with arm-none-eabi-g++ first")
+    _refuse_missing(program)
     return await QemuBoard.start(program, machine=machine, link_path=link_path)
 
 

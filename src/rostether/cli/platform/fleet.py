@@ -110,9 +110,10 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> None:
     """
     from rostether.platform.command_frame import ALL_GROUPS
 
-    settings = for_robot(fleet, options.robot)
-    if settings.sender.to_groups and options.to_all == (settings.sender.target != ALL_GROUPS):
+    targets = (options.robot is not None, fleet.sender.target != ALL_GROUPS, options.to_all)
+    if sum(targets) != 1:
         raise click.UsageError("give one of ROBOT, --groups or --all")
+    settings = for_robot(fleet, options.robot)
     payload = struct.pack("<dd", options.direction, options.speed)
     run(_drive(settings, payload, options.duration_s or float("inf")))
 

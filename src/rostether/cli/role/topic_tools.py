@@ -140,7 +140,7 @@ def _call(arguments: tuple[str, ...], service: str, kind: str, topic: str | None
 def _plain(arguments: tuple[str, ...], least: int, most: int, usage: str) -> list[str]:
     rest = parse_arguments(arguments).rest
     if not least <= len(rest) <= most:
-        raise ConfigError(f"usage: {usage}; {len(rest)} arguments were given")
+        raise ConfigError(f"write {usage}; given: {' '.join(rest) or 'no arguments'}")
     return rest
 
 

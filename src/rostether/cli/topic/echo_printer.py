@@ -45,7 +45,7 @@ class EchoPrinter(ABC):
                 warn(self._problem)
             return
         self.shown_count += 1
-        if self.options.clear:
+        if self.options.clear and not (self.options.as_json or self.options.plot or self.options.csv):
             sys.stdout.write(CLEAR_SCREEN)
         if self.options.as_json:
             from rostether.serde.plain_form import plain_value

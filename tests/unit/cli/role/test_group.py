@@ -151,19 +151,22 @@ def test_the_links_of_rosserial_server() -> None:
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (("relay",), "usage: relay IN [OUT]; 0 arguments were given"),
-        (("relay", "/a", "/a"), "/a would receive its own output"),
+        (("relay",), "write relay IN [OUT]; given: no arguments"),
         (("throttle", "messages", "/a", "fast"), "'fast' is not a number"),
         (("throttle", "words", "/a", "1"), "write throttle messages IN HZ"),
         (("throttle", "bytes", "/a", "1"), "write throttle messages IN HZ"),
-        (("mux", "/out"), "usage: mux OUT IN..."),
-        (("mux-list",), "usage: mux_list MUX"),
+        (("mux", "/out"), "write mux OUT IN..."),
+        (("mux-list", "/a", "/b"), "write mux_list MUX; given: /a /b"),
     ],
 )
-async def test_what_is_typed_wrong(master: MasterServer, words: tuple[str, ...], reason: str) -> None:
-    async with started("role", *words, ROS_MASTER_URI=master.uri) as command:
+def test_wrong_arguments_are_refused(shell: Shell, words: tuple[str, ...], reason: str) -> None:
+    assert reason in shell.failure("role", *words)
+
+
+async def test_a_relay_into_itself_is_refused(master: MasterServer) -> None:
+    async with started("role", "relay", "/a", "/a", ROS_MASTER_URI=master.uri) as command:
         assert await asyncio.wait_for(command.process.wait(), 60) == 1
-        await command.wait_for(reason)
+        await command.wait_for("/a would receive its own output")
 
 
 def test_make_libraries(tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:

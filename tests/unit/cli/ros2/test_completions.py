@@ -12,6 +12,11 @@ from unit.cli.ros2.zenoh_world import ZenohWorld
 Complete = Callable[[click.Context, click.Parameter, str], list[str]]
 
 
+@pytest.fixture(autouse=True)
+def _on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(completions, "ROS2_TIMEOUT_S", 60.0)
+
+
 @pytest.mark.parametrize(
     ("complete", "typed", "found"),
     [

@@ -39,7 +39,7 @@ def test_echo_prints_as_rostopic_does(graph: LiveGraph, shell: Shell) -> None:
         (["-w", "6", "/r/range"], "0.5000\n---\n2.0000\n---\n"),
         (["--nostr", "/r/header/frame_id"], '"<string length: 5>"\n---\n"<string length: 5>"\n---\n'),
         (["-c", "/r/range"], "\033[2J\033[;H0.5\n---\n\033[2J\033[;H2.0\n---\n"),
-        (["--json", "/r/range"], '{"value": 0.5}\n{"value": 2.0}\n'),
+        (["-c", "--json", "/r/range"], '{"value": 0.5}\n{"value": 2.0}\n'),
         (["-p", "/r/header/stamp"], "%time,field\nNOW,5000000000\nNOW,5000000000\n"),
     ],
 )
