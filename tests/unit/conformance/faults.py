@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -122,6 +123,43 @@ def _ahead(topic_id: int, payload: bytes) -> bytes:
     return encode_frame(topic_id, payload if time is None else encode_time(Time(time.secs + 60, time.nsecs)))
 
 
+def _without_nanoseconds(topic_id: int, payload: bytes) -> bytes:
+    # The program's only message of 8 bytes with such an id is the client's clock.
+    time = decode_time(payload) if topic_id == 127 else None
+    return encode_frame(
+        topic_id, payload if time is None else encode_time(Time(time.secs, time.nsecs // 1000))
+    )
+
+
+def _cut_first(data: bytes) -> bytes:
+    # The first of two frames is a string with a byte too many.
+    size = int.from_bytes(data[2:4], "little")
+    if (
+        data.startswith(b"\xff\xfe")
+        and len(data) > 8 + size
+        and size == 5 + int.from_bytes(data[7:11], "little")
+    ):
+        return encode_frame(int.from_bytes(data[5:7], "little"), data[7 : 6 + size]) + data[8 + size :]
+    return data
+
+
+def _slow_time() -> Manipulator:
+    requests = itertools.count()
+
+    def every_third(topic_id: int, payload: bytes) -> bytes:
+        return b"" if topic_id == ids.TIME and next(requests) % 3 else encode_frame(topic_id, payload)
+
+    return sent(every_third)()
+
+
+def _checks_seven_bits(data: bytes) -> bytes:
+    if len(data) > 8 and data.startswith(b"\xff\xfe"):
+        end = 8 + int.from_bytes(data[2:4], "little")
+        if sum(data[5:end]) % 256 == 0x7F:
+            return encode_frame(int.from_bytes(data[5:7], "little"), data[7 : end - 1]) + data[end:]
+    return data
+
+
 def _reversed_ints(topic_id: int, payload: bytes) -> bytes:
     response = ParameterResponse.decode(payload) if topic_id == ids.PARAMETER else None
     if response is not None:
@@ -161,6 +199,10 @@ FAULTS = (
     Fault("deaf to stop", "stop-silent", received(lambda data: b"" if data == STOP else data)),
     Fault("deaf to probes", "probe-waiting", received(lambda data: b"" if data == PROBE else data)),
     Fault("a clock 60 s ahead", "time-clock", received_frames(_ahead)),
+    Fault("nanoseconds divided by 1000", "time-advance", sent(_without_nanoseconds)),
+    Fault("the time requested too rarely", "time-period", _slow_time),
+    Fault("a checksum of seven bits", "frame-check", received(_checks_seven_bits)),
+    Fault("bytes after a message ignored", "message-long", received(_cut_first)),
     Fault("parameters in reverse", "parameter-ints", received_frames(_reversed_ints)),
     Fault("a time ends a call", "service-call-time", received_frames(_time_ends_calls)),
 )

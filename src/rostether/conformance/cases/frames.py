@@ -78,9 +78,10 @@ async def check_length_checksum(client: CheckedClient) -> None:
 @case("frame-check", Part.TEXT)
 async def check_checksum(client: CheckedClient) -> None:
     """A frame with a wrong checksum is dropped, and the next one is received."""
-    frame = bytearray(_frame(client, "wrong"))
-    frame[-2] ^= 0x20
-    await _expect_after(client, bytes(frame))
+    for bit in range(8):
+        frame = bytearray(_frame(client, "wrong"))
+        frame[-2] ^= 1 << bit
+        await _expect_after(client, bytes(frame))
 
 
 @case("frame-false-header", Part.TEXT)
@@ -141,6 +142,13 @@ async def check_publisher_id(client: CheckedClient) -> None:
 async def check_short_message(client: CheckedClient) -> None:
     """A message that is shorter than its type's layout is dropped."""
     payload = text_payload("wrong")[:-2]
+    await _expect_after(client, encode_frame(client.id_of("text_in"), payload))
+
+
+@case("message-long", Part.TEXT)
+async def check_long_message(client: CheckedClient) -> None:
+    """A message that is longer than its type's layout is dropped."""
+    payload = text_payload("wrong") + b"\x00"
     await _expect_after(client, encode_frame(client.id_of("text_in"), payload))
 
 
