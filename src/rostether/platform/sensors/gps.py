@@ -19,6 +19,9 @@ MESSAGE_TYPE = "sensor_msgs/NavSatFix"
 # Receivers send at most ten positions per second; a slow subscriber gets the newest ones.
 _MAX_WAITING = 100
 
+# Without a position for this time the sensor reports why, before it would count as silent.
+_REPORT_S = 2.5
+
 
 async def publish_positions(
     graph: TypedGraph,
@@ -30,8 +33,17 @@ async def publish_positions(
     # A missing package is reported at once.
     NmeaReader()
     async with registered_sensor(graph, description, report) as sensor:
+        reported = ""
 
-        def publish(position: Position) -> None:
+        def publish(position: Position | str) -> None:
+            nonlocal reported
+            if isinstance(position, str):
+                sensor.set_state("alert", position)
+                if position != reported:
+                    reported = position
+                    report(Level.WARN, f"{description.id}: no position from {address}: {position}")
+                return
+            reported = ""
             header = {"stamp": graph.now(), "frame_id": description.frame_id}
             sensor.publish(header=header, **position.fields)
             if position.has_fix:
@@ -41,21 +53,30 @@ async def publish_positions(
 
         await publish_readings(
             sensor,
-            lambda: positions(address),
+            lambda: positions(address, max(_REPORT_S, _REPORT_S / description.rate_hz)),
             publish,
             report,
             hint="plug the receiver in, or choose another ~port",
         )
 
 
-async def positions(address: Address) -> AsyncGenerator[Position, None]:
-    """Yield the positions that arrive. Raises TransportError, BoardError, ConfigError."""
+async def positions(address: Address, report_s: float) -> AsyncGenerator[Position | str, None]:
+    """Yield the positions that arrive, and after each `report_s` without one the reason.
+
+    Raises TransportError, BoardError, ConfigError.
+    """
     transport = await open_transport(address)
     receiver = _Receiver(f"{address}")
     transport.start(receiver)
     try:
         while True:
-            yield await receiver.next_position()
+            try:
+                async with asyncio.timeout(report_s):
+                    position = await receiver.next_position()
+            except TimeoutError:
+                yield receiver.reader.read_and_clear_problem()
+            else:
+                yield position
     finally:
         transport.close()
         await transport.wait_closed()
@@ -64,7 +85,7 @@ async def positions(address: Address) -> AsyncGenerator[Position, None]:
 class _Receiver:
     def __init__(self, where: str) -> None:
         self._where = where
-        self._reader = NmeaReader()
+        self.reader = NmeaReader()
         self._waiting: asyncio.Queue[Position | None] = asyncio.Queue(_MAX_WAITING)
 
     async def next_position(self) -> Position:
@@ -74,7 +95,7 @@ class _Receiver:
         return position
 
     def data_received(self, data: bytes) -> None:
-        for position in self._reader.feed(data):
+        for position in self.reader.feed(data):
             self._put(position)
 
     def connection_lost(self, error: TransportError | None) -> None:

@@ -19,6 +19,8 @@ RANGE_ERROR_M = 5.0
 # stations.
 _STATUS = {0: -1, 2: 1, 4: 2, 5: 2}
 _SERVICE_GPS = 1
+_MAX_LATITUDE = 90
+_MAX_LONGITUDE = 180
 _COVARIANCE_APPROXIMATED = 1
 
 
@@ -62,14 +64,29 @@ class NmeaReader:
     def __init__(self) -> None:
         self._pynmea2 = nmea_package()
         self._buffer = bytearray()
+        self._has_data = False
+        self._sentence_count = 0
         self.damaged_count = 0
 
     def feed(self, data: bytes) -> list[Position]:
         """Return the positions of the sentences that `data` completes; damaged ones are counted."""
+        self._has_data |= bool(data)
         self._buffer += data
         *lines, rest = bytes(self._buffer).split(b"\n")
         self._buffer = bytearray(rest[-MAX_LINE_BYTES:])
         return [found for line in lines if (found := self._position(line)) is not None]
+
+    def read_and_clear_problem(self) -> str:
+        """Return why no position arrived since the last call."""
+        has_data, sentence_count, damaged_count = self._has_data, self._sentence_count, self.damaged_count
+        self._has_data, self._sentence_count, self.damaged_count = False, 0, 0
+        if not has_data:
+            return "it sends nothing; check the port and the cable"
+        if damaged_count > sentence_count:
+            return "its sentences are damaged; check the baud rate and the cable"
+        if not sentence_count:
+            return "it sends no NMEA sentences; check the baud rate"
+        return "it sends NMEA sentences, but none with a position (GGA); turn them on in the receiver"
 
     def _position(self, line: bytes) -> Position | None:
         # Receivers also send binary data; a sentence begins with a dollar sign.
@@ -78,6 +95,7 @@ class NmeaReader:
             return None
         try:
             sentence = self._pynmea2.parse(line[start:].decode("ascii").strip(), check=True)
+            self._sentence_count += 1
             if getattr(sentence, "sentence_type", "") != "GGA":
                 return None
             return _position_of_gga(sentence)
@@ -92,10 +110,15 @@ def _position_of_gga(sentence: Any) -> Position:
     status = _STATUS.get(quality, 0)
     if status < 0 or not sentence.lat or not sentence.lon:
         return Position(-1, satellites)
+    latitude, longitude = sentence.latitude, sentence.longitude
+    if sentence.lat_dir not in ("N", "S") or sentence.lon_dir not in ("E", "W"):
+        raise ValueError(sentence)
+    if abs(latitude) > _MAX_LATITUDE or abs(longitude) > _MAX_LONGITUDE:
+        raise ValueError(sentence)
     # GGA has the altitude above the geoid, and the height of the geoid above the ellipsoid.
     altitude_m = _number(sentence.altitude) + float(sentence.geo_sep or 0.0)
     hdop = _number(sentence.horizontal_dil)
-    return Position(status, satellites, sentence.latitude, sentence.longitude, altitude_m, hdop)
+    return Position(status, satellites, latitude, longitude, altitude_m, hdop)
 
 
 def _number(field: object) -> float:

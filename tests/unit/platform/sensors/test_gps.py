@@ -6,6 +6,8 @@ import math
 import os
 import sys
 from collections.abc import AsyncGenerator
+from functools import reduce
+from operator import xor
 from typing import Any
 
 import pytest
@@ -40,6 +42,33 @@ def test_sentences_are_read_in_any_pieces(step: int) -> None:
     assert math.isclose(fix.altitude_m, 592.3)
     assert not found[1].has_fix
     assert found[1].satellites == 3
+    assert reader.damaged_count == 1
+
+
+def test_why_there_is_no_position() -> None:
+    reader = NmeaReader()
+    assert "sends nothing" in reader.read_and_clear_problem()
+    reader.feed(bytes(range(128, 256)) * 4)
+    assert "no NMEA sentences; check the baud rate" in reader.read_and_clear_problem()
+    reader.feed(OTHER * 2 + FIX[:20] + b"\n")
+    assert "none with a position (GGA)" in reader.read_and_clear_problem()
+    assert not reader.feed(FIX.replace(b"4807", b"4808"))
+    assert "are damaged" in reader.read_and_clear_problem()
+    assert "sends nothing" in reader.read_and_clear_problem()
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        b"$GPGGA,123519,9107.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*",
+        b"$GPGGA,123519,4807.038,N,99931.000,E,1,08,0.9,545.4,M,46.9,M,,*",
+        b"$GPGGA,123519,4807.038,n,01131.000,e,1,08,0.9,545.4,M,46.9,M,,*",
+    ],
+)
+def test_a_position_that_is_not_on_earth(sentence: bytes) -> None:
+    reader = NmeaReader()
+    checksum = reduce(xor, sentence[1:-1])
+    assert not reader.feed(sentence + b"%02X\r\n" % checksum)
     assert reader.damaged_count == 1
 
 
@@ -82,15 +111,28 @@ async def test_a_receiver_on_tcp_that_ends_and_comes_back() -> None:
     assert any(" closed the connection" in each for each in shown.report.texts)
 
 
+async def test_a_receiver_that_sends_no_position() -> None:
+    async with tcp_receiver() as (address, writers):
+        found = positions(parse_address(address), 0.05)
+        assert "sends nothing" in str(await anext(found))
+        writers[0].write(bytes(range(256)))
+        async with asyncio.timeout(60):
+            while "check the baud rate" not in str(await anext(found)):
+                pass
+        await found.aclose()
+
+
 async def test_a_receiver_on_a_serial_port() -> None:
     master, slave = os.openpty()
     try:
-        found = positions(parse_address(f"serial:{os.ttyname(slave)}?baud=9600"))
+        found = positions(parse_address(f"serial:{os.ttyname(slave)}?baud=9600"), 60.0)
         first = asyncio.ensure_future(anext(found))
         while not first.done():
             os.write(master, FIX)
             await asyncio.wait([first], timeout=0.05)
-        assert first.result().satellites == 8
+        position = first.result()
+        assert isinstance(position, Position)
+        assert position.satellites == 8
         await found.aclose()
     finally:
         os.close(master)
@@ -105,4 +147,4 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
 
 async def test_a_port_that_is_missing() -> None:
     with pytest.raises((OSError, BoardError, Exception), match="/dev/ttyNONE"):
-        await anext(positions(parse_address("/dev/ttyNONE")))
+        await anext(positions(parse_address("/dev/ttyNONE"), 60.0))
