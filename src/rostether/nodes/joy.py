@@ -94,6 +94,10 @@ class _Reading:
         try:
             self._repeat_later()
             await self._ended.wait()
+            if self._sequence:
+                # The last position would stay in effect for programs that wait for a change.
+                self._joystick.release()
+                self._publish()
         finally:
             loop.remove_reader(self._descriptor)
             if self._timer is not None:

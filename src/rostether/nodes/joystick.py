@@ -40,6 +40,7 @@ class Joystick:
     axes: list[float] = field(default_factory=list)
     buttons: list[int] = field(default_factory=list)
     _pressed: list[bool] = field(default_factory=list)
+    _released_axes: list[float] = field(default_factory=list)
     _rest: bytes = b""
 
     def __post_init__(self) -> None:
@@ -57,15 +58,24 @@ class Joystick:
             when = max(when, self._apply_event(value, kind, number), key=lambda each: each.value)
         return when
 
+    def release(self) -> None:
+        """Move all axes to where they are without a hand, and release all buttons."""
+        self.axes = list(self._released_axes)
+        self.buttons = [0] * len(self.buttons)
+
     def _apply_event(self, value: int, kind: int, number: int) -> When:
         is_initial = bool(kind & _INITIAL)
         if kind & ~_INITIAL == _BUTTON:
             self._press(number, is_pressed=value != 0)
             return When.SOON if is_initial else When.NOW
         if kind & ~_INITIAL == _AXIS:
-            self.axes += [0.0] * (number + 1 - len(self.axes))
+            missing = number + 1 - len(self.axes)
+            self.axes += [0.0] * missing
+            self._released_axes += [0.0] * missing
             if self.default_trig_val or not is_initial:
                 self.axes[number] = self._scaled(value)
+            if self.default_trig_val and is_initial:
+                self._released_axes[number] = self.axes[number]
             return When.SOON
         return When.NEVER
 

@@ -108,10 +108,13 @@ async def test_a_joystick_may_come_later_and_go(stage: Stage, monkeypatch: pytes
         away.rename(stage.device)
         await until(lambda: len(stage.lines) == 2)
         stage.send(event(1, 0, 1))
-        await until(lambda: stage.messages)
+        stage.send(event(2, 0, -32767))
+        await until(lambda: bool(stage.messages) and list(stage.messages[-1].axes) == [1.0])
         stage.device.unlink()
         os.close(stage.writer)
         await until(lambda: len(stage.lines) == 3)
+        await until(lambda: not any(stage.messages[-1].buttons))
+    assert list(stage.messages[-1].axes) == [0.0]
     assert stage.lines[2].endswith("was disconnected; waiting for it")
 
 
