@@ -85,6 +85,8 @@ class FleetSender:
         finally:
             # Not `stop`: that would stop robots that another sender commands, and that refused this one.
             await self._repeat(self._commands.halt(time.monotonic()))
+        if not reported and not self.robots:
+            self._report(Level.WARN, silence_text(self._settings))
 
     async def stop(self) -> list[Robot]:
         """Stop, and return the robots that confirm it.

@@ -77,7 +77,9 @@ async def receive_topic(
     try:
         sock = open_receiver(address)
     except OSError as error:
-        raise ConfigError(f"cannot receive at {address}: {error.strerror or error}") from None
+        # A group of one link (ff02::1) needs an interface.
+        hint = "; choose the network interface with ~interface" if address.is_multicast else ""
+        raise ConfigError(f"cannot receive at {address}: {error.strerror or error}{hint}") from None
     layout = graph.store.layout(settings.type_name)
     receiver = _Receiver(sock, publisher, layout, AllowList(sources), settings, report, read_host)
     report(Level.INFO, f"receiving {settings.type_name} from {address} as {publisher.topic}")

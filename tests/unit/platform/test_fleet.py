@@ -31,6 +31,7 @@ async def test_queries_change_nothing_and_a_drive_ends_with_a_halt_and_a_release
     await sender.drive(b"go", 0.1)
     sender.close()
     await until(lambda: flags().count(Flags.RELEASE) == 3)
+    assert lines.texts == [silence_text(FleetSettings(ONE_ROBOT, address))]
     assert flags().count(Flags(0)) == 10
     assert set(flags()) == {Flags.ARMED, Flags(0), Flags.RELEASE}
     receiver.datagrams.clear()

@@ -103,10 +103,11 @@ class DriveOptions:
 )
 @option_group("options", DriveOptions)
 @fleet_options()
-def drive(options: DriveOptions, fleet: FleetSettings) -> None:
+def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     """Drive one robot or groups (arduino_control/ArduinoControl) until the time is over or Ctrl-C.
 
-    One sender commands a robot at a time. A robot stops by itself 0.3 s after the last command.
+    One sender commands a robot at a time. A robot stops by itself 0.3 s after the last command. The exit code
+    is 1 if no robot answers.
     """
     from rostether.platform.command_frame import ALL_GROUPS
 
@@ -115,7 +116,7 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> None:
         raise click.UsageError("give one of ROBOT, --groups or --all")
     settings = for_robot(fleet, options.robot)
     payload = struct.pack("<dd", options.direction, options.speed)
-    run(_drive(settings, payload, options.duration_s or float("inf")))
+    return run(_drive(settings, payload, options.duration_s or float("inf")))
 
 
 @click.command("stop", cls=Verb, examples="rostether fleet stop 3 --key-file fleet.key")
@@ -147,7 +148,7 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
     return EXIT_DONE if sender.robots else EXIT_FAILED
 
 
-async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> None:
+async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> int:
     from dataclasses import replace
 
     from rostether.msgdef.registry import Registry
@@ -159,6 +160,7 @@ async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> 
         await sender.drive(payload, duration_s)
     finally:
         sender.close()
+    return EXIT_DONE if sender.robots else EXIT_FAILED
 
 
 async def _stop(settings: FleetSettings) -> int:
