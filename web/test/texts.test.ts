@@ -24,6 +24,7 @@ test("a message in one line", () => {
     "a: 1 b: [1, 2] c: 5.030 s",
   );
   assert.equal(brief({ data: "hello" }), "hello");
+  assert.match(brief({ a: "x".repeat(100), b: "y".repeat(100) }), /^a: x+ b: y+…$/);
   assert.equal(
     brief({ a: { x_y: 1 }, p: [2.5, 3] }, ["a.x_y", "p[0]", "p[7]"]),
     "a.x y: 1, p[0]: 2.5, p[7]: –",

@@ -109,7 +109,11 @@ function Drive(props: {
           />
         )}
       </div>
-      {!context.isCard && <p class="drive-hint">{texts.drive.hint}</p>}
+      {!context.isCard && (
+        <p class="drive-hint">
+          {matchMedia("(pointer: coarse)").matches ? texts.drive.hintTouch : texts.drive.hint}
+        </p>
+      )}
     </fieldset>
   );
 }

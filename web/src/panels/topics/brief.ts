@@ -28,13 +28,16 @@ function briefFields(fields: [string, Value][], separator = " "): string {
     text += `${text && separator}${name}: ${briefValue(value)}`;
     if (text.length > MAX_CHARACTERS) break;
   }
-  return text.slice(0, MAX_CHARACTERS);
+  return shortened(text);
+}
+
+function shortened(text: string): string {
+  return text.length > MAX_CHARACTERS ? `${text.slice(0, MAX_CHARACTERS)}…` : text;
 }
 
 export function briefValue(value: Value): string {
   if (typeof value === "number") return formatNumber(value);
-  if (typeof value === "string")
-    return value.length > MAX_CHARACTERS ? `${value.slice(0, MAX_CHARACTERS)}…` : value;
+  if (typeof value === "string") return shortened(value);
   if (typeof value !== "object") return String(value);
   if (Array.isArray(value) || ArrayBuffer.isView(value)) {
     const list = value as ArrayLike<Value>;
