@@ -25,3 +25,8 @@ def __getattr__(name: str) -> object:
     module = import_module(home)
     value = globals()[name] = module if home == f"rostether.{name}" else getattr(module, name)
     return value
+
+
+def __dir__() -> list[str]:
+    """Return the public names, also those not imported yet: shells complete them."""
+    return list(__all__)

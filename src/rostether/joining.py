@@ -62,7 +62,7 @@ async def join(  # noqa: PLR0913 - each is an independent setting
         remappings=remappings,
     )
     try:
-        yield TypedGraph(graph, store)
+        yield TypedGraph(graph, store, reports_silence=True)
     finally:
         await graph.close()
 
@@ -91,7 +91,7 @@ async def _joined_ros2(
             remappings=remappings,
         )
         try:
-            yield TypedGraph(graph, store)
+            yield TypedGraph(graph, store, reports_silence=True)
         finally:
             await graph.close()
 

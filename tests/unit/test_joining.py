@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 from collections.abc import AsyncIterator
@@ -17,6 +18,7 @@ from rostether.errors import (
 )
 from rostether.msg.sensor_msgs import Range
 from rostether.ros1.master.server import MasterServer
+from waiting import until
 
 
 @pytest_asyncio.fixture
@@ -125,3 +127,18 @@ async def test_types_as_classes(master: MasterServer) -> None:
             break
         with pytest.raises(UnknownTypeError, match="not a type"):
             await graph.publisher("/x", dict)  # type: ignore[arg-type]
+
+
+async def test_a_loop_over_a_topic_without_publisher_is_logged(
+    master: MasterServer, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("rostether.graph.message_stream.SILENCE_WARNING_S", 0.0)
+    async with rostether.join("/listener", master=master.uri) as graph:
+        await graph.publisher("/ultrasound", "std_msgs/String")
+        waiting = asyncio.create_task(anext(graph.messages("/ultrasond")))
+        await until(lambda: "/ultrasond, which has no publisher; did you mean /ultrasound?" in caplog.text)
+        waiting.cancel()
+
+
+def test_a_shell_completes_the_names_that_are_imported_late() -> None:
+    assert dir(rostether) == ["Device", "join", "sync"]

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import logging
 from collections import deque
 from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from typing import Generic, TypeVar, cast
 
 from rostether.errors import RostetherError, SerializationError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import Graph
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.search_waiting import definitions_at_hand
@@ -18,8 +21,14 @@ from rostether.serde.values import Message
 
 M = TypeVar("M", bound=Message)
 
+_LOG = logging.getLogger(__name__)
+
 # The queue for a busy loop: a second of the fastest sensor, and little memory.
 DEFAULT_QUEUE_MESSAGES = 1000
+
+# After this time without a publisher, a waiting program gets a log line; publishers are found within a
+# second.
+SILENCE_WARNING_S = 5.0
 
 # The same bound for large messages: about ten camera images.
 MAX_QUEUE_BYTES = 64 << 20
@@ -73,11 +82,18 @@ class MessageStream(Generic[M]):
     """The messages of one topic; made by `TypedGraph.messages`.
 
     A loop subscribes, and unsubscribes when it is left; it ends by itself when the node leaves the graph.
-    The queue is bounded, and drops the oldest first.
+    The queue is bounded, and drops the oldest first. `reports_silence`: a topic without publishers is logged.
     """
 
     def __init__(
-        self, graph: Graph, types: LearnedTypes, topic: str, type_name: str | None, queue_size: int
+        self,
+        graph: Graph,
+        types: LearnedTypes,
+        topic: str,
+        type_name: str | None,
+        queue_size: int,
+        *,
+        reports_silence: bool = False,
     ) -> None:
         self.topic = topic
 
@@ -92,6 +108,7 @@ class MessageStream(Generic[M]):
         self._type_name = type_name
         self._codec: Codec | None = None
         self._queue_size = max(queue_size, 1)
+        self._reports_silence = reports_silence
         self._payloads: deque[tuple[Codec, bytes]] = deque()
         self._queued_bytes = 0
         self._news = asyncio.Event()
@@ -119,10 +136,13 @@ class MessageStream(Generic[M]):
         )
         leaving = asyncio.ensure_future(self._graph.wait_closed())
         leaving.add_done_callback(lambda _: self._news.set())
+        warning = asyncio.ensure_future(self._warn_of_silence()) if self._reports_silence else None
         try:
             while not leaving.done():
                 await self._news.wait()
                 self._news.clear()
+                if warning is not None:
+                    warning.cancel()
                 while self._payloads:
                     codec, payload = self._payloads.popleft()
                     self._queued_bytes -= len(payload)
@@ -138,6 +158,8 @@ class MessageStream(Generic[M]):
                     raise self._error
         finally:
             leaving.cancel()
+            if warning is not None:
+                warning.cancel()
             await subscriber.close()
 
     async def __anext__(self) -> M:
@@ -154,6 +176,17 @@ class MessageStream(Generic[M]):
         generator, self._generator = self._generator, None
         if generator is not None:
             await generator.aclose()
+
+    async def _warn_of_silence(self) -> None:
+        await asyncio.sleep(SILENCE_WARNING_S)
+        with contextlib.suppress(RostetherError):
+            name, topics = self._graph.resolve(self.topic), (await self._graph.snapshot()).topics
+            published = [each for each, topic in topics.items() if topic.publishers]
+            if name not in published:
+                hint = did_you_mean(name, published)
+                _LOG.warning(
+                    "waiting for a message of %s, which has no publisher%s", name, hint and f"; {hint}"
+                )
 
     def _learn(self, header: Mapping[str, str]) -> None:
         try:

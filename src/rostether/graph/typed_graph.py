@@ -7,8 +7,6 @@ async for message in graph.messages("/chatter"):     # the type is learned from 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import aclosing
 from typing import Any, ParamSpec, TypeAlias, TypeVar, overload
@@ -36,19 +34,17 @@ M = TypeVar("M", bound=Message)
 ResponseLike: TypeAlias = Response | Mapping[str, Any] | Awaitable[Response | Mapping[str, Any]]
 Handler: TypeAlias = Callable[[Message], ResponseLike[Message]]
 
-# After this time without a publisher, a waiting program gets a log line; publishers are found within a
-# second.
-SILENCE_WARNING_S = 5.0
-
-_LOG = logging.getLogger(__name__)
-
 
 class TypedGraph(LogMethods):
-    """One node's membership of a graph, with messages as values; `raw` is the port below."""
+    """One node's membership of a graph, with messages as values; `raw` is the port below.
 
-    def __init__(self, graph: Graph, store: TypeStore) -> None:
+    `reports_silence`: a loop over a topic without publishers is logged.
+    """
+
+    def __init__(self, graph: Graph, store: TypeStore, *, reports_silence: bool = False) -> None:
         self.raw = graph
         self.store = store
+        self._reports_silence = reports_silence
         self._learned = LearnedTypes(store)
 
     @property
@@ -100,7 +96,7 @@ class TypedGraph(LogMethods):
         `queue_size` bounds the waiting messages; beyond it the oldest are dropped and counted.
         """
         name = None if type_name is None else name_of_type(type_name)
-        return MessageStream(self.raw, self._learned, topic, name, queue_size)
+        return self._stream(topic, name, queue_size, reports_silence=self._reports_silence)
 
     @overload
     async def subscriber(
@@ -118,7 +114,8 @@ class TypedGraph(LogMethods):
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
         name = None if type_name is None else name_of_type(type_name)
-        stream = self.messages(topic, name)
+        # A node that waits for commands may wait for hours.
+        stream = self._stream(topic, name, DEFAULT_QUEUE_MESSAGES, reports_silence=False)
         if name is not None:
             registry = self.store.registry
             await definitions_at_hand(registry, lambda: registry.message_type(name))
@@ -137,23 +134,19 @@ class TypedGraph(LogMethods):
         self, topic: str, type_name: str | type[Message] | None = None, *, timeout_s: float | None = None
     ) -> Any:
         """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
-        stream = self.messages(topic, None if type_name is None else name_of_type(type_name), queue_size=1)
-        warning = asyncio.create_task(self._warn_of_silence(topic))
-        try:
-            async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
-                async for message in messages:
-                    return message
-        finally:
-            warning.cancel()
+        name = None if type_name is None else name_of_type(type_name)
+        stream = self._stream(topic, name, 1, reports_silence=True)
+        async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
+            async for message in messages:
+                return message
         raise GraphError(f"node {self.node_name} has left the graph; join again")
 
-    async def _warn_of_silence(self, topic: str) -> None:
-        await asyncio.sleep(SILENCE_WARNING_S)
-        with contextlib.suppress(RostetherError):
-            name = self.raw.resolve(topic)
-            known = (await self.raw.snapshot()).topics.get(name)
-            if known is None or not known.publishers:
-                _LOG.warning("waiting for a message of %s, which has no publisher", name)
+    def _stream(
+        self, topic: str, type_name: str | None, queue_size: int, *, reports_silence: bool
+    ) -> MessageStream[Any]:
+        return MessageStream(
+            self.raw, self._learned, topic, type_name, queue_size, reports_silence=reports_silence
+        )
 
     @overload
     async def call(

@@ -317,7 +317,7 @@ async def test_anext_takes_one_message_after_the_other(talker: TypedGraph, liste
 async def test_waiting_for_a_topic_without_publisher_is_logged(
     listener: TypedGraph, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("rostether.graph.typed_graph.SILENCE_WARNING_S", 0.0)
+    monkeypatch.setattr("rostether.graph.message_stream.SILENCE_WARNING_S", 0.0)
     waiting = asyncio.create_task(listener.wait_for_message("/nothing"))
     async with asyncio.timeout(60):
         while "waiting for a message of /nothing, which has no publisher" not in caplog.text:
