@@ -58,7 +58,7 @@ def test_options_of_other_boards_are_refused() -> None:
 
 @pytest.mark.qemu
 def test_a_program_that_qemu_cannot_run_fails_with_its_message(tmp_path: Path) -> None:
-    (tmp_path / "nothing.elf").write_bytes(b"not a program")
+    (tmp_path / "nothing.elf").mkdir()
     result = run_to_end(str(tmp_path / "nothing.elf"))
     assert result.returncode == 1
     assert "rostether: error: qemu has ended: " in result.stderr
