@@ -139,7 +139,7 @@ async def _value_source(
     """Return a function that opens the source in the parameters, and its unit. Raises ConfigError."""
     from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
     from rostether.platform.sensors.number_file import NumberFile
-    from rostether.platform.sensors.value import topic_values
+    from rostether.platform.sensors.value import TopicField
 
     path = await parameters.text("", "path")
     topic = await parameters.text("", "topic")
@@ -153,7 +153,7 @@ async def _value_source(
         return lambda: file.readings(rate_hz), file.unit
     if topic:
         field = await parameters.text("data", "field")
-        return lambda: topic_values(graph, topic, field), ""
+        return TopicField(graph, topic, field).values, ""
     gpio_package()
     bias = await parameters.text("as_is", "bias")
     if bias not in BIASES:

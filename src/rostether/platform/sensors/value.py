@@ -7,7 +7,7 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 from dataclasses import dataclass
 
-from rostether.errors import ConfigError
+from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.readings import publish_readings
@@ -44,7 +44,7 @@ async def publish_values(
     scaling: Scaling,
     report: Callable[[Level, str], None],
     *,
-    hint: str = "choose another ~path or ~gpio",
+    hint: str = "choose another ~path, ~gpio or ~field",
 ) -> None:
     """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError."""
     async with registered_sensor(graph, description, report) as sensor:
@@ -64,17 +64,35 @@ async def publish_values(
         await publish_readings(sensor, open_source, publish, report, hint=hint)
 
 
-async def topic_values(graph: TypedGraph, topic: str, field: str) -> AsyncGenerator[float, None]:
-    """Yield a field of each message, such as `range` or `pose/position/x`; true is 1.
+class TopicField:
+    """A field of a topic, such as `range` or `pose/position/x`, as a source of numbers."""
 
-    Raises ConfigError if the topic's type has no such field, or if the field is not a number; GraphError.
-    """
-    async with aclosing(aiter(graph.messages(topic))) as messages:
-        path: FieldPath | None = None
-        async for message in messages:
-            if path is None:
-                path = FieldPath(graph.store.codec(message._type), field)
-            value = path.read(message)
-            if not isinstance(value, int | float):
-                raise ConfigError(f"{topic}: {field} is not a number, but {value!r:.50}")
-            yield float(value)
+    def __init__(self, graph: TypedGraph, topic: str, field: str) -> None:
+        self._graph = graph
+        self._topic = topic
+        self._field = field
+        self._has_number = False
+
+    async def values(self) -> AsyncGenerator[float, None]:
+        """Yield the field of each message; true is 1.
+
+        Raises ConfigError if the first message has no such number, BoardError if a later one has none: a
+        board may get another sketch. Raises GraphError.
+        """
+        async with aclosing(aiter(self._graph.messages(self._topic))) as messages:
+            path: FieldPath | None = None
+            type_name = ""
+            async for message in messages:
+                try:
+                    if path is None or message._type != type_name:
+                        type_name = message._type
+                        path = FieldPath(self._graph.store.codec(type_name), self._field)
+                    value = path.read(message)
+                    if not isinstance(value, int | float):
+                        raise ConfigError(f"{self._topic}: {self._field} is not a number, but {value!r:.50}")
+                except ConfigError as error:
+                    if not self._has_number:
+                        raise
+                    raise BoardError(str(error)) from None
+                self._has_number = True
+                yield float(value)

@@ -8,7 +8,7 @@ import pytest
 from rostether.errors import BoardError, ConfigError
 from rostether.platform.sensors.gpio_line import GpioLine
 from rostether.platform.sensors.number_file import NumberFile
-from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values, topic_values
+from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, TopicField, publish_values
 from unit.platform.datagrams import running
 from unit.platform.sensors.shown_sensors import described, shown_sensors
 from waiting import until
@@ -50,7 +50,7 @@ async def test_a_file_that_goes_and_comes_back(tmp_path: Path) -> None:
             await shown.has_state(what.id, "ready")
             file.write_text("5")
             await shown.has_state(what.id, "alert above 10 V")
-    reason = f"{file}: No such file or directory; choose another ~path or ~gpio"
+    reason = f"{file}: No such file or directory; choose another ~path, ~gpio or ~field"
     failed = f"{what.id}: {reason}; trying again every second"
     texts = [each for each in shown.report.texts if "registered" not in each]
     assert texts == [failed, f"{what.id} works again"]
@@ -66,7 +66,7 @@ async def test_a_boards_topic_as_a_sensor() -> None:
             publish_values(
                 shown.robot,
                 what,
-                lambda: topic_values(shown.robot, "/arm/ultrasound", "range"),
+                TopicField(shown.robot, "/arm/ultrasound", "range").values,
                 Scaling(),
                 shown.report,
             )
@@ -76,6 +76,16 @@ async def test_a_boards_topic_as_a_sensor() -> None:
             board.publish(range=0.5)
             await shown.has_state(what.id, "ready")
             await until(lambda: values == [0.5])
+            # Another sketch, and then the first one again.
+            await board.close()
+            other = await shown.viewer.publisher("/arm/ultrasound", "std_msgs/String", latch=True)
+            other.publish(data="far")
+            await shown.has_state(what.id, "alert std_msgs/String has no field 'range'; it has data")
+            await other.close()
+            board = await shown.viewer.publisher("/arm/ultrasound", "sensor_msgs/Range", latch=True)
+            board.publish(range=0.75)
+            await shown.has_state(what.id, "ready")
+            await until(lambda: values == [0.5, 0.75])
 
 
 @pytest.mark.parametrize(
@@ -87,7 +97,7 @@ async def test_a_field_that_is_no_number(field: str, reason: str) -> None:
         board = await shown.viewer.publisher("/range", "sensor_msgs/Range", latch=True)
         board.publish(range=0.5)
         with pytest.raises(ConfigError, match=reason):
-            await anext(topic_values(shown.robot, "/range", field))
+            await anext(TopicField(shown.robot, "/range", field).values())
 
 
 async def test_a_gpio_line_that_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
