@@ -137,48 +137,71 @@ def _translated(read: Callable[[], T]) -> T:
         raise YamlError(f"not YAML: {' '.join(str(error).split())}") from None
 
 
-def _check_size(text: str, loader: Any) -> None:  # noqa: C901, PLR0912 - one branch for each kind of event and limit
+def _check_size(text: str, loader: Any) -> None:
     if len(text) > MAX_TEXT_CHARS:
         raise YamlError(f"too large as YAML: it has more than {MAX_TEXT_CHARS >> 20} MiB; split it")
     if len(text) <= _HARMLESS_CHARS and "*" not in text:
         return
     import yaml
 
-    # The document and the collections that are open, innermost last.
-    parts = [_Part()]
-    anchors: dict[str | None, _Part] = {}
-    aliased = merges = 0
+    sizes = _Sizes()
     for event in yaml.parse(text, Loader=loader):
         if isinstance(event, yaml.DocumentStartEvent):
-            parts, anchors, aliased, merges = [_Part()], {}, 0, 0
+            sizes = _Sizes()
         elif isinstance(event, yaml.CollectionStartEvent):
-            part = anchors[event.anchor] = _Part()
-            parts.append(part)
+            sizes.open(event)
         elif isinstance(event, yaml.CollectionEndEvent):
-            part = parts.pop()
-            part.is_open = False
-            parts[-1].add(part)
+            sizes.close()
         elif isinstance(event, yaml.ScalarEvent):
-            part = anchors[event.anchor] = _Part(1 + len(event.value) // _CHARS_PER_VALUE, 0, is_open=False)
-            parts[-1].add(part)
-            merges += event.value == "<<"
-        elif isinstance(event, yaml.AliasEvent) and event.anchor in anchors:
-            part = anchors[event.anchor]
-            if part.is_open:
-                raise YamlError(
-                    f"endless as YAML: *{event.anchor} is inside &{event.anchor}", event.start_mark
-                )
-            parts[-1].add(part)
-            aliased += part.values
-        else:
-            continue
-        if len(parts) + parts[-1].depth > MAX_NESTING + 2:
+            sizes.add_scalar(event)
+        elif isinstance(event, yaml.AliasEvent):
+            sizes.add_alias(event)
+        sizes.check(event)
+
+
+class _Sizes:
+    """What one document has so far. All methods raise YamlError."""
+
+    def __init__(self) -> None:
+        # The document and the collections that are open, innermost last.
+        self._parts = [_Part()]
+        self._anchors: dict[str | None, _Part] = {}
+        self._aliased_count = 0
+        self._merge_count = 0
+
+    def open(self, event: Any) -> None:
+        part = self._anchors[event.anchor] = _Part()
+        self._parts.append(part)
+
+    def close(self) -> None:
+        part = self._parts.pop()
+        part.is_open = False
+        self._parts[-1].add(part)
+
+    def add_scalar(self, event: Any) -> None:
+        part = _Part(1 + len(event.value) // _CHARS_PER_VALUE, 0, is_open=False)
+        self._anchors[event.anchor] = part
+        self._parts[-1].add(part)
+        self._merge_count += event.value == "<<"
+
+    def add_alias(self, event: Any) -> None:
+        part = self._anchors.get(event.anchor)
+        if part is None:
+            return
+        if part.is_open:
+            raise YamlError(f"endless as YAML: *{event.anchor} is inside &{event.anchor}", event.start_mark)
+        self._parts[-1].add(part)
+        self._aliased_count += part.values
+
+    def check(self, event: Any) -> None:
+        innermost = self._parts[-1]
+        if len(self._parts) + innermost.depth > MAX_NESTING + 2:
             raise _too_large("levels", MAX_NESTING, "flatten it", event)
-        if parts[-1].values > MAX_VALUES:
+        if innermost.values > MAX_VALUES:
             raise _too_large("values", MAX_VALUES, "write bytes as !!binary, or split it", event)
-        if aliased > MAX_ALIASED_VALUES:
+        if self._aliased_count > MAX_ALIASED_VALUES:
             raise _too_large("values from aliases (*name)", MAX_ALIASED_VALUES, "write fewer aliases", event)
-        if merges > MAX_MERGES:
+        if self._merge_count > MAX_MERGES:
             raise _too_large("merges (<<)", MAX_MERGES, "write the keys out", event)
 
 

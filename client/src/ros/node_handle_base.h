@@ -186,7 +186,7 @@ class NodeHandleBase_ : public FrameWriter {
     finish();
   }
 
-  // For drivers: ends the spinOnce in progress, so that what the message points to outlasts it until the next.
+  // For drivers: ends the spinOnce in progress, so that the data of the message stays valid until the next one.
   void pauseReading() { window_.hold(); }
 
   // An endpoint for the duration of one exchange, on an id that it chooses; after the others, so that of two on one

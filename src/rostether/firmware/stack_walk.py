@@ -79,108 +79,105 @@ _State = tuple[int, int | None]
 
 def walk(code: Code, entry: int) -> Walk:
     """Follow a function from its entry."""
-    found = Walk()
-    deepest: dict[int, int] = {}
-    pending: list[tuple[int, _State]] = [(entry, (0, None))]
-    while pending:
-        address, (depth, frame) = pending.pop()
-        if depth > MAX_DEPTH_BYTES:
-            found.is_unknown = True
-            continue
-        if deepest.get(address, -1) >= depth or address >= len(code.flash):
-            continue
-        deepest[address] = depth
-        instruction = decode(code.flash, address)
-        following = address + instruction.size
-        for target, state in _step(code, entry, address, instruction, following, (depth, frame), found):
-            found.depth_bytes = max(found.depth_bytes, state[0])
-            pending.append((target, state))
-    return found
+    return _Walker(code, entry).run()
 
 
-def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruction
-    code: Code,
-    entry: int,
-    address: int,
-    instruction: Instruction,
-    following: int,
-    state: _State,
-    found: Walk,
-) -> list[tuple[int, _State]]:
-    """Return the possible next instructions, each with its stack."""
-    depth, frame = state
-    match instruction.op:
-        case Op.PUSH:
-            return [(following, (depth + 1, frame))]
-        case Op.POP:
-            return [(following, (max(depth - 1, 0), frame))]
-        case Op.READ_STACK_POINTER:
-            return [(following, (depth, depth))]
-        case Op.MOVE_FRAME:
-            return [(following, (depth, None if frame is None else frame - instruction.value))]
-        case Op.MOVE_FRAME_HIGH:
-            # subi has eight bits; its carry and sbci complete the number.
-            return [(following, (depth, None if frame is None else _with_high(frame, depth, instruction)))]
-        case Op.WRITE_STACK_POINTER:
-            if frame is None or instruction.register != _FRAME_POINTER:
+class _Walker:
+    """Follows all paths through one function."""
+
+    def __init__(self, code: Code, entry: int) -> None:
+        self._code = code
+        self._entry = entry
+        self._found = Walk()
+
+    def run(self) -> Walk:
+        found, flash = self._found, self._code.flash
+        deepest: dict[int, int] = {}
+        pending: list[tuple[int, _State]] = [(self._entry, (0, None))]
+        while pending:
+            address, (depth, frame) = pending.pop()
+            if depth > MAX_DEPTH_BYTES:
                 found.is_unknown = True
+                continue
+            if deepest.get(address, -1) >= depth or address >= len(flash):
+                continue
+            deepest[address] = depth
+            for target, state in self._step(address, decode(flash, address), (depth, frame)):
+                found.depth_bytes = max(found.depth_bytes, state[0])
+                pending.append((target, state))
+        return found
+
+    def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruction
+        self, address: int, instruction: Instruction, state: _State
+    ) -> list[tuple[int, _State]]:
+        """Return the possible next instructions, each with its stack."""
+        code, found = self._code, self._found
+        following = address + instruction.size
+        depth, frame = state
+        match instruction.op:
+            case Op.PUSH:
+                return [(following, (depth + 1, frame))]
+            case Op.POP:
+                return [(following, (max(depth - 1, 0), frame))]
+            case Op.READ_STACK_POINTER:
+                return [(following, (depth, depth))]
+            case Op.MOVE_FRAME:
+                return [(following, (depth, None if frame is None else frame - instruction.value))]
+            case Op.MOVE_FRAME_HIGH:
+                # subi has eight bits; its carry and sbci complete the number.
+                return [
+                    (following, (depth, None if frame is None else _with_high(frame, depth, instruction)))
+                ]
+            case Op.WRITE_STACK_POINTER:
+                if frame is None or instruction.register != _FRAME_POINTER:
+                    found.is_unknown = True
+                    return [(following, state)]
+                return [(following, (max(frame, 0), frame))]
+            case Op.CALL:
+                if instruction.target == following:  # rcall .+0 makes room for a frame
+                    return [(following, (depth + code.return_bytes, frame))]
+                if instruction.target:  # otherwise the function is undefined, and the call is never reached
+                    self._add(found.calls, instruction.target, depth + code.return_bytes)
                 return [(following, state)]
-            return [(following, (max(frame, 0), frame))]
-        case Op.CALL:
-            if instruction.target == following:  # rcall .+0 makes room for a frame
-                return [(following, (depth + code.return_bytes, frame))]
-            if instruction.target:  # otherwise the function is undefined, and the call is never reached
-                _add(found.calls, instruction.target, depth + code.return_bytes, found)
-            return [(following, state)]
-        case Op.INDIRECT_CALL:
-            _add(found.indirect, pointer_kind(code.flash, address), depth + code.return_bytes, found)
-            return [(following, state)]
-        case Op.INDIRECT_JUMP:
-            _add(found.indirect, pointer_kind(code.flash, address), depth, found)
+            case Op.INDIRECT_CALL:
+                self._add(found.indirect, pointer_kind(code.flash, address), depth + code.return_bytes)
+                return [(following, state)]
+            case Op.INDIRECT_JUMP:
+                self._add(found.indirect, pointer_kind(code.flash, address), depth)
+                return []
+            case Op.RETURN:
+                return []
+            case Op.JUMP:
+                return self._jump(address, instruction, state)
+            case Op.BRANCH:
+                return [(following, state), (instruction.target, state)]
+            case Op.SKIP:
+                return [(following, state), (following + decode(code.flash, following).size, state)]
+            case Op.ENABLE_INTERRUPTS:
+                found.enables_interrupts = True
+        return [(following, state)]
+
+    def _jump(self, address: int, instruction: Instruction, state: _State) -> list[tuple[int, _State]]:
+        target, depth = instruction.target, state[0]
+        pushed = self._code.shared(target, _SHARED_PROLOGUE, 2 * _SHARED_REGISTERS)
+        if pushed is not None:
+            depth += pushed + _frame_in_x(self._code, address)
+            return [(address + instruction.size, (depth, depth))]
+        if self._code.shared(target, _SHARED_EPILOGUE, 2 * _SHARED_REGISTERS) is not None:
             return []
-        case Op.RETURN:
+        if target == 0:
+            return []  # the program begins again
+        if self._code.entries.get(target, "").startswith(_TABLE_JUMP):
+            return [(label, state) for label in self._code.labels(self._entry, address)]
+        if target in self._code.entries and target != self._entry:
+            # A tail call.
+            self._add(self._found.calls, target, depth)
             return []
-        case Op.JUMP:
-            return _jump(code, entry, address, instruction, following, state, found)
-        case Op.BRANCH:
-            return [(following, state), (instruction.target, state)]
-        case Op.SKIP:
-            return [(following, state), (following + decode(code.flash, following).size, state)]
-        case Op.ENABLE_INTERRUPTS:
-            found.enables_interrupts = True
-    return [(following, state)]
+        return [(target, state)]
 
-
-def _jump(
-    code: Code,
-    entry: int,
-    address: int,
-    instruction: Instruction,
-    following: int,
-    state: _State,
-    found: Walk,
-) -> list[tuple[int, _State]]:
-    target, (depth, _) = instruction.target, state
-    pushed = code.shared(target, _SHARED_PROLOGUE, 2 * _SHARED_REGISTERS)
-    if pushed is not None:
-        depth += pushed + _frame_in_x(code, address)
-        return [(following, (depth, depth))]
-    if code.shared(target, _SHARED_EPILOGUE, 2 * _SHARED_REGISTERS) is not None:
-        return []
-    if target == 0:
-        return []  # the program begins again
-    if code.entries.get(target, "").startswith(_TABLE_JUMP):
-        return [(label, state) for label in code.labels(entry, address)]
-    if target in code.entries and target != entry:
-        # A tail call.
-        _add(found.calls, target, depth, found)
-        return []
-    return [(target, state)]
-
-
-def _add(calls: dict[int, int], target: int, depth: int, found: Walk) -> None:
-    calls[target] = max(calls.get(target, 0), depth)
-    found.depth_bytes = max(found.depth_bytes, depth)
+    def _add(self, calls: dict[int, int], target: int, depth: int) -> None:
+        calls[target] = max(calls.get(target, 0), depth)
+        self._found.depth_bytes = max(self._found.depth_bytes, depth)
 
 
 def _with_high(frame: int, depth: int, instruction: Instruction) -> int:

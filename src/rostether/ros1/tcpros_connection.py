@@ -120,7 +120,7 @@ class HandshakeProtocol(asyncio.Protocol):
 
     def abort(self) -> None:
         """Abort the connection."""
-        self._fail(RemoteProtocolError("connection given up"))
+        self._fail(RemoteProtocolError("the connection was aborted"))
 
     def _fail(self, error: Exception) -> None:
         self._timeout.cancel()

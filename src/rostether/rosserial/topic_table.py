@@ -1,4 +1,4 @@
-"""The endpoints that a device has announced, by direction and id, and the services that their halves form."""
+"""The endpoints that a device has announced, by direction and id, and the services that they form."""
 
 from __future__ import annotations
 

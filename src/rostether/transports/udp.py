@@ -126,7 +126,7 @@ class UdpListener(_DatagramSocket):
         clock: Callable[[], float] | None = None,
         entry: PeerEntry | None = None,
     ) -> UdpListener:
-        """Listen; `entry` says which senders become peers (None: all).
+        """Listen; `entry` decides which senders become peers (None: all).
 
         Raises TransportOpenError when the port is taken or the host is not ours.
         """

@@ -53,7 +53,7 @@ class ArduinoSerial {
   template <class Port>
   ArduinoSerial(Port* io, long baud = 57600) : iostream(io), baud_(baud) {}
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { baud_ = baud; }
   long getBaud() const { return baud_; }
   template <class Port>

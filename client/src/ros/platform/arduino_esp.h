@@ -41,7 +41,7 @@ class ArduinoHardware : public ros::ArduinoSerial {
   template <class Port>
   ArduinoHardware(Port* io, long baud = 57600) : ros::ArduinoSerial(io, baud), network_(nullptr) {}
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setConnection(const IPAddress& server, int port = 11411) {
     if (!network_) network_ = new ros::NetworkOf<ArduinoTcpHardware<ros::BoardClient> >;
     network_->setConnection(server, port);

@@ -30,7 +30,7 @@ class MbedHardware {
     timer_.start();
   }
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { baud_ = baud; }
   long getBaud() const { return baud_; }
 
@@ -61,7 +61,7 @@ class MbedHardware {
     timer_.start();
   }
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { baud_ = baud; }
   long getBaud() const { return baud_; }
 

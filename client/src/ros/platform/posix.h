@@ -63,7 +63,7 @@ class EmbeddedLinuxHardware : public ros::PipeHardware<ros::PosixPipe> {
     pipe().setPort(port ? port : DEFAULT_PORT);
   }
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { pipe().tty().setBaud(baud); }
   long getBaud() { return pipe().tty().baud(); }
 

@@ -38,7 +38,7 @@ class TivaCHardware {
  public:
   TivaCHardware() : baud_(ROSSERIAL_BAUDRATE) {}
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { baud_ = static_cast<uint32_t>(baud); }
   long getBaud() const { return static_cast<long>(baud_); }
 

@@ -101,7 +101,7 @@ class WindowsCom : public ros::PipeHardware<ros::ComPipe> {
     pipe().setBaud(baud);
   }
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { pipe().setBaud(baud); }
   long getBaud() { return pipe().baud(); }
 

@@ -64,7 +64,7 @@ class WindowsHardware : public ros::PipeHardware<ros::WindowsPipe> {
     pipe().setPort(port ? port : DEFAULT_PORT);
   }
 
-  // Has effect from the next initNode.
+  // Takes effect with the next initNode.
   void setBaud(long baud) { pipe().com().setBaud(baud); }
   long getBaud() { return pipe().com().baud(); }
 

@@ -163,7 +163,7 @@ async def tool_node(
 
 
 async def warn_without_router(*, is_error: bool = False) -> None:
-    """Give advice if no zenoh router answers: nodes cannot be found without one.
+    """Advise the user if no zenoh router answers: nodes cannot be found without one.
 
     Raises GraphError with the advice if `is_error`.
     """

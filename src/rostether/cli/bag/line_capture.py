@@ -32,7 +32,7 @@ record_limit_option = click.option(
 async def recorded(
     path: Path | None, limit_mb: float, reporter: Reporter
 ) -> AsyncIterator[Callable[[Transport], Transport] | None]:
-    """Give the tap that records each link into a new file; None without a path. Raises ConfigError."""
+    """Provide the tap that records each link into a new file; None without a path. Raises ConfigError."""
     if path is None:
         yield None
         return

@@ -64,7 +64,7 @@ async def gateway_graph(
     options: GraphOptions,
     msg_paths: Sequence[Path] = (),
 ) -> AsyncIterator[GatewayGraph]:
-    """Give gateways their own view of the graphs that boards are bridged into.
+    """Provide the gateways' own view of the graphs that boards are bridged into.
 
     On ROS 1, or both, messages have ROS 1 types, as boards send them; on ROS 2 alone, ROS 2 types.
     """

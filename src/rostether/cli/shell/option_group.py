@@ -72,7 +72,7 @@ def argument(*, default: Any = None, **settings: Any) -> Any:
 
 
 def shared(decorator: Decorator, default: Any) -> Any:
-    """Return a field of a settings class that is an option of many verbs, of the field's name."""
+    """Return a field of a settings class for an option of many verbs; the option has the field's name."""
     return dataclasses.field(default=default, metadata={_DECORATOR: lambda _: decorator})
 
 

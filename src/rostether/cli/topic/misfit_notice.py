@@ -20,7 +20,7 @@ NOTICE_PERIOD_S = 10.0
 
 @asynccontextmanager
 async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGenerator[Any, None]]:
-    """Give a stream's messages; those that cannot be decoded are counted on stderr.
+    """Yield a stream's messages; those that cannot be decoded are counted on stderr.
 
     The first is reported with its reason, later ones every 10 s and when the stream is left.
     """

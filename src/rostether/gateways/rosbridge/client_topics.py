@@ -1,4 +1,4 @@
-"""The topics of one client: those that it publishes, and those that it subscribes."""
+"""The topics of one client: those that it publishes, and those that it subscribes to."""
 
 from __future__ import annotations
 

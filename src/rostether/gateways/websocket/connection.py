@@ -202,13 +202,13 @@ class Connection(asyncio.BufferedProtocol):
         self._server.forget(self)
 
     def pause_writing(self) -> None:
-        """Let the user wait."""
+        """Pause the user."""
         self.has_room.clear()
         if self._user is not None:
             self._user.paused()
 
     def resume_writing(self) -> None:
-        """Let the user go on."""
+        """Resume the user."""
         self.has_room.set()
         pong, self._pong = self._pong, b""
         self.write(pong)

@@ -67,7 +67,7 @@ NOT_SET = TypedValue(ParameterType.NOT_SET, None)
 
 
 def typed_value(name: str, value: ParamValue) -> TypedValue:
-    """Give a value its type; None is not set, and a list of integers and floats becomes one of floats.
+    """Return a value with its type; None is not set, and a list of integers and floats becomes one of floats.
 
     Raises SerializationError naming the parameter if ROS 2 does not support the value.
     """

@@ -50,7 +50,7 @@ class ValueForm:
         if definition.full_name == _HEADER and content == "auto":
             content = {"stamp": "now"}
         if not isinstance(content, Mapping):
-            # A list of all fields, or a mistake that the codec explains.
+            # A list of all fields; the codec reports anything else.
             return content
         filled = dict(content)
         for field in definition.fields:

@@ -189,7 +189,7 @@ def parse_rosrpc_uri(uri: str) -> tuple[str, int]:
 
 
 def response_of(returned: Any, response_class: type[Message]) -> Message:
-    """Return the response that a handler's return value gives. Raises ServiceException."""
+    """Return a handler's return value as a response. Raises ServiceException."""
     if isinstance(returned, Message) and returned._type == response_class._type:
         return returned
     if returned is None:

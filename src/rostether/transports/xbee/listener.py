@@ -245,7 +245,7 @@ class XbeeListener:
         self._pump()
 
     def _pump(self) -> None:
-        """Give the radio the packets that it has room for."""
+        """Pass the packets to the radio that it has room for."""
         if self._serial is None or not self._radio.is_ready:
             return
         frames = bytearray()

@@ -70,7 +70,7 @@ class GraphAnswers:
         return list(found), list(found.values()), [texts[name] for name in found.values()]
 
     async def topics_for_type(self, type_name: str) -> list[str]:
-        """Return the topics of a type, in the spelling of either ROS."""
+        """Return the topics of a type, which is spelled as in ROS 1 or ROS 2."""
         wanted = short_type(type_name)
         return [topic for topic, name in (await self._topic_types()).items() if short_type(name) == wanted]
 
