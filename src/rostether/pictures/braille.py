@@ -49,10 +49,10 @@ def _dots_between(
     count = max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
     first, last = 0.0, float(count)
     for begin, finish, limit in zip(start, end, size, strict=True):
-        way = finish - begin
-        if way:
+        distance = finish - begin
+        if distance:
             # Half a dot outside is still rounded into the field.
-            bounds = ((-0.5 - begin) * count / way, (limit - 0.5 - begin) * count / way)
+            bounds = ((-0.5 - begin) * count / distance, (limit - 0.5 - begin) * count / distance)
             first, last = max(first, min(bounds)), min(last, max(bounds))
     for step in range(math.floor(first), math.ceil(last) + 1):
         x = round(start[0] + (end[0] - start[0]) * step / count)

@@ -34,12 +34,12 @@ class AllowList:
 
     def __init__(self, networks: Iterable[str] = ()) -> None:
         self._networks: list[IPv4Network | IPv6Network] = []
-        self.is_limiting = False
-        for network in (*networks, *ALWAYS_ALLOWED) if (networks := tuple(networks)) else ():
+        given = tuple(networks)
+        self.is_limiting = bool(given)
+        if given:
             from ipaddress import ip_network
 
-            self._networks.append(ip_network(network, strict=False))
-            self.is_limiting = True
+            self._networks += (ip_network(each, strict=False) for each in (*given, *ALWAYS_ALLOWED))
 
     def allows(self, host: str) -> bool:
         """Return whether a numeric address may connect; an IPv4 address mapped into IPv6 counts as IPv4."""
