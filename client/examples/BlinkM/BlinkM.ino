@@ -19,14 +19,14 @@ void command(char name, uint8_t red, uint8_t green, uint8_t blue) {
   Wire.write(red);
   Wire.write(green);
   Wire.write(blue);
-  if (Wire.endTransmission() != 0) nh.logwarn("no BlinkM answers on I2C");
+  if (Wire.endTransmission() != 0) nh.logwarn(F("no BlinkM answers on I2C"));
 }
 
 void light_cb(const std_msgs::String& light) {
   const bool at_once = light.data[0] == 'S';
   const char colour = light.data[at_once ? 1 : 0];
   if (colour == '\0' || strchr("rgbycmwo", colour) == NULL) {
-    nh.logwarn("colours are r g b y c m w o");
+    nh.logwarn(F("colours are r g b y c m w o"));
     return;
   }
   const uint8_t red = strchr("rymw", colour) ? 255 : 0;

@@ -27,7 +27,7 @@ unsigned long said_ms;
 void setup() {
   Serial.begin(115200);  // free for our own words: ROS does not use it
   Ethernet.begin(mac, ip);
-  Serial.print("my address is ");
+  Serial.print(F("my address is "));
   Serial.println(Ethernet.localIP());
 
   nh.getHardware()->setConnection(server, serverPort);
