@@ -17,8 +17,8 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.served_graphs import served_graphs
+from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.bag.line_capture import record_limit_option, recorded
-from rostether.cli.bag.record_options import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.board.simulated_links import simulated
 from rostether.cli.bridge.announcing import announced, check_mdns
 from rostether.cli.bridge.options import (

@@ -32,9 +32,8 @@ def joy_node(arguments: tuple[str, ...]) -> None:
 async def _main(graph: TypedGraph, _: Arguments) -> None:
     from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
 
-    device = str(await _get(graph, "dev", DEFAULT_DEVICE))
-
     report = reporter(graph)
+    device = str(await _get(graph, "dev", DEFAULT_DEVICE))
     if name := str(await _get(graph, "dev_name", "")):
         found = device_named(name)
         if found is None:

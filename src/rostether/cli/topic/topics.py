@@ -82,7 +82,7 @@ class TopicListing:
 
 @dataclass(frozen=True, slots=True)
 class EchoOptions:
-    """The options of `topic echo`; `filter` decides which messages are shown."""
+    """The options of `topic echo`; `expression` decides which messages are shown."""
 
     count: int | None = option("-n --count", "Stop after COUNT messages.", type=COUNT, metavar="COUNT")
     once: bool = flag("--once", "Stop after one message.")

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from programs import started
-from rostether.cli.bag.record_options import BagRecording, bags_recorded
+from rostether.cli.bag.bridge_recording import BagRecording, bags_recorded
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.registry import Registry
