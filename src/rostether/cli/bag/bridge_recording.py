@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.bag.figures import MEGABYTE, size_text
-from rostether.cli.shell.option_group import COUNT, PATH, option_group
+from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 from rostether.mechanisms.run_until import run_until
@@ -46,7 +46,7 @@ _OPTIONS = (
     ),
     click.option(
         "--record-size",
-        type=click.FloatRange(min=0.1),
+        type=NumberRange(min=0.1),
         default=1000,
         metavar="MB",
         help="With --record: start a new bag at this size (1000).",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.bag.figures import MEGABYTE, size_text
+from rostether.cli.shell.option_group import NumberRange
 from rostether.graph.ports import Level
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 record_limit_option = click.option(
     "--record-limit",
     "record_limit_mb",
-    type=click.FloatRange(min=0.01),
+    type=NumberRange(min=0.01),
     default=100,
     metavar="MB",
     help="Stop recording lines, not serving, when the file has that size (100).",

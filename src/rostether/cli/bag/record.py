@@ -27,7 +27,15 @@ from rostether.cli.bag.recording_files import (
     recording_graph,
     storage_option,
 )
-from rostether.cli.shell.option_group import COUNT, flag, ignored_options, option, option_group, shared
+from rostether.cli.shell.option_group import (
+    COUNT,
+    NumberRange,
+    flag,
+    ignored_options,
+    option,
+    option_group,
+    shared,
+)
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -86,7 +94,7 @@ class RecordOptions:
     size_mb: float | None = option(
         "--size",
         "Stop at this file size, or start a new file with --split.",
-        type=click.FloatRange(min=0.001),
+        type=NumberRange(min=0.001),
         metavar="MB",
     )
     duration_s: float | None = option(

@@ -12,6 +12,7 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.graph_options import ros2_option
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import NumberRange
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 @click.option(
     "--duration",
     "seconds",
-    type=click.FloatRange(min=1.0, max=3600.0),
+    type=NumberRange(min=1.0, max=3600.0),
     metavar="SECONDS",
     help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
     "drift better.",

@@ -27,7 +27,7 @@ from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
 from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
-from rostether.cli.shell.option_group import PATH, PORT, flag, option, option_group
+from rostether.cli.shell.option_group import PATH, PORT, NumberRange, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -57,7 +57,7 @@ class DemoOptions:
     seconds: float | None = option(
         "--duration",
         "Stop after this many seconds (default: run until Ctrl-C).",
-        type=click.FloatRange(min=0.1),
+        type=NumberRange(min=0.1),
         metavar="SECONDS",
     )
     board: str | None = option(

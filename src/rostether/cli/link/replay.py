@@ -17,7 +17,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.serving import serving, type_store
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, NumberRange
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -58,7 +58,7 @@ AFTER_S = 1.0
 @click.argument("file", type=PATH)
 @click.option(
     "--speed",
-    type=click.FloatRange(min=0.01, max=1000.0),
+    type=NumberRange(min=0.01, max=1000.0),
     default=1.0,
     metavar="FACTOR",
     help="Speed relative to the recording (1).",

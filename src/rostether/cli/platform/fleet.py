@@ -11,7 +11,7 @@ import click
 
 from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.option_group import POSITIVE, flag, option, option_group, shared
+from rostether.cli.shell.option_group import POSITIVE, NumberRange, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
@@ -77,14 +77,14 @@ class DriveOptions:
     speed: float = option(
         "--speed",
         "From 0 to 1, which is full speed.",
-        type=click.FloatRange(0, 1),
+        type=NumberRange(0, 1),
         default=0.3,
         show_default=True,
     )
     direction: float = option(
         "--direction",
         "In degrees: 0 is forward, 90 right, 180 back.",
-        type=click.FloatRange(-180, 180),
+        type=NumberRange(-180, 180),
         default=0.0,
         show_default=True,
     )

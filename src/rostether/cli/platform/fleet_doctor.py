@@ -9,6 +9,7 @@ import click
 
 from rostether.cli.platform.fleet_options import fleet_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import NumberRange
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 @click.option(
     "--duration",
     "listen_s",
-    type=click.FloatRange(min=1.0, max=3600.0),
+    type=NumberRange(min=1.0, max=3600.0),
     default=1.0,
     metavar="SECONDS",
     help="Listen for an IGMP querier for this time (default: while the robots are asked).",

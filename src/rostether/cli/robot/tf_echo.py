@@ -11,7 +11,15 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.option_group import COUNT, POSITIVE, argument, option, option_group, shared
+from rostether.cli.shell.option_group import (
+    COUNT,
+    POSITIVE,
+    NumberRange,
+    argument,
+    option,
+    option_group,
+    shared,
+)
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -30,9 +38,7 @@ class EchoOptions:
 
     parent: str = argument()
     child: str = argument()
-    rate_hz: float = argument(
-        metavar="[RATE]", type=click.FloatRange(0, MAX_RATE_HZ, min_open=True), default=1.0
-    )
+    rate_hz: float = argument(metavar="[RATE]", type=NumberRange(0, MAX_RATE_HZ, min_open=True), default=1.0)
     count: int | None = option("-n --count", "Stop after COUNT transforms.", type=COUNT, metavar="COUNT")
     timeout_s: float | None = option(
         "--timeout", "Give up if no transform is available after SECONDS.", type=POSITIVE, metavar="SECONDS"

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import math
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -26,8 +27,20 @@ import click
 Function = TypeVar("Function", bound=Callable[..., Any])
 Decorator = Callable[[Any], Any]
 
-POSITIVE: Final = click.FloatRange(min=0, min_open=True)
-NOT_NEGATIVE: Final = click.FloatRange(min=0)
+
+class NumberRange(click.FloatRange):
+    """A range of numbers without `nan`, which for click is in every range."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number."""
+        number: float = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        return number
+
+
+POSITIVE: Final = NumberRange(min=0, min_open=True)
+NOT_NEGATIVE: Final = NumberRange(min=0)
 COUNT: Final = click.IntRange(min=1)
 PORT: Final = click.IntRange(1, 65535)
 PATH: Final[click.Path] = click.Path(path_type=Path)

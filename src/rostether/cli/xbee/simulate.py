@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import PATH, option, option_group
+from rostether.cli.shell.option_group import PATH, NumberRange, option, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # The limit of boards on one radio.
 _MAX_BOARDS = 64
-_PROBABILITY = click.FloatRange(0.0, 1.0)
+_PROBABILITY = NumberRange(0.0, 1.0)
 _KINDS = ("series1", "series3", "digimesh")
 
 
@@ -56,7 +56,7 @@ class SimulationOptions:
     delay_ms: float = option(
         "--delay",
         "The additional delay of each packet, in ms (0).",
-        type=click.FloatRange(0.0, 10_000.0),
+        type=NumberRange(0.0, 10_000.0),
         metavar="MS",
         default=0.0,
     )
@@ -71,7 +71,7 @@ class SimulationOptions:
     rate_hz: float = option(
         "--rate",
         "How often each board publishes.",
-        type=click.FloatRange(0.1, 100.0),
+        type=NumberRange(0.1, 100.0),
         show_default=True,
         metavar="HZ",
         default=5.0,
