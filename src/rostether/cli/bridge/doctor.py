@@ -87,14 +87,10 @@ def doctor(
     if ros2 is not None:
         if port is not None or seconds is not None:
             raise click.UsageError("with --ros2, doctor examines no board: leave out PORT and --duration")
-        return run(_ros2_doctor(ros2, as_json))
+        from rostether.cli.bridge.ros2_doctor import examine_ros2
+
+        return EXIT_DONE if run(examine_ros2(ros2, as_json=as_json)) else EXIT_FAILED
     return run(_doctor(port, seconds, msg_paths, as_json))
-
-
-async def _ros2_doctor(ros2: str, as_json: bool) -> int:
-    from rostether.cli.bridge.ros2_doctor import examine_ros2
-
-    return EXIT_DONE if await examine_ros2(ros2, as_json=as_json) else EXIT_FAILED
 
 
 async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[Path], as_json: bool) -> int:
@@ -116,7 +112,7 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
     examiner = Doctor(
         TypeStore(Registry.from_environment(msg_paths)),
         watch_s=WATCH_S if seconds is None else seconds,
-        report_step=_report_nothing if as_json else warn,
+        report_step=(lambda _: None) if as_json else warn,
         list_ports=list_ports,
     )
     is_well = True
@@ -185,7 +181,3 @@ def _write(diagnosis: Diagnosis, as_json: bool) -> None:
         return
     for line in lines_of(diagnosis):
         write_line(line, paint_finding)
-
-
-def _report_nothing(_text: str) -> None:
-    """Scripts read only the result."""
