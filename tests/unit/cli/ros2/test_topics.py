@@ -184,7 +184,8 @@ def test_rates(world: ZenohWorld, shell: Shell) -> None:
     )
     assert re.search(
         r"KB/s from \d+ messages\n\tMessage size mean: 0\.32 KB min: 0\.32 KB max: 0\.32 KB\n",
-        shell.output("topic", "bw", "-n", "1", "/imu"),
+        # On a busy machine, fewer than two messages may arrive in the first second.
+        shell.output("topic", "bw", "-n", "3", "/imu"),
     )
     (record,) = shell("topic", "delay", "-n", "1", "--json", "/imu").records
     assert record["min_s"] > 1e9
