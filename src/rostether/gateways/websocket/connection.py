@@ -366,7 +366,9 @@ class Connection(asyncio.BufferedProtocol):
             if self.is_open:
                 self._websocket.fail(CloseCode.INVALID_DATA, f"{error.reason} at position {error.start}")
             return
-        if message is not None and self.is_open and self._user is not None:
+        # A client may send messages and close at once: its close frame has been read, and comes after them.
+        is_valid = self.is_open or self._websocket.close_rcvd_then_sent
+        if message is not None and is_valid and self._user is not None:
             self._user.received(message)
 
     def _write_protocol(self) -> None:

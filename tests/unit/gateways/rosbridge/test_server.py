@@ -21,6 +21,7 @@ from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
 from unit.gateways.rosbridge.web_client import World, world
+from unit.gateways.websocket.test_connection import frame, open_connection
 from waiting import until
 
 STRING = "std_msgs/String"
@@ -49,6 +50,19 @@ async def test_first_words_wait_for_subscribers_that_are_on_their_way(there: Wor
         await client.say("advertise", topic="/chatter", type=STRING)
         await client.say("publish", topic="/chatter", msg={"data": "first"})
         assert (await heard).data == "first"
+
+
+async def test_messages_of_a_client_that_leaves_at_once_are_published(there: World) -> None:
+    heard = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=60))
+    await until(lambda: "/chatter" in there.network.snapshot().topics)
+    advertising = {"op": "advertise", "topic": "/chatter", "type": STRING}
+    publishing = {"op": "publish", "topic": "/chatter", "msg": {"data": "last"}}
+    reader, writer = await open_connection(there.server.port)
+    await reader.readuntil(b"\r\n\r\n")
+    messages = [frame(1, json.dumps(each).encode()) for each in (advertising, publishing)]
+    writer.write(b"".join(messages) + frame(8, b""))
+    assert (await heard).data == "last"
+    writer.close()
 
 
 async def test_a_topic_that_exists_needs_no_advertising(there: World) -> None:
