@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Callable
 
-from rostether.graph.ports import Graph, Snapshot
+from rostether.graph.ports import Snapshot
 
 
 class SharedSnapshots:
-    """Takes one snapshot for all who ask while another is being taken.
+    """Takes one snapshot for all callers that wait while another is being taken.
 
-    A snapshot of a large graph needs thousands of objects, and a flood of requests would need them each.
+    A snapshot of a large graph has thousands of objects: one for each request of a flood would keep the
+    master and the garbage collector busy.
     """
 
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
+    def __init__(self, take: Callable[[], Awaitable[Snapshot]]) -> None:
+        self._take = take
         self._running: asyncio.Task[Snapshot] | None = None
         self._next: asyncio.Task[Snapshot] | None = None
 
     async def take(self) -> Snapshot:
-        """Return a snapshot that was requested after this call. Raises GraphError."""
+        """Return a snapshot that was requested after this call. Raises what taking it raises."""
         if self._next is None:
             self._next = asyncio.ensure_future(self._take_after(self._running))
-            # Nobody may be left to see its error.
+            # All its callers may have been cancelled.
             self._next.add_done_callback(lambda task: task.cancelled() or task.exception())
         return await asyncio.shield(self._next)
 
@@ -30,4 +32,4 @@ class SharedSnapshots:
         if running is not None:
             await asyncio.wait([running])
         self._running, self._next = self._next, None
-        return await self._graph.snapshot()
+        return await self._take()

@@ -1,12 +1,11 @@
 from __future__ import annotations
 
 import asyncio
-from typing import cast
 
 import pytest
 
 from rostether.errors import GraphError
-from rostether.graph.ports import Graph, Snapshot
+from rostether.graph.ports import Snapshot
 from rostether.graph.shared_snapshots import SharedSnapshots
 
 
@@ -29,7 +28,7 @@ class SlowGraph:
 
 async def test_callers_share_the_snapshot_that_begins_after_their_call() -> None:
     graph = SlowGraph()
-    shared = SharedSnapshots(cast(Graph, graph))
+    shared = SharedSnapshots(graph.snapshot)
     first = asyncio.ensure_future(shared.take())
     await asyncio.sleep(0)
     await asyncio.sleep(0)
@@ -47,7 +46,7 @@ async def test_all_callers_get_the_error_and_the_next_one_tries_again() -> None:
     graph = SlowGraph()
     graph.may_answer.set()
     graph.is_gone = True
-    shared = SharedSnapshots(cast(Graph, graph))
+    shared = SharedSnapshots(graph.snapshot)
     found = await asyncio.gather(shared.take(), shared.take(), return_exceptions=True)
     assert [str(each) for each in found] == ["gone", "gone"]
     graph.is_gone = False

@@ -12,6 +12,7 @@ from rostether.errors import UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
+from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
 from rostether.ros1.environment import RosEnvironment
@@ -79,6 +80,7 @@ class Ros1Graph(NodeMembership):
         super().__init__(master.caller_id, namespace, remappings)
         self._on_leave = on_leave
         self._master = master
+        self._snapshots = SharedSnapshots(lambda: take_snapshot(master))
         self._limits = environment.limits
         self._clock = Clock()
         self._endpoints = Endpoints(master, environment, report=self._report, on_shutdown=self._leave)
@@ -203,7 +205,7 @@ class Ros1Graph(NodeMembership):
 
     async def snapshot(self) -> Snapshot:
         """Return a snapshot of the whole graph. Raises MasterUnreachableError."""
-        return await take_snapshot(self._master)
+        return await self._snapshots.take()
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change, within about a second of it."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.type_names import long_type, short_type
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot
-from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 
@@ -51,7 +50,6 @@ class GraphAnswers:
         # The known types of own services.
         self.known_types: Mapping[str, str] = {}
         self._graph = graph
-        self._snapshots = SharedSnapshots(graph)
         self._registry = registry
         self._is_ros2 = is_ros2
         self._allows_topic = allows_topic
@@ -82,21 +80,21 @@ class GraphAnswers:
 
     async def publishers(self, topic: str) -> list[str]:
         """Return the nodes that publish a topic."""
-        found = (await self._snapshots.take()).topics.get(self._topic(topic))
+        found = (await self._graph.snapshot()).topics.get(self._topic(topic))
         return list(found.publishers) if found is not None else []
 
     async def subscribers(self, topic: str) -> list[str]:
         """Return the nodes that subscribe to a topic."""
-        found = (await self._snapshots.take()).topics.get(self._topic(topic))
+        found = (await self._graph.snapshot()).topics.get(self._topic(topic))
         return list(found.subscribers) if found is not None else []
 
     async def nodes(self) -> list[str]:
         """Return all nodes."""
-        return list((await self._snapshots.take()).nodes)
+        return list((await self._graph.snapshot()).nodes)
 
     async def node_details(self, node: str) -> tuple[list[str], list[str], list[str]]:
         """Return a node's subscriptions, publications and services."""
-        snapshot = await self._snapshots.take()
+        snapshot = await self._graph.snapshot()
         name = node if node.startswith("/") else f"/{node}"
         topics = [each for each in snapshot.topics.values() if self._allows_topic(each.name)]
         return (
@@ -107,12 +105,12 @@ class GraphAnswers:
 
     async def services(self) -> list[str]:
         """Return all services."""
-        return [each.name for each in self._services(await self._snapshots.take())]
+        return [each.name for each in self._services(await self._graph.snapshot())]
 
     async def services_for_type(self, type_name: str) -> list[str]:
         """Return the services of a type; servers that do not answer are left out."""
         wanted = short_type(type_name)
-        services = self._services(await self._snapshots.take())
+        services = self._services(await self._graph.snapshot())
         types = await self._types_of(services)
         return [
             each.name
@@ -133,7 +131,7 @@ class GraphAnswers:
     async def service_providers(self, wanted: str) -> list[str]:
         """Return the nodes that offer a service, given its name or, as rosapi's page says, its type."""
         if wanted.count("/") and not wanted.startswith("/"):
-            snapshot = await self._snapshots.take()
+            snapshot = await self._graph.snapshot()
             names = await self.services_for_type(wanted)
             found = {node for name in names for node in snapshot.services[name].providers if name}
             if found:
@@ -148,7 +146,7 @@ class GraphAnswers:
 
     async def action_servers(self) -> list[str]:
         """Return the available actions: those whose five topics exist."""
-        snapshot = await self._snapshots.take()
+        snapshot = await self._graph.snapshot()
         if self._is_ros2:
             found = {name.partition("/_action/")[0] for name in snapshot.topics if "/_action/" in name}
             return sorted(
@@ -170,7 +168,7 @@ class GraphAnswers:
         return name if self._allows_topic(name) else ""
 
     async def _topic_types(self) -> dict[str, str]:
-        topics = (await self._snapshots.take()).topics.values()
+        topics = (await self._graph.snapshot()).topics.values()
         return {each.name: self._spelled(each.type) for each in topics if self._allows_topic(each.name)}
 
     def _spelled(self, type_name: str, kind: str = "msg") -> str:
@@ -200,7 +198,7 @@ class GraphAnswers:
         return [each for each in snapshot.services.values() if self._allows_service(each.name)]
 
     async def _service(self, service: str) -> ServiceEntry | None:
-        found = (await self._snapshots.take()).services.get(self._graph.resolve(service))
+        found = (await self._graph.snapshot()).services.get(self._graph.resolve(service))
         return found if found is not None and self._allows_service(found.name) else None
 
     async def _types_of(self, services: Iterable[ServiceEntry]) -> list[str]:
