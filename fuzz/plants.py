@@ -256,6 +256,20 @@ _ALL = (
         "if end and len(line) > MAX_LINE_BYTES:",
     ),
     Plant(
+        "xbee-frame-limit-off-by-one",
+        "xbee",
+        "rostether.transports.xbee.frame",
+        "if length > MAX_FRAME_BYTES:",
+        "if length > MAX_FRAME_BYTES + 1:",
+    ),
+    Plant(
+        "xbee-short-answer-raises",
+        "xbee",
+        "rostether.transports.xbee.packets",
+        "case 0x88 if len(data) >= 5:",
+        "case 0x88:",
+    ),
+    Plant(
         "recording-left-open",
         "recordings",
         "rostether.recording.regular_file",

@@ -31,6 +31,7 @@ NAMES = (
     "devices_toml",
     "address",
     "psk_hello",
+    "xbee",
     "recordings",
     "rosbridge",
     "foxglove",
