@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
+from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 
@@ -41,6 +42,11 @@ async def take_snapshot(master: MasterClient) -> Snapshot:
             name: ServiceEntry(name, tuple(sorted(providers))) for name, providers in sorted(services.items())
         },
     )
+
+
+def shared_snapshots(master: MasterClient) -> SharedSnapshots:
+    """Return the snapshots of a node, one for all requests that wait for one."""
+    return SharedSnapshots(lambda: take_snapshot(master))
 
 
 async def watch_changes(

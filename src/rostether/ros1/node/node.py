@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import logging
-import struct
-import time
-from collections.abc import AsyncIterator, Callable, Iterable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from typing import Unpack
 
 from rostether.errors import UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
-from rostether.graph.shared_snapshots import SharedSnapshots
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.clock import Clock
 from rostether.ros1.node.endpoint_handles import Endpoints
-from rostether.ros1.node.graph_view import take_snapshot, watch_changes
+from rostether.ros1.node.graph_view import shared_snapshots, watch_changes
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.parameters import ParameterWatch
 from rostether.ros1.node.publication import Publication, Publisher
@@ -32,7 +30,6 @@ _log = logging.getLogger("rostether.ros1")
 CLOCK_TOPIC = "/clock"
 CLOCK_TYPE = MessageType("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47", "time clock\n")
 USE_SIM_TIME = "/use_sim_time"
-_CLOCK = struct.Struct("<II")
 
 
 async def join_ros1(
@@ -80,7 +77,7 @@ class Ros1Graph(NodeMembership):
         super().__init__(master.caller_id, namespace, remappings)
         self._on_leave = on_leave
         self._master = master
-        self._snapshots = SharedSnapshots(lambda: take_snapshot(master))
+        self._snapshots = shared_snapshots(master)
         self._limits = environment.limits
         self._clock = Clock()
         self._endpoints = Endpoints(master, environment, report=self._report, on_shutdown=self._leave)
@@ -241,36 +238,6 @@ class Ros1Graph(NodeMembership):
     async def _end(self) -> None:
         await self._endpoints.close()
         await self._master.close()
-
-
-def _wall_time() -> Time:
-    return Time.from_ns(time.time_ns())
-
-
-class Clock:
-    """Returns ROS time; whether it is simulated is decided once, when the node joins, as in rospy."""
-
-    def __init__(self, wall_time: Callable[[], Time] = _wall_time) -> None:
-        self._wall_time = wall_time
-        self._simulated: Time | None = None
-
-    def simulate(self) -> None:
-        """From now on, use the time from `take_messages`; it is zero before the first."""
-        self._simulated = Time()
-
-    @property
-    def is_simulated(self) -> bool:
-        """Whether the time comes from /clock."""
-        return self._simulated is not None
-
-    def now(self) -> Time:
-        """Return the time."""
-        return self._wall_time() if self._simulated is None else self._simulated
-
-    def handle_messages(self, payloads: Sequence[bytes]) -> None:
-        """Handle serialized rosgraph_msgs/Clock messages; a malformed one is ignored."""
-        if len(payloads[-1]) == _CLOCK.size:
-            self._simulated = Time(*_CLOCK.unpack(payloads[-1]))
 
 
 class RosoutLog:
