@@ -17,7 +17,8 @@ from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node import endpoint_handles as endpoints
 from rostether.ros1.node import registrations
-from rostether.ros1.node.node import Clock, Ros1Graph, join_ros1
+from rostether.ros1.node.clock import Clock
+from rostether.ros1.node.node import Ros1Graph, join_ros1
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.rostime import Time
