@@ -11,7 +11,10 @@ def usb_hardware():
         return UsbSerial()
     from ros.uart import Uart
 
-    return Uart(usb_cdc.data or usb_cdc.console)
+    port = usb_cdc.data or usb_cdc.console
+    # Otherwise a write waits until a host reads, without end.
+    port.write_timeout = 0
+    return Uart(port)
 
 
 class UsbSerial:

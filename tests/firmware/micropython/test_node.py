@@ -79,6 +79,16 @@ async def test_converses_without_the_modules_of_micropython(library: Path) -> No
         assert await met.ask("hello again") == "hello again"
 
 
+async def test_converses_over_the_second_usb_port_of_circuitpython(library: Path, tmp_path: Path) -> None:
+    port = tmp_path / "port"
+    async with (
+        meeting() as met,
+        met.bridge(f"pty:{port}"),
+        running(NODE, library, "usb", str(port), on_cpython=True),
+    ):
+        await met.converse()
+
+
 async def test_a_board_that_is_reset_is_back(library: Path) -> None:
     async with (
         usb_board(NODE, library, "usb") as board,
