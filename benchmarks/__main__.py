@@ -171,7 +171,7 @@ def frames_table() -> Table:
     """Measure the frame loop alone."""
     table = Table("frame loop", "a second", "wanted", title="Frames")
     for row in rosserial_frames.measure():
-        table.add_row(row.operation, f"{row.rate_hz:,.0f}", f"{row.wanted_hz:,.0f}")
+        table.add_row(row.operation, f"{row.rate_hz:,.0f}", f"{row.wanted_hz:,.0f}" if row.wanted_hz else "")
     return table
 
 

@@ -136,6 +136,9 @@ async def received_of(file: Path, *options: str) -> int:
                 received += 1
 
         counting = asyncio.create_task(count())
+        async with asyncio.timeout(60):
+            while "/adc" not in (await graph.snapshot()).topics:
+                await asyncio.sleep(0.01)
         async with started("link", "replay", str(file), *options, **environ) as play:
             text = await play.finish()
         assert "1 topics and services, 1429 messages" in text
