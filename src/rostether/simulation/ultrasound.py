@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, sin
+from math import isinf, pi, sin
 from random import Random
 
 # The sensor's data sheet: 2 cm to 4 m, a cone of 15 degrees, about 3 mm of scatter.
@@ -18,20 +18,27 @@ _LOST_ECHO_PROBABILITY = 0.002
 
 
 class Obstacle:
-    """Simulates a person who walks back and forth in front of the sensor, until `move` is called."""
+    """Simulates a person who walks back and forth in front of the sensor, until it is placed or moved."""
 
     def __init__(self) -> None:
-        self._moved_to: float | None = None
+        self._placed_at: float | None = None
 
     def distance(self, time_s: float) -> float:
-        """Return the distance in metres: the walk is between 0.25 m and 2.75 m, never faster than 1 m/s."""
-        if self._moved_to is not None:
-            return self._moved_to
+        """Return the distance in metres, inf if nothing is there.
+
+        The walk is between 0.25 m and 2.75 m, never faster than 1 m/s.
+        """
+        if self._placed_at is not None:
+            return self._placed_at
         return 1.5 + 0.9 * sin(2 * pi * time_s / 11.0) + 0.35 * sin(2 * pi * time_s / 4.7)
 
     def move(self, by_m: float, time_s: float) -> None:
         """Move it from its position at `time_s`; it stays there, within the sensor's range."""
-        self._moved_to = min(max(self.distance(time_s) + by_m, MIN_RANGE), MAX_RANGE)
+        self.place(min(max(self.distance(time_s) + by_m, MIN_RANGE), MAX_RANGE))
+
+    def place(self, distance_m: float) -> None:
+        """Put it at a distance, where it stays; inf takes it away."""
+        self._placed_at = distance_m
 
 
 class Ultrasound:
@@ -45,6 +52,9 @@ class Ultrasound:
         """Return one reading, from MIN_RANGE to MAX_RANGE."""
         if self._rng.random() < _LOST_ECHO_PROBABILITY:
             return MAX_RANGE
-        scattered = self._obstacle.distance(time_s) + self._rng.gauss(0.0, _SCATTER)
+        distance = self._obstacle.distance(time_s)
+        if isinf(distance):
+            return MAX_RANGE
+        scattered = distance + self._rng.gauss(0.0, _SCATTER)
         ticks = round(2.0 * scattered / _SOUND_SPEED / _TICK_S)
         return min(max(ticks * _TICK_S * _SOUND_SPEED / 2.0, MIN_RANGE), MAX_RANGE)

@@ -111,3 +111,11 @@ def test_a_moved_obstacle_stays_within_the_sensors_range() -> None:
     assert obstacle.distance(5.0) == MAX_RANGE
     obstacle.move(-9.0, 4.0)
     assert obstacle.distance(5.0) == MIN_RANGE
+
+
+def test_without_an_obstacle_the_sensor_reports_its_maximum() -> None:
+    obstacle = Obstacle()
+    obstacle.place(math.inf)
+    assert Ultrasound(Random(5), obstacle).measure(1.0) == MAX_RANGE
+    obstacle.move(-0.1, 1.0)
+    assert obstacle.distance(1.0) == MAX_RANGE

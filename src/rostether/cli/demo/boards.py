@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
+from math import inf, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,12 +17,12 @@ from rostether.bridge.supervisor import Supervisor
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import BoardError, RostetherError
-from rostether.graph.ports import Level
+from rostether.graph.ports import JoinGraph, Level
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
-    from rostether.simulation.simavr.simulated_board import SimulatedBoard
+    from rostether.simulation.simavr.simulation_node import SimulationNode
     from rostether.simulation.ultrasound import Obstacle
 
 UNO = "uno"
@@ -38,12 +41,12 @@ _OBSTACLE_PERIOD_S = 0.1
 # The first build takes seconds; later ones come from the cache.
 _LONG_BUILD_S = 0.5
 
-PlugIn = Callable[[Supervisor], AbstractAsyncContextManager[None]]
+PlugIn = Callable[[Supervisor, JoinGraph], AbstractAsyncContextManager[None]]
 
 
 @dataclass(frozen=True, slots=True)
 class DemoBoard:
-    """A running board: its description, link and topics, and the task to run beside the bridge."""
+    """A running board: its description, link and topics, and its part beside the bridge on the graph."""
 
     title: str
     link: Address
@@ -76,9 +79,12 @@ async def demo_board(
 @asynccontextmanager
 async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> AsyncIterator[DemoBoard]:
     from rostether.cli.board.qemu import find_program, measure_program
+    from rostether.cli.bridge.serving import type_store
     from rostether.firmware.toolchain import find_avr_toolchain
+    from rostether.graph.typed_graph import TypedGraph
     from rostether.simulation.simavr.compile import missing_parts
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
+    from rostether.simulation.simavr.simulation_node import SimulationNode
 
     if missing := missing_parts():
         raise BoardError(missing)
@@ -88,40 +94,62 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
     with reported_when_long(write_line, building, after_s=_LONG_BUILD_S):
         program = await find_program(SKETCH, UNO)
         size = await asyncio.to_thread(measure_program, program, UNO)
-        started = await SimulatedBoard.start(program, board=UNO, words=[_range_word(obstacle, loop.time())])
+        started = await SimulatedBoard.start(
+            program, board=UNO, words=[_range_command(obstacle, loop.time())]
+        )
     async with started as board:
 
         @asynccontextmanager
-        async def plug_in(_supervisor: Supervisor) -> AsyncIterator[None]:
-            moving = loop.create_task(_move_obstacle(board, obstacle, reporter))
+        async def plug_in(_supervisor: Supervisor, join: JoinGraph) -> AsyncIterator[None]:
+            graph = await join(f"{name}_simulation")
+            node = SimulationNode(
+                board, TypedGraph(graph, type_store()), on_command=partial(_place_obstacle, obstacle)
+            )
+            tasks = [loop.create_task(node.run()), loop.create_task(_move_obstacle(node, obstacle, reporter))]
             try:
                 yield
             finally:
-                moving.cancel()
-                await asyncio.gather(moving, return_exceptions=True)
+                for task in tasks:
+                    task.cancel()
+                await asyncio.gather(*tasks, return_exceptions=True)
+                await graph.close()
 
         link = SerialAddress(board.address, baud=_BAUD, name=name, program=size)
         yield DemoBoard("Arduino Uno, simulated: a compiled AVR sketch", link, TOPICS, plug_in)
 
 
-async def _move_obstacle(board: SimulatedBoard, obstacle: Obstacle, reporter: Reporter) -> None:
+async def _move_obstacle(node: SimulationNode, obstacle: Obstacle, reporter: Reporter) -> None:
     """Set the simulated sensor to the obstacle's distance."""
     clock = asyncio.get_running_loop().time
+    sent = ""
     try:
         while True:
-            await board.send_command(_range_word(obstacle, clock()))
+            command = _range_command(obstacle, clock())
+            if command != sent:
+                await node.execute(command)
+                sent = command
             await asyncio.sleep(_OBSTACLE_PERIOD_S)
     except BoardError as error:
         reporter.line(Level.ERROR, str(error))
 
 
-def _range_word(obstacle: Obstacle, time_s: float) -> str:
-    return f"range {obstacle.distance(time_s):.4f}"
+def _range_command(obstacle: Obstacle, time_s: float) -> str:
+    distance_m = obstacle.distance(time_s)
+    return "range none" if isinf(distance_m) else f"range {distance_m:.4f}"
+
+
+def _place_obstacle(obstacle: Obstacle, command: str) -> None:
+    """Put the obstacle where a command from the graph has put it."""
+    word, _, distance = command.strip().partition(" ")
+    if word == "range":
+        # The simulation also reads numbers that Python does not, such as 0x1p-1.
+        with contextlib.suppress(ValueError):
+            obstacle.place(inf if distance.strip() == "none" else float(distance))
 
 
 def _python_board(name: str, obstacle: Obstacle) -> DemoBoard:
     @asynccontextmanager
-    async def plug_in(supervisor: Supervisor) -> AsyncIterator[None]:
+    async def plug_in(supervisor: Supervisor, _join: JoinGraph) -> AsyncIterator[None]:
         from rostether.device import Device
         from rostether.simulation.virtual_board import VirtualBoard
 

@@ -150,7 +150,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         )
         view = DemoView(supervisor.boards, clock)
         controls.advertise = await stack.enter_async_context(_watched(used.environment, board.topics, view))
-        await stack.enter_async_context(board.plug_in(supervisor))
+        await stack.enter_async_context(board.plug_in(supervisor, join))
         # The board outlives the bridge: otherwise it would be reported as lost.
         stack.push_async_callback(supervisor.close)
         facts = DemoFacts(

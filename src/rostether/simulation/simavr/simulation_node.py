@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import aclosing
 from typing import Any, Protocol
 
@@ -58,7 +58,8 @@ class ShownBoard(Protocol):
 class SimulationNode:
     """The node of one board; `words` are the commands that it was started with.
 
-    `most_volts`: of an analog input. `has_servo_pins`: whether each output may have a servo.
+    `most_volts`: of an analog input. `has_servo_pins`: whether each output may have a servo. `on_command` is
+    called with each command from the graph that the board has executed.
     """
 
     def __init__(
@@ -69,10 +70,12 @@ class SimulationNode:
         *,
         most_volts: float = 5.0,
         has_servo_pins: bool = True,
+        on_command: Callable[[str], None] | None = None,
     ) -> None:
         self._board = board
         self._most_volts = most_volts
         self._has_servo_pins = has_servo_pins
+        self._on_command = on_command
         self._graph = graph
         self._words: dict[str, Any] = {}
         self._servos: dict[str, float] = {}
@@ -188,6 +191,12 @@ class SimulationNode:
             raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(self._board.words))}")
         if len(line) > MAX_COMMAND_CHARS or not line.isprintable():
             raise BoardError(f"a command is one line of at most {MAX_COMMAND_CHARS} characters")
+        await self.execute(line)
+        if self._on_command is not None:
+            self._on_command(line)
+
+    async def execute(self, line: str) -> None:
+        """Execute a command, and show it in the state. Raises BoardError."""
         await self._board.send_command(line)
         self._note(line)
 

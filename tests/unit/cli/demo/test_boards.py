@@ -38,6 +38,10 @@ def test_keys_move_the_python_board(graph: LiveGraph, shell: Shell) -> None:
 def test_keys_move_the_simulated_uno(graph: LiveGraph, shell: Shell) -> None:
     with in_terminal(*DEMO, lines=30, ROS_MASTER_URI=graph.uri) as terminal:
         terminal.wait_for("Arduino Uno, simulated")
+        # As the dashboard's page does when the obstacle is dragged or taken away.
+        for command, shown in (("range 1.5", "1.50 m"), ("range none", "inf m")):
+            shell("topic", "pub", "-1", "/virtual_board_simulation/command", "std_msgs/String", command)
+            terminal.wait_for(shown)
         play(terminal, shell)
 
 
