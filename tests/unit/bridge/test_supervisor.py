@@ -178,7 +178,8 @@ async def test_a_port_that_cannot_be_opened_is_tried_again_in_one_line(site: Sit
     assert len(site.reporter.having("no program listens")) == 1
 
 
-async def test_a_lost_board_comes_back_to_its_node(site: Site) -> None:
+async def test_a_lost_board_comes_back_to_its_node() -> None:
+    site = Site(BridgeSettings(grace_s=3600))
     await site.start(f"{PORT}?name=arm")
     await site.serving("/arm")
     before = site.network.nodes["/arm"]
@@ -187,6 +188,7 @@ async def test_a_lost_board_comes_back_to_its_node(site: Site) -> None:
     await site.serving("/arm")
     assert site.network.nodes["/arm"] is before
     assert site.reporter.having("ended the connection")
+    await site.supervisor.close()
 
 
 async def test_a_board_that_stays_away_leaves_the_graph(site: Site) -> None:
