@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
 
-from interop_web.web_peers import WebPeers, install_packages
+from interop_web.web_peers import WebPeers, packages_or_skip
 
 
 @pytest.fixture(scope="session")
 def node_modules() -> Path:
     """The installed npm packages."""
-    try:
-        return install_packages()
-    except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
-        text = error.stderr.decode() if isinstance(error.stderr, bytes) else error.stderr or ""
-        pytest.skip(f"npm ci failed, is the network up? {text or error}")
+    return packages_or_skip()
 
 
 @pytest_asyncio.fixture

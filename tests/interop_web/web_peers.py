@@ -18,6 +18,8 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 from programs import Peer
 
 FOLDER = Path(__file__).parent
@@ -74,6 +76,15 @@ def install_packages(source: Path = FOLDER) -> Path:
                 )
                 unfinished.rename(packages)
     return packages / "node_modules"
+
+
+def packages_or_skip() -> Path:
+    """Return the node_modules of the peers; skips the test if they cannot be installed."""
+    try:
+        return install_packages()
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
+        text = error.stderr.decode() if isinstance(error.stderr, bytes) else error.stderr or ""
+        pytest.skip(f"npm ci failed, is the network up? {text or error}")
 
 
 class WebPeers:

@@ -8,7 +8,7 @@ import pytest
 
 from firmware.platforms.meeting import meeting
 from firmware.platforms.programs import NODE, compile_for_rp2040
-from interop_web.web_peers import WebPeers, install_packages
+from interop_web.web_peers import WebPeers, packages_or_skip
 
 
 @pytest.mark.arm
@@ -16,7 +16,7 @@ from interop_web.web_peers import WebPeers, install_packages
 @pytest.mark.timeout(240)
 async def test_converses_over_its_uart(library: Path, tmp_path: Path) -> None:
     image = compile_for_rp2040(NODE / "arduino.cpp", library, tmp_path / "node.bin")
-    peers = WebPeers(install_packages(), tmp_path / "peers")
+    peers = WebPeers(packages_or_skip(), tmp_path / "peers")
     try:
         async with meeting() as met, met.bridge("tcp://127.0.0.1:0") as listening:
             host, _, port = listening[0].removeprefix("tcp://").partition(":")
