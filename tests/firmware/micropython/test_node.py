@@ -30,12 +30,10 @@ async def test_converses_over_usb(library: Path) -> None:
 
 async def test_converses_over_a_uart(library: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
-    async with (
-        meeting() as met,
-        met.bridge(f"pty:{port}"),
-        running(NODE, library, "tty", str(port)),
-    ):
-        await met.converse()
+    async with meeting() as met, met.bridge(f"pty:{port}"):
+        await until(port.exists, "the port")
+        async with running(NODE, library, "tty", str(port)):
+            await met.converse()
 
 
 async def test_converses_over_tcp_and_comes_back_to_another_bridge(library: Path) -> None:
@@ -81,12 +79,10 @@ async def test_converses_without_the_modules_of_micropython(library: Path) -> No
 
 async def test_converses_over_the_second_usb_port_of_circuitpython(library: Path, tmp_path: Path) -> None:
     port = tmp_path / "port"
-    async with (
-        meeting() as met,
-        met.bridge(f"pty:{port}"),
-        running(NODE, library, "usb", str(port), on_cpython=True),
-    ):
-        await met.converse()
+    async with meeting() as met, met.bridge(f"pty:{port}"):
+        await until(port.exists, "the port")
+        async with running(NODE, library, "usb", str(port), on_cpython=True):
+            await met.converse()
 
 
 async def test_a_board_that_is_reset_is_back(library: Path) -> None:
