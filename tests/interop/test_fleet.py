@@ -28,6 +28,14 @@ async def all_are_listed_moving(options: Sequence[str]) -> bool:
     return sorted(moving) == list(range(1, ROBOTS + 1))
 
 
+async def is_loss_reported(options: Sequence[str]) -> bool:
+    """Return whether `fleet doctor` finds that datagrams are lost."""
+    async with started("fleet", "doctor", *options) as doctor:
+        status = await asyncio.wait_for(doctor.process.wait(), 60)
+        await until(lambda: doctor.reader_done)
+    return status == 1 and any("% of the datagrams are lost" in line for line in doctor.lines)
+
+
 async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
     async with fleet_on_bad_wifi(tmp_path) as (robots, air, senders, options):
         async with started("fleet", "drive", "--all", "--speed", "0.5", *options) as first:
@@ -42,9 +50,10 @@ async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
                 # A robot stops while commands are late, which they may be on a busy machine.
                 while not await all_are_listed_moving(options):
                     pass
-            async with started("fleet", "doctor", *options) as doctor:
-                assert await asyncio.wait_for(doctor.process.wait(), 60) == 1
-                await doctor.wait_for("% of the datagrams are lost")
+            async with asyncio.timeout(60):
+                # The loss is random: a short look may find less than is worth a report.
+                while not await is_loss_reported(options):
+                    pass
             await until(lambda: not any(robot.is_still for robot in robots))
             await first.stop(signal.SIGKILL)
         # Every robot stops by itself.

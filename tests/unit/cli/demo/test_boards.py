@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from programs import PATIENCE_S, Terminal, in_terminal
+from programs import PATIENCE_S, Terminal, in_terminal, running
 from rostether.cli.demo import boards
 from rostether.cli.demo.boards import demo_board
 from rostether.cli.demo.view import RecentLines
@@ -12,6 +12,7 @@ from rostether.errors import BoardError
 from rostether.simulation.ultrasound import Obstacle
 from unit.cli.command_shell import LiveGraph, Shell
 
+COMMANDS = "/virtual_board_simulation/command"
 DEMO = ("demo", "--join", "--ros1", "--no-page")
 
 
@@ -40,8 +41,10 @@ def test_keys_move_the_simulated_uno(graph: LiveGraph, shell: Shell) -> None:
         terminal.wait_for("Arduino Uno, simulated")
         # As the dashboard's page does when the obstacle is dragged or taken away.
         for command, shown in (("range 1.5", "1.50 m"), ("range none", "inf m")):
-            shell("topic", "pub", "-1", "/virtual_board_simulation/command", "std_msgs/String", command)
-            terminal.wait_for(shown)
+            with running(
+                *("topic", "pub", "-r", "2", COMMANDS, "std_msgs/String", command), ROS_MASTER_URI=graph.uri
+            ):
+                terminal.wait_for(shown)
         play(terminal, shell)
 
 
