@@ -11,6 +11,7 @@ import asyncio
 import contextlib
 import re
 import shutil
+import struct
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -32,6 +33,13 @@ START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
 # The last lines of output contain the reason for its end.
 MAX_OUTPUT_BYTES = 4096
+
+# The header of an ELF file: magic number, class, byte order and machine, here 32 bits, little endian and ARM;
+# then where the program headers are, their size and number.
+_HEADER = struct.Struct("<4sBB12xH8xI10xHH")
+# A program header: where a segment's bytes are in the file.
+_SEGMENT = struct.Struct("<4xI8xI12x")
+_KIND = [b"\x7fELF", 1, 1, 40]
 
 _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 
@@ -61,6 +69,11 @@ class QemuBoard:
 
         Raises BoardError if qemu does not run it, TransportOpenError if `link_path` is in use.
         """
+        if not is_arm_program(program):
+            raise BoardError(
+                f"{program} cannot run on the {machine}: it is not a whole ELF file for an ARM "
+                "microcontroller; compile it with arm-none-eabi-g++"
+            )
         if link_path is not None:
             check_link(link_path)
         qemu = shutil.which(PROGRAM)
@@ -81,6 +94,8 @@ class QemuBoard:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT,
+            # Ctrl-C ends this process, which then ends qemu.
+            start_new_session=True,
         )
         try:
             async with asyncio.timeout(START_LIMIT_S):
@@ -143,6 +158,25 @@ class QemuBoard:
         while chunk := await stdout.read(4096):
             output = (output + chunk)[-MAX_OUTPUT_BYTES:]
         self.last_words = _complaint(output)
+
+
+def is_arm_program(path: Path) -> bool:
+    """Return whether a file is a whole ELF file for ARM; qemu runs any other as a memory image.
+
+    Returns False for a file that cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            size_bytes = path.stat().st_size
+            header = _HEADER.unpack(file.read(_HEADER.size))
+            *kind, table, entry_bytes, entries = header
+            file.seek(table)
+            segments = file.read(entries * _SEGMENT.size)
+            is_whole = all(at + size <= size_bytes for at, size in _SEGMENT.iter_unpack(segments))
+    except (OSError, struct.error):
+        return False
+    is_complete = entries > 0 and len(segments) == entries * _SEGMENT.size
+    return kind == _KIND and entry_bytes == _SEGMENT.size and is_complete and is_whole
 
 
 async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, bytes]:

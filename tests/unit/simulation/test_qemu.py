@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import os
 import shutil
+import struct
 import subprocess
 import sys
 import time
@@ -9,16 +11,23 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import BoardError, TransportOpenError
-from rostether.simulation.qemu import QemuBoard
+from rostether.simulation.qemu import QemuBoard, is_arm_program
+
+# Machines in the header of an ELF file.
+ARM, AVR = 40, 83
 
 pytestmark = pytest.mark.qemu
 
 
 @pytest.fixture
 def endless_loop(tmp_path: Path) -> Path:
-    """A Cortex-M program, as bare bytes: stack, start, and a jump to itself."""
-    program = tmp_path / "loop.bin"
-    program.write_bytes((0x20010000).to_bytes(4, "little") + (0x9).to_bytes(4, "little") + b"\xfe\xe7" * 4)
+    """A Cortex-M program in an ELF file: stack, start, and a jump to itself."""
+    code = struct.pack("<II", 0x20010000, 0x9) + b"\xfe\xe7" * 4
+    kind = b"\x7fELF\x01\x01\x01" + bytes(9)
+    header = struct.pack("<HHIIIIIHHHHHH", 2, ARM, 1, 8, 52, 0, 0x5000200, 52, 32, 1, 0, 0, 0)
+    segment = struct.pack("<8I", 1, 84, 0, 0, len(code), len(code), 5, 4)
+    program = tmp_path / "loop.elf"
+    program.write_bytes(kind + header + segment + code)
     return program
 
 
@@ -40,10 +49,31 @@ async def test_an_unknown_machine_is_qemus_to_refuse(endless_loop: Path) -> None
         await QemuBoard.start(endless_loop, machine="lm3s0")
 
 
-async def test_a_program_that_is_not_there(tmp_path: Path) -> None:
-    async with await QemuBoard.start(tmp_path / "nothing.elf") as board:
-        await board.wait_end()
-    assert "nothing.elf" in board.last_words
+@pytest.mark.parametrize(
+    ("start", "size"),
+    [(b"\x7fELF", 51), (b"\x7fELF", 83), (b"\x7fELF", 99), (b"noise", 100)],
+    ids=["no header", "no segment table", "no end", "not an ELF file"],
+)
+def test_qemu_would_run_anything_but_a_whole_elf_file_as_an_image(
+    endless_loop: Path, start: bytes, size: int
+) -> None:
+    whole = endless_loop.read_bytes()
+    assert is_arm_program(endless_loop)
+    endless_loop.write_bytes((start + whole[len(start) :])[:size])
+    assert not is_arm_program(endless_loop)
+
+
+async def test_a_program_for_another_processor(endless_loop: Path) -> None:
+    content = bytearray(endless_loop.read_bytes())
+    content[18] = AVR
+    endless_loop.write_bytes(content)
+    with pytest.raises(BoardError, match="cannot run on the lm3s6965evb"):
+        await QemuBoard.start(endless_loop)
+
+
+async def test_ctrl_c_in_the_terminal_does_not_reach_it(endless_loop: Path) -> None:
+    async with await QemuBoard.start(endless_loop) as board:
+        assert os.getpgid(board._process.pid) != os.getpgrp()
 
 
 async def test_something_else_at_the_link_is_not_touched(endless_loop: Path, tmp_path: Path) -> None:

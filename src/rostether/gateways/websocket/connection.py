@@ -78,6 +78,9 @@ class Connection(asyncio.BufferedProtocol):
     def __init__(self, server: WebSocketServer) -> None:
         self.path = "/"
         self.headers = Headers()
+        # The client's address, and whether it is one of this machine.
+        self.host = ""
+        self.is_local = False
 
         # Set when the client has read most of the sent data, and when the connection has ended.
         self.has_room = asyncio.Event()
@@ -143,6 +146,9 @@ class Connection(asyncio.BufferedProtocol):
         """Wait for the request, if the connection is admitted; encrypt it first if the server does that."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
+        peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
+        if peer and own:
+            self.host, self.is_local = peer[0], peer[0] == own[0]
         transport.set_write_buffer_limits(high=self._limits.unsent_bytes)
         if not self._server.admit(self, transport):
             self.abort()

@@ -7,6 +7,7 @@ import errno
 import os
 import socket
 import ssl
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 
@@ -23,6 +24,9 @@ from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, sys
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
+
+# One machine must not keep all others out. All programs of this machine have one address, without this limit.
+_HOST_SHARE = 0.5
 
 # The time for clients to answer a close when the server ends.
 HANG_UP_S = 2.0
@@ -170,11 +174,16 @@ class WebSocketServer:
         return True
 
     def _make_room(self) -> bool:
-        """End the oldest connection that is not a WebSocket, rather one that has sent no request."""
+        """End the oldest connection that is not a WebSocket, of the address with most of them.
+
+        One that has sent no request ends first.
+        """
         plain = [each for each in self._connections if not each.is_open]
-        oldest = next((each for each in plain if each.is_newcomer), plain[0] if plain else None)
-        if oldest is None:
+        if not plain:
             return False
+        [(host, _)] = Counter(each.host for each in plain).most_common(1)
+        of_host = [each for each in plain if each.host == host]
+        oldest = next((each for each in of_host if each.is_newcomer), of_host[0])
         self.forget(oldest)
         oldest.abort()
         return True
@@ -195,14 +204,21 @@ class WebSocketServer:
             refused = HTTPStatus.NOT_FOUND, f"{route} is not offered here"
         else:
             refused = self.admission.own_refusal(request.path, request.headers)
-        if refused is None and sum(each.is_open for each in self._connections) >= self.limits.clients:
-            refused = (
-                HTTPStatus.SERVICE_UNAVAILABLE,
-                f"the limit of clients ({self.limits.clients}) is reached",
-            )
+        if refused is None and (reason := self._limit_reached(connection)):
+            refused = HTTPStatus.SERVICE_UNAVAILABLE, reason
         if refused is not None:
             self._report_refused(connection, refused[1])
         return refused
+
+    def _limit_reached(self, connection: Connection) -> str:
+        hosts = [each.host for each in self._connections if each.is_open]
+        most = self.limits.clients
+        if len(hosts) >= most:
+            return f"the limit of clients ({most}) is reached"
+        share = max(1, round(most * _HOST_SHARE))
+        if not connection.is_local and hosts.count(connection.host) >= share:
+            return f"the limit of clients from one address ({share}) is reached"
+        return ""
 
     def open_user(self, connection: Connection) -> ConnectionUser:
         """Return the user of a connection after its handshake."""

@@ -7,7 +7,15 @@ would apply to clients that never finish it.
 from __future__ import annotations
 
 import asyncio
+import os
+import socket
 import ssl
+
+_PLAIN_TEXT = b"This port is encrypted: use https:// instead of http://, and wss:// instead of ws://\n"
+_PLAIN_ANSWER = (
+    b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain; charset=utf-8\r\n"
+    b"Content-Length: %d\r\nConnection: close\r\n\r\n%b" % (len(_PLAIN_TEXT), _PLAIN_TEXT)
+)
 
 
 async def encrypted(
@@ -15,13 +23,22 @@ async def encrypted(
 ) -> asyncio.Transport | None:
     """Return the encrypted transport of a client, None if its handshake failed or took longer than the limit.
 
-    Bytes that follow the handshake at once may reach the protocol before this returns.
+    Bytes that follow the handshake at once may reach the protocol before this returns. A request without TLS
+    gets an answer that names https.
     """
     try:
-        wire = await asyncio.get_running_loop().start_tls(
-            transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s
-        )
+        # asyncio closes its socket if the handshake fails, so the answer to plain HTTP needs another one.
+        with socket.socket(fileno=os.dup(transport.get_extra_info("socket").fileno())) as spare:
+            try:
+                wire = await asyncio.get_running_loop().start_tls(
+                    transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s
+                )
+            except ssl.SSLError as error:
+                if error.reason == "HTTP_REQUEST":
+                    spare.send(_PLAIN_ANSWER)
+                return None
     except OSError:
-        # All errors of ssl, and asyncio's time limit.
+        # asyncio's time limit, a client that has gone, and too many open files.
+        transport.abort()
         return None
     return None if wire is None or wire.is_closing() else wire

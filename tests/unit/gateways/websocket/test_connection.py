@@ -38,9 +38,9 @@ def frame(opcode: int, data: bytes, *, fin: bool = True) -> bytes:
 
 
 async def open_connection(
-    port: int, first: bytes = UPGRADE
+    port: int, first: bytes = UPGRADE, *, host: str = "127.0.0.1"
 ) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    reader, writer = await asyncio.open_connection("127.0.0.1", port, local_addr=(host, 0))
     writer.write(first)
     return reader, writer
 
@@ -112,6 +112,39 @@ async def test_silent_connections_displace_each_other_and_no_client(
                 assert there.gateway.client_count == 2
         for _, writer in silent:
             writer.close()
+
+
+async def test_one_other_address_cannot_keep_clients_out() -> None:
+    limits = FoxgloveLimits(clients=4, others=2, handshake_s=3600.0)
+    async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
+        port = there.gateway.port
+        opened = [await open_connection(port, host="127.0.0.2") for _ in range(3)]
+        answers = [await asyncio.wait_for(each.readuntil(b"\r\n"), LIMIT_S) for each, _ in opened]
+        assert sorted(answers)[:2] == [b"HTTP/1.1 101 Switching Protocols\r\n"] * 2
+        assert b"503" in max(answers)
+        assert "from one address (2) is reached" in there.told[-1]
+        slow = await open_connection(port, UPGRADE[:20])
+        opened += [await open_connection(port, b"", host="127.0.0.2") for _ in range(8)]
+        assert await ended(opened[3][0]) == b"", "the connections of that address replace each other"
+        slow[1].write(UPGRADE[20:])
+        assert b"101" in await asyncio.wait_for(slow[0].readuntil(b"\r\n"), LIMIT_S)
+        for _, writer in (*opened, slow):
+            writer.close()
+
+
+async def test_plain_http_on_an_encrypted_port_is_told_to_use_https(tmp_path: Path) -> None:
+    certificate, key = _certificate(tmp_path)
+    async with stage(FoxgloveSettings(port=0, certificate=certificate, key=key)) as there:
+        reader, writer = await open_connection(
+            there.gateway.port, b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        )
+        answer = await ended(reader)
+        assert answer.startswith(b"HTTP/1.1 400 Bad Request\r\n")
+        assert b"use https:// instead" in answer
+        writer.close()
+        reader, writer = await open_connection(there.gateway.port, b"noise" * 100)
+        assert b"HTTP" not in await ended(reader)
+        writer.close()
 
 
 async def test_a_silent_client_counts_as_a_connection() -> None:
