@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "Print.h"
+
 typedef uint8_t byte;
 typedef bool boolean;
 
@@ -100,13 +102,6 @@ void delayMicroseconds(unsigned long wait_us);
 float getPowerInVoltage();
 uint8_t getPushButton();
 void drv_dxl_tx_enable(int is_sending);
-
-class Print {
- public:
-  virtual ~Print() {}
-  virtual size_t write(uint8_t byte) { return write(&byte, 1); }
-  virtual size_t write(const uint8_t* bytes, size_t size) = 0;
-};
 
 class Stream : public Print {
  public:

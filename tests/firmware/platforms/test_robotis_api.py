@@ -11,7 +11,8 @@ import pytest
 from firmware.platforms.meeting import meeting
 from rostether.errors import BoardError
 from rostether.firmware.opencr_build import build_for_linux
-from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.board import BLUETOOTH, OpenCrBoard
+from rostether.simulation.opencr.commands import execute
 from rostether.simulation.opencr.shown_board import ShownOpenCr
 from waiting import until
 
@@ -35,6 +36,8 @@ SKETCH = """\
 #include <turtlebot3_msgs/SensorState.h>
 #include <turtlebot3_msgs/Sound.h>
 #include <turtlebot3_msgs/VersionInfo.h>
+
+#define DEBUG_SERIAL SerialBT2
 
 // Declared before the node handle, as a header does.
 void steer(const geometry_msgs::Twist& twist);
@@ -92,6 +95,7 @@ class Sensors {
 Sensors sensors;
 
 void setup() {
+  DEBUG_SERIAL.begin(57600);
   nh.initNode();
   // After initNode.
   nh.getHardware()->setBaud(115200);
@@ -171,6 +175,11 @@ void loop() {
       strcat(frame, "/odom");
     }
     char text[50];
+    String firmware = "1.2.3";
+    String line = "This core(v" + firmware + ") is compatible with TB3 " + String("Burger");
+    nh.loginfo(line.c_str());
+    DEBUG_SERIAL.println("Button : " + String(getPushButton()));
+    DEBUG_SERIAL.print("     theta : "); DEBUG_SERIAL.println(speed);
     sprintf(text, "Setup TF on Odometry [%s]", frame);
     nh.loginfo(text);
     asked = true;
@@ -219,7 +228,10 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
     sketch.write_text(SKETCH)
     program = await build_for_linux(sketch)
     last: dict[str, Any] = {}
+    printed: list[str] = []
     async with meeting() as met, await OpenCrBoard.start(program) as board:
+        execute(board, "watch bluetooth")
+        board.on_event = lambda event: printed.append(event["text"]) if event.name == BLUETOOTH else None
         await met.graph.set_param("/core/tf_prefix", "tb3_1")
 
         async def hear(topic: str) -> None:
@@ -240,6 +252,7 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
             await until(lambda: board.tones and board.pins.get(32), "the tone and the power")
             await _look_at(ShownOpenCr(board))
             await until(lambda: last["odom"].twist.twist.linear.x > 0.2, "the speed")
+            await until(lambda: printed == ["Button : 0", "     theta : 0.00"], "what the sketch prints")
             await until(lambda: last["odom"].header.frame_id == "tb3_1/odom", "the prefix")
         for ear in ears:
             ear.cancel()
@@ -254,4 +267,5 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
         "1.2.3",
         "base_footprint",
     )
+    assert met.reporter.having("This core(v1.2.3) is compatible with TB3 Burger")
     assert met.reporter.having("Setup TF on Odometry [tb3_1/odom]")

@@ -29,6 +29,7 @@ from rostether.transports.pty_link import check_link, place_link, remove_link
 _MAX_OUTPUT_BYTES = 4096
 _MAX_LINE_BYTES = 256
 _MAX_TONES = 64
+BLUETOOTH = "bluetooth"
 END_LIMIT_S = 2.0
 
 # The board measures its supply through a divider of 5.7, other pins directly; both with 10 bits at 3.3 V.
@@ -51,8 +52,8 @@ class OpenCrBoard:
     """One board on a robot. It ends with `close`, and with this process.
 
     `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
-    `watched`: the outputs whose changes `on_event` gets, beside the tones. `last_words`: what the program
-    reported before it ended.
+    `watched`: the outputs whose changes `on_event` gets, beside the tones, and BLUETOOTH for the lines that
+    the sketch prints to SerialBT2. `last_words`: what the program reported before it ended.
     """
 
     def __init__(
@@ -66,7 +67,7 @@ class OpenCrBoard:
         self.base = base
         self.pins: dict[int, bool] = {}
         self.tones: deque[Tone] = deque(maxlen=_MAX_TONES)
-        self.watched: set[int] = set()
+        self.watched: set[int | str] = set()
         self.on_event: Callable[[BoardEvent], None] | None = None
         self.last_words = ""
         self._process = process
@@ -74,11 +75,13 @@ class OpenCrBoard:
         self._terminal = terminal
         self._link_path = link_path
         self._unfinished = b""
+        self._unfinished_text = b""
         self._sent_motion_line = ""
         self._loop = asyncio.get_running_loop()
         self._started_s = self._loop.time()
         self._read_lines("OPENCR_DXL", self._ask_servos)
         self._read_lines("OPENCR_PINS", self._receive_pins)
+        self._read_lines("OPENCR_BLUETOOTH", self._receive_text)
         self._ending = self._loop.create_task(self._wait())
 
     @classmethod
@@ -239,6 +242,12 @@ class OpenCrBoard:
                     tone = Tone(int(hertz), int(length_ms))
                     self.tones.append(tone)
                     self._report("tone", hertz=tone.hertz, length_ms=tone.length_ms)
+
+    def _receive_text(self, data: bytes) -> None:
+        *lines, self._unfinished_text = (self._unfinished_text + data)[-_MAX_LINE_BYTES * 64 :].split(b"\n")
+        if BLUETOOTH in self.watched:
+            for line in lines:
+                self._report(BLUETOOTH, text=line.decode(errors="replace").rstrip("\r"))
 
     def _change_pin(self, number: int, *, is_high: bool) -> None:
         self.pins[number] = is_high

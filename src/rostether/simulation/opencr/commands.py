@@ -6,7 +6,7 @@ from collections.abc import Callable
 from types import MappingProxyType
 
 from rostether.errors import ConfigError
-from rostether.simulation.opencr.board import OpenCrBoard
+from rostether.simulation.opencr.board import BLUETOOTH, OpenCrBoard
 from rostether.simulation.opencr.drive_base import LEFT_ID, RIGHT_ID
 from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
@@ -94,7 +94,10 @@ def _pose(board: OpenCrBoard, _arguments: list[str]) -> BoardEvent:
 
 
 def _watch(board: OpenCrBoard, arguments: list[str]) -> None:
-    board.watched |= {pin_number(name) for name in _some(arguments, "watch BDPIN_LED_USER_1")}
+    board.watched |= {
+        name if name == BLUETOOTH else pin_number(name)
+        for name in _some(arguments, f"watch BDPIN_LED_USER_1 {BLUETOOTH}")
+    }
 
 
 _ACTIONS: dict[str, Callable[[OpenCrBoard, list[str]], BoardEvent | None]] = {
