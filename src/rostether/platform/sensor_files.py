@@ -73,8 +73,8 @@ def read_state(path: Path) -> list[Sensor]:
 
 
 def write_state(path: Path, sensors: Iterable[Sensor]) -> None:
-    """Write the sensors atomically. Raises OSError."""
-    store_state(path, {"sensors": [asdict(each) for each in sensors]})
+    """Write the sensors; a power cut leaves the old or the new file. Raises OSError."""
+    store_state(path, {"sensors": [asdict(each) for each in sensors]}, durable=True)
 
 
 def _is_sensor(entry: Any) -> bool:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.shell.option_group import EXISTING_FILE, Function, option, option_group
-from rostether.cli.shell.output import write_line
+from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 from rostether.platform.boot.service_files import path_below
@@ -103,7 +103,21 @@ def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, r
         _systemctl(installation, "restart", _UNIT)
         if not installation.is_system:
             _linger()
+    else:
+        _enable_below(root, installation)
     write_line("rostether starts at boot; to see its state: rostether status")
+
+
+def _enable_below(root: Path, installation: Installation) -> None:
+    """Make systemd start the unit in an image: `systemctl` enables units of the running machine only."""
+    link = path_below(root, installation.enabling_link.parent) / installation.enabling_link.name
+    try:
+        link.parent.mkdir(exist_ok=True)
+        link.unlink(missing_ok=True)
+        link.symlink_to(installation.unit)
+    except OSError as error:
+        raise ConfigError(f"cannot write {link}: {error.strerror}") from None
+    write_line(f"wrote {link}")
 
 
 def _linger() -> None:
@@ -133,6 +147,9 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
             _clean(installation)
         elif _LINGERING.joinpath(getpass.getuser()).exists():
             write_line("your services may still start at boot; if you need none:  loginctl disable-linger")
+    if root is not None:
+        link = path_below(root, installation.enabling_link.parent) / installation.enabling_link.name
+        link.unlink(missing_ok=True)
     for path in paths:
         path_below(root, path).unlink()
         write_line(f"removed {path_below(root, path)}")
@@ -160,7 +177,7 @@ def _clean(installation: Installation) -> None:
 @_place_options
 def status(for_user: bool | None, root: Path | None) -> None:
     """Show what starts at boot, and whether it runs."""
-    from rostether.cli.platform.robot_check import read_robot
+    from rostether.cli.platform.robot_check import check_robot, read_robot
 
     installation = _installation(for_user)
     file = path_below(root, installation.robot_file)
@@ -169,6 +186,11 @@ def status(for_user: bool | None, root: Path | None) -> None:
         raise click.exceptions.Exit(1)
     robot = read_robot(file)
     write_line(f"{robot.name or 'this machine'}: {', '.join(part.name for part in robot.parts)}  ({file})")
+    try:
+        check_robot(robot, str(file))
+    except ConfigError as error:
+        # systemd shows the service as running: the other parts run.
+        warn(f"{error}; a part with wrong arguments does not run")
     if root is None:
         scope = [] if installation.is_system else ["--user"]
         shown = _run(["systemctl", *scope, "show", _UNIT, "-p", "ActiveState,SubState"])

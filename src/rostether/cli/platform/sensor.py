@@ -61,7 +61,7 @@ def sensor() -> None:
 @json_option
 @graph_options(allow=True)
 def list_sensors(as_json: bool, graph: GraphOptions) -> None:
-    """List the sensors by platform: id, type, state, topic and name."""
+    """List the sensors by platform: id, type, state, topic, name, and the reason of the state."""
 
     async def main() -> None:
         async with joined(graph, purpose="sensor") as node:
@@ -79,7 +79,8 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
             widths = {key: max(len(row[key]) for row in rows) for key in columns}
             for row in rows:
                 cells = [row[key].ljust(widths[key]) for key in columns]
-                write_line(f"  {'  '.join(cells)}  {row['name']}")
+                reason = f" ({row['state_text']})" if row["state_text"] else ""
+                write_line(f"  {'  '.join(cells)}  {row['name']}{reason}")
 
     run(main())
 

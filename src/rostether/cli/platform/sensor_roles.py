@@ -121,7 +121,7 @@ async def _value(word: str, graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
 
     parameters = Parameters(graph, word)
-    open_source, unit = await _value_source(graph, parameters, word)
+    open_source, unit, silence = await _value_source(graph, parameters, word)
     kind = SensorKind(word, word.upper(), MESSAGE_TYPE, 10.0, unit)
     scaling = Scaling(
         await parameters.number(1.0, "scale"),
@@ -130,13 +130,16 @@ async def _value(word: str, graph: TypedGraph, _: Arguments) -> None:
         await parameters.number(float("inf"), "alert_above"),
     )
     description = await read_description(parameters, kind)
-    await publish_values(graph, description, open_source, scaling, reporter(graph))
+    await publish_values(graph, description, open_source, scaling, reporter(graph), silence=silence)
 
 
 async def _value_source(
     graph: TypedGraph, parameters: Parameters, word: str
-) -> tuple[Callable[[], AsyncGenerator[float, None]], str]:
-    """Return a function that opens the source in the parameters, and its unit. Raises ConfigError."""
+) -> tuple[Callable[[], AsyncGenerator[float, None]], str, str]:
+    """Return a function that opens the source in the parameters, its unit, and why it may have no number.
+
+    Raises ConfigError.
+    """
     from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
     from rostether.platform.sensors.number_file import NumberFile
     from rostether.platform.sensors.value import TopicField
@@ -150,10 +153,11 @@ async def _value_source(
     if path:
         file = NumberFile(Path(path))
         rate_hz = await read_rate(parameters, 10.0)
-        return lambda: file.readings(rate_hz), file.unit
+        return lambda: file.readings(rate_hz), file.unit, ""
     if topic:
         field = await parameters.text("data", "field")
-        return TopicField(graph, topic, field).values, ""
+        source = TopicField(graph, topic, field)
+        return source.values, "", source.silence
     gpio_package()
     bias = await parameters.text("as_is", "bias")
     if bias not in BIASES:
@@ -164,7 +168,7 @@ async def _value_source(
         bias,
         await parameters.flag(False, "active_low"),
     )
-    return gpio.levels, ""
+    return gpio.levels, "", ""
 
 
 async def _gps(graph: TypedGraph, _: Arguments) -> None:

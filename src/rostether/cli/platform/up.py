@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,11 +40,11 @@ ADDRESS_PERIOD_S = 0.5
 def up(file: Path, check: bool) -> None:
     """Run the parts of a robot that FILE lists, and restart each part that ends.
 
-    Each part is a rostether command. A part that hangs for 20 s is ended and started again. `rostether
+    Each part is a rostether command. A part that hangs for 20 s is ended and started again. A part with
+    wrong arguments does not start again; the others run, and the exit code is 1 at the end. `rostether
     install` starts this command at boot.
     """
     from rostether.cli.platform.robot_check import check_robot, read_robot
-    from rostether.platform.boot.part_process import PartProcess
     from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
 
     robot = read_robot(file)
@@ -64,26 +64,60 @@ def up(file: Path, check: bool) -> None:
     def report(name: str, line: str) -> None:
         write_line(f"{name.ljust(width)} | {line}")
 
-    async def run_parts() -> None:
-        try:
-            async with asyncio.TaskGroup() as group:
-                for part in sorted(robot.parts, key=_is_no_core):
-                    group.create_task(PartProcess(part, command, environ, report).run())
-                    if not _is_no_core(part):
-                        await _wait_for_master(environ)
-        except ExceptionGroup as failures:
-            raise failures.exceptions[0] from None
+    parts = _Parts(file, robot.parts, command, environ, report)
 
     async def main() -> None:
         if not interface or environ.get("ROS_IP"):
-            await run_parts()
+            await parts.run()
         while True:
             environ["ROS_IP"] = await _wait_for_address(interface)
             # Nodes have registered their address: they cannot be reached at another one.
-            await run_until(run_parts(), _wait_for_address(interface, other_than=environ["ROS_IP"]))
+            await run_until(parts.run(), _wait_for_address(interface, other_than=environ["ROS_IP"]))
             write_line(f"the network interface {interface} has another address; all parts start again")
 
-    run(main(), is_service=True)
+    try:
+        run(main(), is_service=True)
+    except click.exceptions.Exit:
+        if parts.wrong:
+            raise ConfigError(f"{file}: did not run: {', '.join(sorted(parts.wrong))}") from None
+        raise
+
+
+class _Parts:
+    """Runs all parts of a file; `wrong` has the names of those whose arguments are wrong."""
+
+    def __init__(
+        self,
+        file: Path,
+        parts: Sequence[Part],
+        command: Sequence[str],
+        environ: Mapping[str, str],
+        report: Callable[[str, str], None],
+    ) -> None:
+        self._file = file
+        self._parts = parts
+        self._command = command
+        self._environ = environ
+        self._report = report
+        self.wrong: set[str] = set()
+
+    async def run(self) -> None:
+        """Run the parts until cancelled. Raises ConfigError if no part can run."""
+        self.wrong.clear()
+        async with asyncio.TaskGroup() as group:
+            for part in sorted(self._parts, key=_is_no_core):
+                running = group.create_task(self._keep_running(part))
+                if not _is_no_core(part):
+                    # The core may not be able to start.
+                    await run_until(_wait_for_master(self._environ), asyncio.shield(running))
+        hint = f"to see what is wrong: rostether up {self._file} --check"
+        raise ConfigError(f"{self._file}: no part can run; {hint}")
+
+    async def _keep_running(self, part: Part) -> None:
+        from rostether.platform.boot.part_process import PartProcess
+
+        await PartProcess(part, self._command, self._environ, self._report).run()
+        self.wrong.add(part.name)
 
 
 async def _wait_for_address(interface: str, *, other_than: str = "") -> str:

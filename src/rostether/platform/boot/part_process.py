@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from rostether.errors import ConfigError
 from rostether.mechanisms.backoff import Backoff
 from rostether.platform.boot.robot_file import Part
 
@@ -52,16 +51,17 @@ class PartProcess:
         self._last_sign_s: float | None = None
 
     async def run(self) -> None:
-        """Keep the part running until cancelled; then end it.
-
-        Raises ConfigError if its arguments are wrong.
-        """
+        """Keep the part running until cancelled; then end it. Returns if its arguments are wrong."""
         loop = asyncio.get_running_loop()
         while True:
             started_s = loop.time()
             code = await self._run_once()
             if code == EXIT_USAGE:
-                raise ConfigError(f"part {self.part.name}: its command is wrong; see its message above")
+                self._report(
+                    self.part.name,
+                    "its arguments are wrong: it does not start again; correct the file and restart",
+                )
+                return
             if loop.time() - started_s > SETTLED_S:
                 self._backoff.reset()
             delay_s = self._backoff.next_delay_s()

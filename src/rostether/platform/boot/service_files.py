@@ -37,6 +37,11 @@ class Installation:
         return Path.home() / ".config/systemd/user" / f"{SERVICE}.service"
 
     @property
+    def enabling_link(self) -> Path:
+        """The path of the link to the unit that makes systemd start it, as `systemctl enable` writes it."""
+        return self.unit.parent / f"{_target(self.is_system)}.wants" / self.unit.name
+
+    @property
     def autostart(self) -> Path:
         """The path of the desktop entry that opens the dashboard at login."""
         folder = Path("/etc/xdg/autostart") if self.is_system else Path.home() / ".config/autostart"
@@ -120,9 +125,12 @@ def unit_text(installation: Installation) -> str:
             "ProtectControlGroups=yes",
             "RestrictRealtime=yes",
         ]
-    wanted = "multi-user.target" if installation.is_system else "default.target"
-    lines += ["", "[Install]", f"WantedBy={wanted}", ""]
+    lines += ["", "[Install]", f"WantedBy={_target(installation.is_system)}", ""]
     return "\n".join(lines)
+
+
+def _target(is_system: bool) -> str:
+    return "multi-user.target" if is_system else "default.target"
 
 
 def _quoted(word: str) -> str:

@@ -58,14 +58,18 @@ def read_battery(supply: Path) -> dict[str, Any]:
     if status == _DISCHARGING:
         # Drivers differ in the sign; in ROS, a discharging battery has a negative current.
         current = -abs(current)
+    charge, capacity = _charge(supply, "now"), _charge(supply, "full")
+    percentage = _number(supply, "capacity") / 100
+    if math.isnan(percentage) and capacity:
+        percentage = charge / capacity
     return {
         "voltage": voltage,
         "temperature": _number(supply, "temp") / 10,
         "current": current,
-        "charge": _charge(supply, "now"),
-        "capacity": _charge(supply, "full"),
+        "charge": charge,
+        "capacity": capacity,
         "design_capacity": _charge(supply, "full_design"),
-        "percentage": _number(supply, "capacity") / 100,
+        "percentage": percentage,
         "power_supply_status": status,
         "power_supply_health": _HEALTH.get(_text(supply, "health"), 0),
         "power_supply_technology": _TECHNOLOGY.get(_text(supply, "technology"), 0),
@@ -92,7 +96,10 @@ async def publish_battery(
             sensor.publish(header={"stamp": graph.now(), "frame_id": description.frame_id}, **fields)
             is_low = fields["percentage"] < alert_below and fields["power_supply_status"] in (0, _DISCHARGING)
             text = f"below {alert_below:.0%}" if is_low else ""
-            sensor.set_state("alert" if is_low else "ready", text)
+            if math.isnan(fields["percentage"]):
+                # Otherwise an empty battery would look like a full one.
+                text = "its driver does not report the charge"
+            sensor.set_state("alert" if text else "ready", text)
 
         await publish_readings(
             sensor,

@@ -47,18 +47,28 @@ async def publish_readings(
     report: Callable[[Level, str], None],
     *,
     hint: str,
+    silence: str = "",
 ) -> None:
     """Publish each reading until cancelled; `publish` also sets the state. Raises ConfigError of the source.
 
     If `open_source` raises OSError or RostetherError, the device is opened again each second; `hint` is the
-    advice for the user.
+    advice for the user. `silence` is the reason that is shown while no reading comes.
     """
     loop = asyncio.get_running_loop()
     period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0
+    silence_s = max(SILENT_S, 3 * period_s)
     failure = ""
     limiter = RepeatLimiter()
+    is_first = True
+
+    def note_silence() -> None:
+        if is_first and silence:
+            report(Level.WARN, f"{sensor.description.id}: {silence}")
+        # A sensor that has never had a reading is not one that has become silent.
+        sensor.set_state("init" if is_first else "sleeping", silence)
+
     while True:
-        silent: asyncio.TimerHandle | None = None
+        silent = loop.call_later(silence_s, note_silence)
         try:
             # A generator that is not closed would keep its device open.
             async with aclosing(open_source()) as readings:
@@ -66,10 +76,10 @@ async def publish_readings(
                     if failure:
                         report(Level.INFO, f"{sensor.description.id} works again")
                         failure = ""
+                    is_first = False
                     publish(reading)
-                    if silent is not None:
-                        silent.cancel()
-                    silent = loop.call_later(max(SILENT_S, 3 * period_s), sensor.set_state, "sleeping")
+                    silent.cancel()
+                    silent = loop.call_later(silence_s, note_silence)
         except ConfigError:
             # A retry would not help.
             raise
@@ -78,8 +88,7 @@ async def publish_readings(
         else:
             reason = "the source has ended"
         finally:
-            if silent is not None:
-                silent.cancel()
+            silent.cancel()
         sensor.set_state("alert", reason)
         # If one picture in a folder is damaged, its line would repeat all the time.
         if reason != failure and limiter.admit(reason, loop.time()) is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ class Scaling:
 
     def alert(self, value: float, unit: str) -> str:
         """Return the reason why a value is an alert, "" if it is within the limits."""
+        if math.isnan(value):
+            return "not a number"
         unit = f" {unit}" if unit else ""
         if value < self.alert_below:
             return f"below {self.alert_below:g}{unit}"
@@ -45,8 +48,12 @@ async def publish_values(
     report: Callable[[Level, str], None],
     *,
     hint: str = "choose another ~path, ~gpio or ~field",
+    silence: str = "",
 ) -> None:
-    """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError."""
+    """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError.
+
+    `hint` and `silence` are the texts for users if the source fails, and if it has no number.
+    """
     async with registered_sensor(graph, description, report) as sensor:
         loop = asyncio.get_running_loop()
         alert_until_s = 0.0
@@ -61,7 +68,7 @@ async def publish_values(
             elif loop.time() >= alert_until_s:
                 sensor.set_state("ready")
 
-        await publish_readings(sensor, open_source, publish, report, hint=hint)
+        await publish_readings(sensor, open_source, publish, report, hint=hint, silence=silence)
 
 
 class TopicField:
@@ -72,6 +79,11 @@ class TopicField:
         self._topic = topic
         self._field = field
         self._has_number = False
+
+    @property
+    def silence(self) -> str:
+        """The reason to show if no message comes: often, the name of the topic is wrong."""
+        return f"no message on {self._graph.resolve(self._topic)}; check its name: rostether topic list"
 
     async def values(self) -> AsyncGenerator[float, None]:
         """Yield the field of each message; true is 1.

@@ -39,14 +39,20 @@ def test_install_again_and_uninstall(scope: str, root: Path, shell: Shell) -> No
     )
     assert (verified.returncode, verified.stderr) == (0, "")
     assert len(files(root)) == (4 if scope == "--system" else 3)
+    # The image starts it at boot.
+    (link,) = root.rglob("*.target.wants/*")
+    assert root / link.readlink().relative_to("/") == unit
     assert shell.output("status", *place).startswith("r1: core, sensors, dashboard, boards")
     robot = next(root.rglob("robot.toml"))
     robot.write_text('name = "edited"\n[parts]\nboards = "serve"\n')
     # An upgrade keeps what the user wrote.
     shell.output("install", *place)
     assert shell.output("status", *place).startswith("edited: boards")
+    robot.write_text('[parts]\nboards = "serve"\na = "core --lissten 0"\n')
+    assert "parts.a: No such option '--lissten'" in shell("status", *place).err
     shell.output("uninstall", *place)
     assert not files(root)
+    assert not link.is_symlink()
     assert shell.output("uninstall", *place) == "nothing is installed\n"
 
 
@@ -131,6 +137,21 @@ def test_parts_that_can_start(shell: Shell, tmp_path: Path) -> None:
         """
     )
     assert shell.output("up", str(robot), "--check") == f"{robot}: board, boards, play, gps, robot\n"
+
+
+async def test_a_part_with_wrong_arguments_ends_no_other_part(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    port = free_port()
+    robot.write_text(
+        f'master = "http://127.0.0.1:{port}"\n'
+        f'[parts]\nwrong = "core --lissten 0"\ncore = "core --port {port}"\n'
+    )
+    async with started("up", str(robot)) as up:
+        await up.wait_for("wrong | its arguments are wrong: it does not start again")
+        await up.wait_for("core  | Press Ctrl-C to stop")
+        up.process.send_signal(signal.SIGINT)
+        await up.wait_for(f"rostether: error: {robot}: did not run: wrong")
+        assert await up.process.wait() == 1
 
 
 async def test_the_address_is_that_of_the_interface(tmp_path: Path) -> None:

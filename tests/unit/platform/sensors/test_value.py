@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import BoardError, ConfigError
+from rostether.platform.sensors import readings
 from rostether.platform.sensors.gpio_line import GpioLine
 from rostether.platform.sensors.number_file import NumberFile
 from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, TopicField, publish_values
@@ -50,6 +51,8 @@ async def test_a_file_that_goes_and_comes_back(tmp_path: Path) -> None:
             await shown.has_state(what.id, "ready")
             file.write_text("5")
             await shown.has_state(what.id, "alert above 10 V")
+            file.write_text("nan")
+            await shown.has_state(what.id, "alert not a number")
     reason = f"{file}: No such file or directory; choose another ~path, ~gpio or ~field"
     failed = f"{what.id}: {reason}; trying again every second"
     texts = [each for each in shown.report.texts if "registered" not in each]
@@ -86,6 +89,23 @@ async def test_a_boards_topic_as_a_sensor() -> None:
             board.publish(range=0.75)
             await shown.has_state(what.id, "ready")
             await until(lambda: values == [0.5, 0.75])
+
+
+async def test_a_topic_that_does_not_exist(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(readings, "SILENT_S", 0.01)
+    what = described("ANALOG", MESSAGE_TYPE)
+    async with shown_sensors() as shown:
+        source = TopicField(shown.robot, "arm/ultrasond", "data")
+        work = publish_values(
+            shown.robot, what, source.values, Scaling(), shown.report, silence=source.silence
+        )
+        async with running(work):
+            reason = "no message on /arm/ultrasond; check its name: rostether topic list"
+            await shown.has_state(what.id, f"init {reason}")
+            assert f"{what.id}: {reason}" in shown.report.texts
+            board = await shown.viewer.publisher("/arm/ultrasond", MESSAGE_TYPE, latch=True)
+            board.publish(data=1.0)
+            await shown.has_state(what.id, f"sleeping {reason}")
 
 
 @pytest.mark.parametrize(
