@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import getpass
 import os
 import shutil
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, run_program, systemctl
 from rostether.cli.shell.option_group import EXISTING_FILE, Function, option, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
@@ -25,10 +24,6 @@ if TYPE_CHECKING:
 
 _KINDS = ("base", "robot", "both")
 _DASHBOARD = "http://127.0.0.1:8765"
-_UNIT = "rostether.service"
-# Where logind keeps the users whose services start at boot.
-_LINGERING = Path("/var/lib/systemd/linger")
-_LIMIT_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,12 +92,12 @@ def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, r
         return
     _write(files, root)
     if root is None:
-        _systemctl(installation, "daemon-reload")
-        _systemctl(installation, "enable", _UNIT)
+        systemctl(installation, "daemon-reload")
+        systemctl(installation, "enable", UNIT)
         # An earlier installation runs with its old files.
-        _systemctl(installation, "restart", _UNIT)
+        systemctl(installation, "restart", UNIT)
         if not installation.is_system:
-            _linger()
+            linger()
     else:
         _enable_below(root, installation)
     write_line("rostether starts at boot; to see its state: rostether status")
@@ -120,18 +115,6 @@ def _enable_below(root: Path, installation: Installation) -> None:
     write_line(f"wrote {link}")
 
 
-def _linger() -> None:
-    # Without lingering, a user's services run from the first log-in to the last log-out.
-    command = ["loginctl", "enable-linger", getpass.getuser()]
-    try:
-        _run(command)
-    except ConfigError:
-        raise ConfigError(
-            "rostether runs now, and each time you log in; to start it at boot, type:  "
-            f"sudo {' '.join(command)}"
-        ) from None
-
-
 @click.command("uninstall", cls=Verb, examples="rostether uninstall")
 @_place_options
 def uninstall(for_user: bool | None, root: Path | None) -> None:
@@ -142,10 +125,10 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         write_line("nothing is installed")
         return
     if root is None:
-        _systemctl(installation, "disable", "--now", _UNIT)
+        systemctl(installation, "disable", "--now", UNIT)
         if installation.is_system:
-            _clean(installation)
-        elif _LINGERING.joinpath(getpass.getuser()).exists():
+            clean(installation)
+        elif is_lingering():
             write_line("your services may still start at boot; if you need none:  loginctl disable-linger")
     if root is not None:
         link = path_below(root, installation.enabling_link.parent) / installation.enabling_link.name
@@ -157,20 +140,7 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
     if folder.name == "rostether" and not any(folder.iterdir()):
         folder.rmdir()
     if root is None:
-        _systemctl(installation, "daemon-reload")
-
-
-def _clean(installation: Installation) -> None:
-    """Remove the service's own folders, unless its parts have written files there, such as recordings."""
-    from rostether.platform.boot.service_files import STATE
-
-    is_written = any(each.is_file() for each in STATE.resolve().rglob("*"))
-    folders = ["--what=cache"] if is_written else ["--what=cache", "--what=state"]
-    _systemctl(installation, "clean", *folders, _UNIT)
-    if is_written:
-        write_line(
-            f"kept {STATE} with the files that the robot wrote; to remove them:  sudo rm -r {STATE.resolve()}"
-        )
+        systemctl(installation, "daemon-reload")
 
 
 @click.command("status", cls=Verb, examples="rostether status")
@@ -193,7 +163,7 @@ def status(for_user: bool | None, root: Path | None) -> None:
         warn(f"{error}; a part with wrong arguments does not run")
     if root is None:
         scope = [] if installation.is_system else ["--user"]
-        shown = _run(["systemctl", *scope, "show", _UNIT, "-p", "ActiveState,SubState"])
+        shown = run_program(["systemctl", *scope, "show", UNIT, "-p", "ActiveState,SubState"])
         states = dict(line.split("=", 1) for line in shown.splitlines() if "=" in line)
         write_line(f"{states.get('ActiveState', 'unknown')} ({states.get('SubState', 'unknown')})")
         write_line(f"log: journalctl {'--user ' if scope else ''}-u rostether")
@@ -294,21 +264,3 @@ def _write(files: Mapping[Path, str], root: Path | None) -> None:
             hint = "; type sudo first, or add --user" if isinstance(error, PermissionError) else ""
             raise ConfigError(f"cannot write {place}: {error.strerror}{hint}") from None
         write_line(f"wrote {place}")
-
-
-def _systemctl(installation: Installation, *words: str) -> None:
-    _run(["systemctl", *([] if installation.is_system else ["--user"]), *words])
-
-
-def _run(command: Sequence[str]) -> str:
-    try:
-        done = subprocess.run(  # noqa: S603 - systemd's programs
-            command, capture_output=True, text=True, timeout=_LIMIT_S, check=False
-        )
-    except FileNotFoundError:
-        raise ConfigError(f"this machine has no {command[0]}; it needs systemd") from None
-    except subprocess.TimeoutExpired:
-        raise ConfigError(f"{' '.join(command)} did not end within {_LIMIT_S:.0f} s") from None
-    if done.returncode:
-        raise ConfigError(f"{' '.join(command)} failed: {done.stderr.strip() or done.stdout.strip()}")
-    return done.stdout

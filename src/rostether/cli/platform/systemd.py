@@ -1,0 +1,73 @@
+"""Runs systemd's programs for the service of `rostether install`."""
+
+from __future__ import annotations
+
+import getpass
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rostether.cli.shell.output import write_line
+from rostether.errors import ConfigError
+
+if TYPE_CHECKING:
+    from rostether.platform.boot.service_files import Installation
+
+UNIT = "rostether.service"
+# Where logind keeps the users whose services start at boot.
+_LINGERING = Path("/var/lib/systemd/linger")
+_LIMIT_S = 60.0
+
+
+def systemctl(installation: Installation, *words: str) -> None:
+    """Run a command of `systemctl` on the service. Raises ConfigError."""
+    run_program(["systemctl", *([] if installation.is_system else ["--user"]), *words])
+
+
+def run_program(command: Sequence[str]) -> str:
+    """Run a program and return its output. Raises ConfigError if it fails."""
+    try:
+        done = subprocess.run(  # noqa: S603 - systemd's programs
+            command, capture_output=True, text=True, timeout=_LIMIT_S, check=False
+        )
+    except FileNotFoundError:
+        raise ConfigError(f"this machine has no {command[0]}; it needs systemd") from None
+    except subprocess.TimeoutExpired:
+        raise ConfigError(f"{' '.join(command)} did not end within {_LIMIT_S:.0f} s") from None
+    if done.returncode:
+        raise ConfigError(f"{' '.join(command)} failed: {done.stderr.strip() or done.stdout.strip()}")
+    return done.stdout
+
+
+def linger() -> None:
+    """Make this user's services start at boot. Raises ConfigError.
+
+    Without it, they run from the first log-in to the last log-out.
+    """
+    command = ["loginctl", "enable-linger", getpass.getuser()]
+    try:
+        run_program(command)
+    except ConfigError:
+        raise ConfigError(
+            "rostether runs now, and each time you log in; to start it at boot, type:  "
+            f"sudo {' '.join(command)}"
+        ) from None
+
+
+def is_lingering() -> bool:
+    """Return whether this user's services start at boot."""
+    return _LINGERING.joinpath(getpass.getuser()).exists()
+
+
+def clean(installation: Installation) -> None:
+    """Remove the service's own folders, unless its parts have written files there, such as recordings."""
+    from rostether.platform.boot.service_files import STATE
+
+    is_written = any(each.is_file() for each in STATE.resolve().rglob("*"))
+    folders = ["--what=cache"] if is_written else ["--what=cache", "--what=state"]
+    systemctl(installation, "clean", *folders, UNIT)
+    if is_written:
+        write_line(
+            f"kept {STATE} with the files that the robot wrote; to remove them:  sudo rm -r {STATE.resolve()}"
+        )
