@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rostether.codegen.library_folder import check_parent, write_library_folder
 from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
-from rostether.codegen.message_headers import MessageHeaders, generate_headers
+from rostether.codegen.message_headers import generate_headers
 from rostether.codegen.type_index import TypeIndex
 from rostether.codegen.wanted_types import WantedTypes, all_types, types_of_packages, types_of_sketch
 from rostether.errors import CodegenError
@@ -23,7 +23,7 @@ from rostether.msgdef.registry import Registry
 
 LIBRARY_NAME = "ros_lib"
 _KEYWORDS_FILE = "keywords.txt"
-# They use messages of many packages, and tests none.
+# The examples use messages of many packages.
 _ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
 
 
@@ -31,8 +31,8 @@ _ONLY_WITH_ALL_TYPES = ("examples/", "extras/")
 class RenderedLibrary:
     """The files of a library by their paths with slashes, and reports about them.
 
-    `types` are the full names that have a header; `skipped` says a line for each package or include that
-    could not be generated, and why; `warnings` are problems on other boards.
+    `types` are the full names that have a header. `skipped` has one line for each package or include that
+    could not be generated, with the reason. `warnings` are problems on other boards or systems.
     """
 
     files: Mapping[str, bytes]
@@ -43,7 +43,7 @@ class RenderedLibrary:
 
 @dataclass(frozen=True, slots=True)
 class WrittenLibrary:
-    """A library on disk; `replaced`: whether it replaced an older one."""
+    """A library on disk, and whether it replaced an older one."""
 
     path: Path
     replaced: bool
@@ -81,8 +81,8 @@ def render_library(
 ) -> RenderedLibrary:
     """Return the library with all types; or, if given, with those of a sketch and those of packages.
 
-    `search` are further folders in which a sketch's headers are looked for. The same definitions give the
-    same bytes. Raises ConfigError if there is no such sketch, UnknownTypeError for an unknown package.
+    `search` are more folders with headers of a sketch. The same definitions give the same bytes.
+    Raises ConfigError if there is no such sketch, UnknownTypeError for an unknown package.
     """
     source = client_library()
     index = TypeIndex(registry)
@@ -97,9 +97,12 @@ def render_library(
         if is_complete
         else _selected(index, source / SOURCE_FOLDER, for_sketch, packages or (), search)
     )
-    headers = generate_headers(index, wanted.names, own_paths=_below_source(files))
-    files.update({f"{SOURCE_FOLDER}/{path}": text.encode() for path, text in headers.texts.items()})
-    files[_KEYWORDS_FILE] = _keywords(files, headers)
+    prefix = f"{SOURCE_FOLDER}/"
+    own_paths = [path.removeprefix(prefix) for path in files if path.startswith(prefix)]
+    headers = generate_headers(index, wanted.names, own_paths=own_paths)
+    files.update({prefix + path: text.encode() for path, text in headers.texts.items()})
+    keywords = files.get(_KEYWORDS_FILE, b"").decode()
+    files[_KEYWORDS_FILE] = keywords_with_classes(keywords, headers.classes).encode()
     return RenderedLibrary(
         dict(sorted(files.items())),
         tuple(sorted(headers.types)),
@@ -120,17 +123,8 @@ def _selected(
     return WantedTypes(of_sketch.names | of_packages.names, of_sketch.missing, of_sketch.doubtful)
 
 
-def _below_source(files: Iterable[str]) -> list[str]:
-    prefix = f"{SOURCE_FOLDER}/"
-    return [path.removeprefix(prefix) for path in files if path.startswith(prefix)]
-
-
-def _keywords(files: Mapping[str, bytes], headers: MessageHeaders) -> bytes:
-    return keywords_with_classes(files.get(_KEYWORDS_FILE, b"").decode(), headers.classes).encode()
-
-
 def keywords_with_classes(library_keywords: str, classes: Iterable[str]) -> str:
-    """Return the library's keywords.txt, by which the Arduino IDE colours words, with further classes."""
+    """Return a keywords.txt, which the Arduino IDE uses to colour words, with more classes."""
     lines = library_keywords.rstrip("\n").splitlines()
     known = {line.partition("\t")[0] for line in lines}
     lines.extend(f"{name}\tKEYWORD1" for name in sorted(set(classes) - known))

@@ -9,31 +9,31 @@ from rostether.codegen.cpp_names import include_guard, namespace_name
 _MESSAGE_HEADER = "ros/message.h"
 
 
-def header(full_name: str, includes: Iterable[str], sheltered: Iterable[str], classes: Iterable[str]) -> str:
+def header(full_name: str, includes: Iterable[str], not_macros: Iterable[str], classes: Iterable[str]) -> str:
     """Return the text of the header of `package/Name`.
 
-    `includes` are paths below the library's `src`; `sheltered` the names that must not be replaced if they
-    are macros where the header is included; `classes` the lines of its namespace.
+    `includes` are paths below the library's `src`. `not_macros` are names that the header uses even if a
+    sketch or platform defines them as macros. `classes` are the lines of the namespace.
     """
     package = full_name.partition("/")[0]
     guard, namespace = include_guard(full_name), namespace_name(package)
-    names = sorted(set(sheltered))
+    names = sorted(set(not_macros))
     lines = [
         f"// Generated from {full_name} by rostether; changes are lost when the library is generated again.",
         f"#ifndef {guard}",
         f"#define {guard}",
         "",
-        # In quotes: scripts that move an established library below another folder rewrite these.
+        # In quotes, like the established libraries: scripts that move such a library rewrite these lines.
         f'#include "{_MESSAGE_HEADER}"',
         *(f'#include "{path}"' for path in sorted(set(includes))),
         "",
-        *_set_aside(names),
+        *_push_macros(names),
         f"namespace {namespace} {{",
         "",
         *classes,
         "",
         f"}}  // namespace {namespace}",
-        *_bring_back(names),
+        *_pop_macros(names),
         "",
         "#endif",
         "",
@@ -41,7 +41,7 @@ def header(full_name: str, includes: Iterable[str], sheltered: Iterable[str], cl
     return "\n".join(lines)
 
 
-def _set_aside(names: list[str]) -> Iterator[str]:
+def _push_macros(names: list[str]) -> Iterator[str]:
     for name in names:
         yield f'#pragma push_macro("{name}")'
         yield f"#undef {name}"
@@ -49,7 +49,7 @@ def _set_aside(names: list[str]) -> Iterator[str]:
         yield ""
 
 
-def _bring_back(names: list[str]) -> Iterator[str]:
+def _pop_macros(names: list[str]) -> Iterator[str]:
     if names:
         yield ""
     for name in names:

@@ -1,4 +1,4 @@
-"""Values of constants as C++ writes them, the same on every board and free of warnings."""
+"""C++ literals for constants: the same value on every board, without compiler warnings."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ _INT16_MAX = (1 << 15) - 1
 _INT32_MAX = (1 << 31) - 1
 _UINT32_MAX = (1 << 32) - 1
 _INT64_MAX = (1 << 63) - 1
-# The limit of an AVR's four-byte double; its compiler warns of larger literals.
+# The range of AVR's four-byte double; its compiler warns about literals outside.
 _FLOAT_MAX = float.fromhex("0x1.fffffep+127")
 _FLOAT_MIN = float.fromhex("0x1p-149")
-# Halfway to the next value that a float would have: from there on, rounding gives infinity, or zero.
+# From these values on, rounding to a float gives infinity or zero.
 _FLOAT_OVERFLOW = float.fromhex("0x1.ffffffp+127")
 _FLOAT_UNDERFLOW = float.fromhex("0x1p-150")
 _SHORT_ESCAPES = {"\n": "\\n", "\t": "\\t", '"': '\\"', "\\": "\\\\"}
@@ -36,7 +36,7 @@ def _signed_literal(value: int) -> str:
 
 
 def float32_literal(value: float) -> str:
-    """Return a float; beyond its range it is infinite or zero, as conversion makes it."""
+    """Return a float literal; a value outside the range of float becomes infinite or zero."""
     if abs(value) >= _FLOAT_OVERFLOW:
         value = math.copysign(math.inf, value)
     elif abs(value) < _FLOAT_MIN:
@@ -45,19 +45,19 @@ def float32_literal(value: float) -> str:
 
 
 def float64_literal(value: float) -> str:
-    """Return a double."""
+    """Return a double literal."""
     return _literal(value, "")
 
 
 def narrow_double_literal(value: float) -> str | None:
-    """Return the double that boards with a double of four bytes use instead, None if it is the same."""
+    """Return the literal for boards with a four-byte double, None if it is the same."""
     if value == 0 or not math.isfinite(value) or _FLOAT_MIN <= abs(value) <= _FLOAT_MAX:
         return None
     return float32_literal(value).removesuffix("f")
 
 
 def string_literal(text: str) -> str:
-    """Return a text in quotes, in ASCII whatever it holds; other characters are their UTF-8 bytes."""
+    """Return a string literal in ASCII; other characters are escaped as UTF-8 bytes."""
     return '"' + "".join(map(_escape, text)) + '"'
 
 
@@ -75,5 +75,5 @@ def _escape(character: str) -> str:
     # A question mark may begin a trigraph.
     if " " <= character <= "~" and character != "?":
         return character
-    # Always three digits, so that a digit after them does not count as one of them.
+    # Always three digits, so that a digit after them is not part of the escape.
     return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8", "surrogateescape"))

@@ -1,4 +1,4 @@
-"""The class of one message, and the header that holds it."""
+"""The class of one message, and its header."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _LINE_WIDTH = 110
 
-# Maps the full name of a message to that of the type whose header has it: itself, or its service.
+# Maps the full name of a message to the type whose header contains it: the message itself, or its service.
 HeaderOf = Callable[[str], str]
 
 _STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*"}
 
-# float64[] has a special pointer class: sketches assign arrays of float and of double.
+# Sketches assign arrays of float and of double to a float64[]; this class accepts both.
 _SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
-# Elements of eight bytes are not aligned in the receive buffer as their type would have it.
+# Their elements are not aligned in the receive buffer.
 _SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
 
 
@@ -60,7 +60,7 @@ def message_header(spec: MessageSpec, md5sum: str, header_of: HeaderOf = str) ->
     """Return the text of a message's header."""
     names = name_members(spec)
     classes = message_class(spec, names, type_name=spec.full_name, md5sum=md5sum)
-    return header(spec.full_name, included_paths(spec, header_of), sheltered_names(names), classes)
+    return header(spec.full_name, included_paths(spec, header_of), possible_macros(names), classes)
 
 
 def included_paths(spec: MessageSpec, header_of: HeaderOf) -> set[str]:
@@ -69,8 +69,8 @@ def included_paths(spec: MessageSpec, header_of: HeaderOf) -> set[str]:
     return {include_path(header_of(each)) for each in types}
 
 
-def sheltered_names(names: MemberNames) -> set[str]:
-    """Return the members whose names may be macros: of a known platform, or constants in a sketch."""
+def possible_macros(names: MemberNames) -> set[str]:
+    """Return the members whose names may also be macros of a platform or a sketch."""
     return {each.name for each in names.constants} | {name for name in names.fields if is_macro(name)}
 
 
@@ -172,7 +172,7 @@ def _declaration(constant: Constant, name: str) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class FieldLines:
-    """Declarations, initializers (`name{value}`) and the call that gives the field to an archive."""
+    """Declarations, initializers (`name{value}`) and the call that passes the field to an archive."""
 
     declarations: tuple[str, ...]
     initializers: tuple[str, ...]
@@ -240,10 +240,10 @@ def element_type(base: str) -> str:
 
 
 def sequence_element_type(base: str) -> str:
-    """Return the type of an element of an array of variable length, which lies where it was received."""
+    """Return the type of an element of an array of variable length, which stays in the receive buffer."""
     return _ELEMENTS_OF_SEQUENCES.get(base) or element_type(base)
 
 
 def zero(base: str) -> str:
-    """Return the initial value of a single value, between braces."""
+    """Return the initializer of a single value, without braces."""
     return "" if is_message(base) else _ZEROS.get(base, "0")

@@ -1,6 +1,6 @@
-"""The names of packages, messages, fields and constants in C++: those of the definition wherever possible.
+"""The C++ names of packages, messages, fields and constants: those of the definition if possible.
 
-A name that C++ or a macro takes gets a trailing underscore, and so does one that another member has.
+A name that is reserved in C++, is a macro, or belongs to another member gets a trailing underscore.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 @dataclass(frozen=True, slots=True)
 class NamedConstant:
-    """A constant as sketches write it; `alias` is its second name where the first may be a macro."""
+    """A constant and its name in sketches; `alias` is a second name if the first may be a macro."""
 
     constant: Constant
     name: str
@@ -49,15 +49,15 @@ def class_name(short_name: str) -> str:
 
 
 def qualified_class(full_name: str) -> str:
-    """Return the class of `package/Name` as any header can write it."""
+    """Return the class of `package/Name` with its namespace, valid in every header."""
     package, _, short_name = full_name.partition("/")
-    # From the root: a package may have a message with the name of another package.
+    # With a leading `::`, because a package may have a message with the name of another package.
     return f"::{namespace_name(package)}::{class_name(short_name)}"
 
 
 def constants_class(cpp_class: str) -> str:
-    """Return the class that holds the float and string constants of a message's class."""
-    # No message can have this name.
+    """Return the name of the class with the float and string constants of a message's class."""
+    # The name of a message cannot begin with an underscore.
     return f"_constants_of_{cpp_class}"
 
 
@@ -69,23 +69,23 @@ def include_path(full_name: str) -> str:
 def include_guard(full_name: str) -> str:
     """Return the macro that guards a header. No two types share one, also if they differ only in case."""
     package, _, short_name = full_name.partition("/")
-    # a_b/C and a/b_C; without an underscore in the type's name the last one is always the border.
+    # Distinguishes a_b/C from a/b_C.
     length = f"_{len(package)}" if "_" in short_name else ""
     return f"ROS_{package.replace('-', '__')}_{short_name}{length}_H_"
 
 
 def name_members(spec: MessageSpec) -> MemberNames:
-    """Choose the names of all members of a message. Sketches use fields most: they keep theirs first."""
+    """Choose the names of all members of a message. Fields have priority: sketches use them most."""
     taken = {class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *TYPES_OF_FIELDS}
     fields = _name_fields(spec.fields, taken)
     taken.update(f"_{name}_type" for name in fields)
-    # Of constants declared twice the last counts, as in Python.
+    # If a constant is declared twice, the last value is used, as in Python.
     constants = {constant.name: constant for constant in spec.constants}
     return MemberNames(fields, tuple(_name_constant(constant, taken) for constant in constants.values()))
 
 
 def _name_fields(fields: tuple[Field, ...], taken: set[str]) -> tuple[str, ...]:
-    # The length of an array is a member too; an array that was declared first keeps its name.
+    # The length of an array is also a member.
     lengths = {f"{field.name}_length" for field in fields if is_variable_array(field)}
     free = {field.name for field in fields if not (_is_unusable(field.name) or field.name in taken | lengths)}
     taken |= free | lengths

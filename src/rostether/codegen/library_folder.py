@@ -1,4 +1,4 @@
-"""Replacing a generated library as a whole: a run that fails leaves the old one as it was."""
+"""Replaces a generated library as a whole: a failed run does not change the old one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rostether.errors import CodegenError
 _NODE_HANDLES = ("src/ros/node_handle.h", "ros/node_handle.h")
 _FACADES = ("src/ros.h", "ros.h")
 _MICROPYTHON = "ros/node_handle.py"
-# Another run may put its library in place between our two steps; more often than this is not a coincidence.
+# Another run may put its library in place between our two renames; that rarely happens twice.
 _ATTEMPTS = 10
 
 
@@ -34,7 +34,7 @@ def check_parent(directory: Path, library_name: str) -> None:
 
 
 def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
-    """Make `target` hold exactly these files (paths with slashes); return whether a library was replaced.
+    """Replace `target` by exactly these files (paths with slashes); return whether a library was replaced.
 
     Unchanged files keep their times, so that they are not compiled again. Raises CodegenError if the folder
     exists and is not a generated library, or if it cannot be written.
@@ -44,7 +44,7 @@ def write_library_folder(target: Path, files: Mapping[str, bytes]) -> bool:
     replaces = _check_replaceable(target)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        # Beside the target: a rename works only within one file system.
+        # Next to the target, because a rename works only within one file system.
         with tempfile.TemporaryDirectory(
             dir=target.parent, prefix=f".{target.name}-", ignore_cleanup_errors=True
         ) as scratch:
@@ -96,7 +96,7 @@ def _swap(fresh: Path, target: Path, scratch: Path) -> None:
             with contextlib.suppress(FileNotFoundError):
                 target.rename(before)
             fresh.rename(target)
-        # Also when the user interrupts us between the two.
+        # Also if Ctrl-C interrupts between the two.
         except BaseException as error:
             if before.exists() and not target.exists():
                 before.rename(target)

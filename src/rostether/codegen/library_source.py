@@ -9,11 +9,11 @@ from pathlib import Path
 from rostether.errors import CodegenError
 
 _PACKAGE = Path(__file__).parents[1]
-# In a wheel beside our modules, in a checkout beside `src`.
+# In a wheel, the library is next to our modules; in a checkout, next to `src`.
 _PLACES = (_PACKAGE / "client", _PACKAGE.parents[1] / "client")
 # The folder of a library that compilers search for headers.
 SOURCE_FOLDER = "src"
-# The folder of the client library for MicroPython, no part of the C++ one.
+# The client library for MicroPython, which is not part of the one for C++.
 MICROPYTHON_FOLDER = "micropython"
 
 
@@ -26,9 +26,9 @@ def client_library() -> Path:
 
 
 def library_files(root: Path) -> Iterator[str]:
-    """Yield the files below a library's folder, by their paths with slashes, sorted.
+    """Yield the paths of the files in a library's folder, with slashes, sorted.
 
-    Hidden files and the library for MicroPython are left out.
+    Hidden files and the library for MicroPython are skipped.
     """
     for folder, subfolders, files in os.walk(root):
         subfolders[:] = sorted(

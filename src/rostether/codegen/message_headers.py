@@ -11,7 +11,7 @@ from rostether.codegen.cpp_message import (
     included_paths,
     message_class,
     message_header,
-    sheltered_names,
+    possible_macros,
 )
 from rostether.codegen.cpp_names import class_name, include_path, name_members
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
@@ -24,7 +24,7 @@ from rostether.msgdef.spec import ServiceSpec
 
 @dataclass(slots=True)
 class MessageHeaders:
-    """Texts by their paths below the library's `src`, the types they are of, and lines for the user."""
+    """The headers by path below the library's `src`, their types and classes, and lines for the user."""
 
     texts: dict[str, str] = field(default_factory=dict)
     types: list[str] = field(default_factory=list)
@@ -34,7 +34,10 @@ class MessageHeaders:
 
 
 def generate_headers(index: TypeIndex, names: Iterable[str], *, own_paths: Iterable[str]) -> MessageHeaders:
-    """Generate the headers of types by their full names. `own_paths` are the library's own below `src`."""
+    """Generate the headers of types by their full names.
+
+    `own_paths` are the hand-written headers, by path below the library's `src`.
+    """
     result = MessageHeaders()
     failures: dict[str, list[str]] = {}
     own = set(own_paths)
@@ -101,11 +104,14 @@ def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:
 def service_header(
     spec: ServiceSpec, request_md5sum: str, response_md5sum: str, header_of: HeaderOf = str
 ) -> str:
-    """Return the text of a service's header; each half announces the service's name and its own md5sum."""
+    """Return the text of a service's header.
+
+    Request and response both announce the service's name, each with its own md5sum.
+    """
     halves = (spec.request, request_md5sum), (spec.response, response_md5sum)
     includes = {path for half, _ in halves for path in included_paths(half, header_of)}
-    sheltered = {name for half, _ in halves for name in sheltered_names(name_members(half))}
-    return header(spec.full_name, includes, sheltered, _classes(spec, request_md5sum, response_md5sum))
+    not_macros = {name for half, _ in halves for name in possible_macros(name_members(half))}
+    return header(spec.full_name, includes, not_macros, _classes(spec, request_md5sum, response_md5sum))
 
 
 def _classes(spec: ServiceSpec, request_md5sum: str, response_md5sum: str) -> Iterator[str]:

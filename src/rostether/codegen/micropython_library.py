@@ -2,8 +2,8 @@
 
 DIR/ros_lib/
     ros/...                                    hand-written, from the client library
-    std_msgs/msg/__init__.py _String.py ...    generated, one module a message, loaded when it is imported
-    std_srvs/srv/__init__.py _SetBool.py ...   generated, one module a service
+    std_msgs/msg/__init__.py _String.py ...    generated, one module per message, loaded when it is imported
+    std_srvs/srv/__init__.py _SetBool.py ...   generated, one module per service
     examples/...                               hand-written; only in a library of all messages
 """
 
@@ -68,7 +68,7 @@ def render_micropython_library(
     files = {
         path: (source / path).read_bytes()
         for path in library_files(source)
-        # They use messages of many packages.
+        # Examples use messages of many packages.
         if is_complete or not path.startswith("examples/")
     }
     types: list[str] = []
@@ -104,7 +104,7 @@ def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | 
 
 
 def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
-    """Yield the modules of a name, which may be that of a message and of a service: paths and texts."""
+    """Yield paths and texts of the modules for a name, which may belong to a message and to a service."""
     lookup = index.registry.message
 
     def path_of(message: str) -> str:

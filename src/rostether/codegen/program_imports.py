@@ -1,4 +1,4 @@
-"""Which messages and services a MicroPython program imports: `from std_msgs.msg import String`."""
+"""Finds the messages and services that a MicroPython program imports: `from std_msgs.msg import String`."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ from rostether.errors import ConfigError
 from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.unknown_type import explain_unknown
 
-# More than fits on a board; a larger file is something else.
+# No board has room for a larger program.
 MAX_PROGRAM_BYTES = 1 << 20
 
 
 def types_of_program(index: TypeIndex, program: Path) -> WantedTypes:
-    """Add the imports of a .py file, or of a folder's files. Raises ConfigError if one cannot be read."""
+    """Return the types that a .py file, or each in a folder, imports.
+
+    Raises ConfigError if a file cannot be read.
+    """
     wanted = WantedTypes()
     files = sorted(program.glob("*.py")) if program.is_dir() else [program]
     if not files:

@@ -1,6 +1,6 @@
-"""How the fields of a message are initialized, written and read in MicroPython.
+"""The MicroPython code that initializes, writes and reads the fields of a message.
 
-Neighbouring numbers are one call of struct. The code uses no built-in name, which a message may have.
+Adjacent numbers share one call of `struct`. The code uses no built-in names, because a message may have one.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from itertools import groupby
 
 from rostether.msgdef.spec import Field
 
-# The codes of struct; ? is written as 0 or 1.
+# The format characters of `struct`.
 CODES = {
     "bool": "?",
     "byte": "b",
@@ -34,7 +34,7 @@ TIME_CLASSES = {"time": "_Time", "duration": "_Duration"}
 
 @dataclass(frozen=True, slots=True)
 class PythonField:
-    """A field, its name in Python, and if it is a message: its class and the least bytes of one."""
+    """A field, its name in Python, and for a message also its class and smallest size."""
 
     field: Field
     name: str
@@ -43,12 +43,12 @@ class PythonField:
 
     @property
     def code(self) -> str:
-        """Return the code of struct; empty for strings, times and messages."""
+        """The format character of `struct`; empty for strings, times and messages."""
         return CODES.get(self.field.type.base, "")
 
     @property
     def is_number(self) -> bool:
-        """Return whether it is a single number."""
+        """Whether it is a single number."""
         return bool(self.code) and not self.field.type.is_array
 
     def default(self) -> str:
@@ -58,7 +58,7 @@ class PythonField:
         return _ZEROS.get(self.field.type.base, "0")
 
     def initial(self) -> str:
-        """Return the value if the constructor's argument is None."""
+        """Return the value that the constructor uses for None."""
         kind = self.field.type
         if not kind.is_array:
             return f"{self.class_name}()"

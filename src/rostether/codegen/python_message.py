@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from math import isfinite
 
 from rostether.codegen.python_fields import SIZES, TIME_CLASSES, PythonField, reading, writing
 from rostether.codegen.python_names import class_name, member_names, package_name
@@ -21,7 +22,7 @@ def message_module(spec: MessageSpec, lookup: Lookup, path_of: PathOf) -> str:
 
 
 def service_module(spec: ServiceSpec, lookup: Lookup, path_of: PathOf) -> str:
-    """Return the text of a service's module; both halves announce the service's name."""
+    """Return the text of a service's module; request and response both announce the service's name."""
     halves = spec.request, spec.response
     lines = [line for half in halves for line in (*_class(half, spec.full_name, lookup), "", "")]
     request, response = (class_name(half.name) for half in halves)
@@ -55,7 +56,7 @@ def _class(spec: MessageSpec, type_name: str, lookup: Lookup) -> Iterator[str]:
     yield f"class {class_name(spec.name)}(_Message):"
     yield f'    _type = "{type_name}"'
     yield f'    _md5sum = "{message_md5sum(spec, lookup)}"'
-    # Of constants declared twice the last counts.
+    # If a constant is declared twice, the last value is used.
     constants = {each.name: each for each in spec.constants}
     yield from (f"    {names[each.name]} = {_value(each)}" for each in constants.values())
     if fields:
@@ -101,12 +102,12 @@ def _least_bytes(spec: MessageSpec, lookup: Lookup) -> int:
 
 
 def _alias(full_name: str) -> str:
-    """Return a name that no field and no class has: those begin with a letter."""
+    """Return a name that no field and no class can have, because it begins with an underscore."""
     package, _, name = full_name.partition("/")
     return f"_{package_name(package)}_{name}"
 
 
 def _value(constant: Constant) -> str:
-    if isinstance(constant.value, float) and constant.value - constant.value != 0:
+    if isinstance(constant.value, float) and not isfinite(constant.value):
         return f'float("{constant.value}")'
     return ascii(constant.value)

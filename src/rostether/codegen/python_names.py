@@ -1,7 +1,6 @@
-"""The names of fields, constants and classes in MicroPython: those of the definition wherever possible.
+"""The MicroPython names of fields, constants and classes: those of the definition if possible.
 
-A keyword of Python or the name of a method gets a trailing underscore, and another one while a field or
-constant has the result.
+A keyword of Python or the name of a method gets trailing underscores, as many as make it unique.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Words that mean something else in the sketches where generated names appear."""
+"""Words that generated names must avoid, because they have a meaning in C++ or in sketches."""
 
 from __future__ import annotations
 
@@ -30,31 +30,31 @@ def keywords() -> frozenset[str]:
 
 @functools.cache
 def global_names() -> frozenset[str]:
-    """Return functions and types of C, POSIX and Arduino; a namespace cannot be called like one."""
+    """Return functions and types of C, POSIX and Arduino, which cannot be names of namespaces."""
     return _names("global_names.txt")
 
 
 @functools.cache
 def arduino_macros() -> frozenset[str]:
-    """Return the macros with a value in every file that includes Arduino.h, without B0 to B11111111."""
+    """Return the macros with a value in Arduino.h, except the binary literals B0 to B11111111."""
     return _names("arduino_macros.txt")
 
 
 @functools.cache
 def platform_macros() -> frozenset[str]:
-    """Return further macros with a value: of newlib, POSIX and Windows."""
+    """Return more macros with a value: those of newlib, POSIX and Windows."""
     return _names("platform_macros.txt")
 
 
 def is_macro(name: str) -> bool:
-    """Return whether some supported platform replaces the name by something else."""
+    """Return whether the name is a macro on any supported platform."""
     return name in arduino_macros() or name in platform_macros() or _is_binary_literal(name)
 
 
 def is_macro_in_sketches(name: str) -> bool:
-    """Return whether sketches cannot use the name: the same, but for lower-case macros of PCs.
+    """Return whether the name is a macro that sketches see, so not a lower-case macro of PCs.
 
-    `near` is a macro on Windows, `linux` on Linux; sketches have fields of these names.
+    `near` is a macro on Windows, `linux` on Linux; sketches use fields with these names.
     """
     if name in arduino_macros() or _is_binary_literal(name):
         return True

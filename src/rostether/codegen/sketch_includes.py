@@ -1,4 +1,4 @@
-"""Finds the includes of a sketch, also those in its own headers and the library's."""
+"""Finds the includes of a sketch, of its own headers and of the library's headers."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pathlib import Path
 from rostether.codegen.library_folder import is_ros_library
 from rostether.errors import ConfigError
 
-# A large firmware project has about a hundred; a home directory must not be read whole.
+# A large firmware project has about a hundred files; a home directory must not be read whole.
 MAX_FILES = 5_000
 
-# Pictures and sounds as C arrays can be long, and hold no includes.
+# Longer files are pictures or sounds as C arrays, which have no includes after this.
 MAX_FILE_BYTES = 1 << 21
 
 _SOURCES = frozenset(
@@ -46,10 +46,10 @@ class Include:
 def unresolved_includes(
     sketch: Path | None, *, library_sources: Path, start: Iterable[str] = (), search: Iterable[Path] = ()
 ) -> list[Include]:
-    """Return the includes of a sketch that neither it, the library nor the folders `search` have, each once.
+    """Return the includes, each once, that are not found in the sketch, the library or the folders `search`.
 
-    `sketch` is an .ino file, a folder or a C++ file; `start` are headers of the library to begin with as
-    well. Raises ConfigError if there is no such sketch.
+    `sketch` is an .ino file, a folder or a C++ file. `start` are headers of the library that are also read.
+    Raises ConfigError if there is no such sketch.
     """
     files, roots = _sketch_files(sketch) if sketch is not None else ([], [])
     roots = [*roots, *search, library_sources]
@@ -89,7 +89,7 @@ def _below(folder: Path) -> Iterator[Path]:
     count = 0
     for path, subfolders, files in os.walk(folder):
         here = Path(path)
-        # A library that was generated into the project is not one of its requests.
+        # The includes in a generated library are not requests of the project.
         subfolders[:] = [
             each for each in subfolders if not each.startswith(".") and not is_ros_library(here / each)
         ]

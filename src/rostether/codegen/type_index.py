@@ -1,4 +1,4 @@
-"""Which types a registry knows, looked up often."""
+"""A cache for the names of the types in a registry."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from rostether.msgdef.spec import MessageSpec
 
 
 class TypeIndex:
-    """The names of all types, listed once a package."""
+    """The names of all types; each package is listed once."""
 
     def __init__(self, registry: Registry) -> None:
         self.registry = registry
@@ -15,7 +15,7 @@ class TypeIndex:
         self._services: dict[str, frozenset[str]] = {}
 
     def is_message(self, name: str) -> bool:
-        """Return whether `package/Name` is a message, not half of a service."""
+        """Return whether `package/Name` is a message, and not only the request or response of a service."""
         package = name.partition("/")[0]
         if package not in self._messages:
             self._messages[package] = frozenset(self.registry.messages(package))
@@ -29,7 +29,7 @@ class TypeIndex:
         return name in self._services[package]
 
     def header_of(self, message: str) -> str:
-        """Return the type whose header has a message: the message itself, or the service whose half it is."""
+        """Return the type whose header contains a message: the message itself, or its service."""
         if not self.is_message(message):
             for suffix in ("Request", "Response"):
                 service = message.removesuffix(suffix)

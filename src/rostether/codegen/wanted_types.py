@@ -1,4 +1,4 @@
-"""Which messages and services a library is generated for: all, those of packages, or those of a sketch."""
+"""Chooses the messages and services of a library: all, those of packages, or those of a sketch."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from pathlib import Path
 from rostether.codegen.sketch_includes import Include, unresolved_includes
 from rostether.codegen.type_index import TypeIndex
 from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.unknown_type import explain_unknown
 
 _TYPE_HEADER = re.compile(r"([A-Za-z][A-Za-z0-9_-]*)/([A-Za-z][A-Za-z0-9_]*)\.h")
-# Folders with these endings have messages; folders of other libraries' headers have other names.
+# Packages of messages have these endings; other folders with headers do not.
 _MESSAGE_PACKAGE = re.compile(r"\w+_(?:msgs|srvs|interfaces|messages)")
 
 
@@ -30,12 +31,12 @@ class WantedTypes:
 
 
 def all_types(index: TypeIndex) -> WantedTypes:
-    """Want every type that is known."""
+    """Return all known types."""
     return WantedTypes({*index.registry.messages(), *index.registry.services()})
 
 
 def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
-    """Add packages, or single types as `package/Name`, and the types of their fields.
+    """Return the types of packages, or single types as `package/Name`, and the types of their fields.
 
     Raises UnknownTypeError for an unknown one.
     """
@@ -58,7 +59,7 @@ def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
 def types_of_sketch(
     index: TypeIndex, sketch: Path | None, *, library_sources: Path, search: Iterable[Path] = ()
 ) -> WantedTypes:
-    """Add the messages that a sketch and ros.h include, and the messages inside them.
+    """Return the messages that a sketch and ros.h include, and the types of their fields.
 
     `search` are further folders of headers. Raises ConfigError if there is no such sketch.
     """
@@ -81,7 +82,7 @@ def types_of_sketch(
 def add_parts(index: TypeIndex, wanted: WantedTypes) -> None:
     """Add the types of the fields of all wanted messages."""
     for name in sorted(wanted.names):
-        # A definition that is broken, or one below it, is reported when its header is written.
+        # A broken definition is reported when its header is written.
         with contextlib.suppress(DefinitionError):
             for spec in index.specs(name):
                 parts = dependencies(spec, index.registry.message)
@@ -99,8 +100,5 @@ def _explain_include(
 
 
 def _explain_package(index: TypeIndex, package: str) -> str:
-    from difflib import get_close_matches
-
-    close = get_close_matches(package, index.registry.packages(), n=1)
-    meant = f"did you mean {close[0]}? Otherwise, " if close else ""
+    meant = did_you_mean(package, index.registry.packages(), then=" Otherwise, ")
     return f"no package {package!r} is known; {meant}give its folder with --msg-path DIR"

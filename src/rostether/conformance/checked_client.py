@@ -39,7 +39,7 @@ TORN_AFTER_S = 5.0
 HOST_EPOCH = Time(1_700_000_000, 0)
 # More than a client sends in a run; the rest of a flood is ignored.
 MAX_KEPT_FRAMES = 100_000
-# The number of invalid bytes kept for the report.
+# How many runs of invalid bytes are kept for the report.
 MAX_KEPT_DAMAGE = 20
 
 Connect = Callable[[], Awaitable[Transport]]
@@ -132,7 +132,7 @@ class CheckedClient:
         self._is_configured = True
         return found
 
-    def unsettle(self) -> None:
+    def require_configuration(self) -> None:
         """Make the next case start with a request for the topics."""
         self._is_configured = False
 
@@ -159,15 +159,6 @@ class CheckedClient:
     def skip(self) -> None:
         """Ignore the frames that have arrived."""
         self._position = len(self._frames)
-
-    @property
-    def received(self) -> int:
-        """How many frames have arrived."""
-        return len(self._frames)
-
-    def frames_since(self, received: int) -> list[Frame]:
-        """Return the frames that arrived after an earlier `received`."""
-        return self._frames[received:]
 
     async def find(self, is_wanted: Callable[[Frame], bool], within_s: float) -> Frame | None:
         """Return the next frame that meets a condition, and continue after it; None after the time limit."""
@@ -228,6 +219,10 @@ class CheckedClient:
         """Return the host's clock, in seconds since the epoch."""
         return HOST_EPOCH.secs + self._loop.time() - self._began_s
 
+    def time_answer(self) -> bytes:
+        """Return a frame with the host's time."""
+        return encode_frame(ids.TIME, encode_time(Time.from_ns(round(self.host_time_s() * 1e9))))
+
     def data_received(self, data: bytes) -> None:
         """Read data from the client, and answer its requests."""
         now_s = self._loop.time()
@@ -240,7 +235,7 @@ class CheckedClient:
                     self.damage.append(f"{each.reason.name.lower()}: {each.data[:16].hex(' ')}")
                 continue
             for payload in each.payloads:
-                self._keep(Frame(now_s, each.topic_id, payload))
+                self._keep(Frame(each.topic_id, payload))
                 self._answer(each.topic_id, payload)
         self._arrived.set()
 
@@ -270,10 +265,6 @@ class CheckedClient:
             response = self._parameters.get(request.name.lstrip("/")) if request is not None else None
             if response is not None:
                 self._transport.write(encode_frame(ids.PARAMETER, response.encode()))
-
-    def time_answer(self) -> bytes:
-        """Return a frame with the host's time."""
-        return encode_frame(ids.TIME, encode_time(Time.from_ns(round(self.host_time_s() * 1e9))))
 
     async def _collect_announcements(self) -> None:
         frame: Frame | None = self._frames[self._position - 1]

@@ -79,7 +79,7 @@ class ConformanceProgram:
         device.subscriber(f"{PREFIX}text_in", "std_msgs/String", self._return_text)
         device.subscriber(f"{PREFIX}real_in", "std_msgs/Float64", self._return_real)
         device.subscriber(f"{PREFIX}ping", "std_msgs/Empty", self._send_time)
-        device.subscriber(f"{PREFIX}command", "std_msgs/UInt8", self._obey)
+        device.subscriber(f"{PREFIX}command", "std_msgs/UInt8", self._run_command)
         device.service_server(
             f"{PREFIX}switch",
             "std_srvs/SetBool",
@@ -96,7 +96,7 @@ class ConformanceProgram:
     def _send_time(self, _message: Message) -> None:
         self._pong.publish(data=self._device.now())
 
-    def _obey(self, message: Message) -> None:
+    def _run_command(self, message: Message) -> None:
         match message.data:
             case Command.LOG:
                 for level in Level:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
 from typing import NamedTuple
 
 from rostether.conformance.case import Deviation
@@ -14,7 +13,6 @@ from rostether.rosserial.packets import TIME_BYTES, TopicInfo
 class Frame(NamedTuple):
     """A valid frame from the client."""
 
-    time_s: float
     topic_id: int
     payload: bytes
 
@@ -50,17 +48,11 @@ def read_text(payload: bytes) -> str:
     return payload[4:].decode("utf-8", "replace")
 
 
-def missing_from(wanted: Iterable[object], found: Iterable[object]) -> list[object]:
-    """Return the expected items that were not found, in order."""
-    present = set(found)
-    return [each for each in wanted if each not in present]
-
-
 def is_announcement(frame: Frame) -> bool:
     """Return whether a frame announces an endpoint."""
     return frame.topic_id in ids.ANNOUNCEMENTS and bool(frame.payload)
 
 
 def read_announcement(frame: Frame) -> Announcement:
-    """Decode an announcement; its content is None if the layout is wrong."""
+    """Return the announcement in a frame; its `info` is None if the layout is wrong."""
     return Announcement(frame.topic_id, frame.payload, TopicInfo.read(frame.payload))

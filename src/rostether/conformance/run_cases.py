@@ -48,6 +48,6 @@ async def _judge(client: CheckedClient, case: Case) -> Outcome:
         await case.check(client)
     except Deviation as deviation:
         # The client may be in any state now.
-        client.unsettle()
+        client.require_configuration()
         return Outcome(case, Verdict.FAIL, str(deviation))
     return Outcome(case, Verdict.PASS)

@@ -25,7 +25,7 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Replaced:
-    """A program that is not installed, and a line about its replacement; this is not a failure."""
+    """A program that is not started because something built in replaces it; `line` reports this."""
 
     line: str
 

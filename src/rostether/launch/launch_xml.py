@@ -12,7 +12,8 @@ MAX_FILE_BYTES = 1 << 24
 def parse_launch_xml(data: bytes, *, file: str) -> XmlElement:
     """Return the root element of a launch file, <launch>.
 
-    Raises LaunchError with file and line: too large, not XML, a DTD or entity, another root.
+    Raises LaunchError with file and line if the text is too large, is not XML, has a DTD or an entity, or
+    has another root.
     """
     if file.endswith(".launch.py"):
         raise LaunchError(

@@ -1,4 +1,4 @@
-"""The listings of `rostether launch`, which do not start nodes, and the summary before a start."""
+"""The lists that `rostether launch` prints instead of starting nodes, and the summary before a start."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def file_lines(plan: LaunchPlan) -> list[str]:
 
 
 def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
-    """Return the node of a name, in `namespace` where the name is relative. Raises ConfigError."""
+    """Return a node by its name; a relative name is in `namespace`. Raises ConfigError."""
     full_name = join(namespace, name)
     for node in plan.nodes:
         if full_name == node.full_name or name == node.name:
@@ -63,7 +63,7 @@ def find_node(plan: LaunchPlan, name: str, namespace: str) -> LaunchNode:
 def command_words(node: LaunchNode, environ: Mapping[str, str], master_uri: str, locate: Locate) -> str:
     """Return the shell line that starts a node: its changes of the environment, and the command.
 
-    Raises RostetherError where there is no such program.
+    Raises RostetherError if there is no such program.
     """
     command = command_of(node, environ, master_uri, locate)
     if isinstance(command, Replaced):

@@ -13,21 +13,21 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import LaunchError
-from rostether.launch.launch_xml import MAX_FILE_BYTES, parse_launch_xml
+from rostether.launch.launch_xml import parse_launch_xml
 from rostether.launch.node_tag import NodeTags
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
-from rostether.launch.substitution import LaunchContext, explain_unreadable
+from rostether.launch.substitution import LaunchContext, read_file
 from rostether.launch.tag_reader import TagReader
 from rostether.mechanisms.xml_tree import XmlElement
 
-_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
+_MACHINE_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
 # Some files include themselves to count down; this limit stops endless recursion.
 MAX_INCLUDE_DEPTH = 50
 
-# Fifty files with two includes each would load practically forever.
+# The depth alone is not enough: 50 levels with two includes each are 2^50 files.
 MAX_INCLUDES = 10_000
 STDIN_NAME = "<stdin>"
 
@@ -57,7 +57,7 @@ def load_launch(
     loader = _Loader(TagReader(context), programs, runs_commands=runs_commands)
     namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
     for path in paths:
-        loader.load_root(_read(str(path)), str(path), namespace, arguments)
+        loader.load_root(read_file(str(path)), str(path), namespace, arguments)
     if text is not None:
         loader.load_root(text, STDIN_NAME, namespace, arguments)
     return loader.reader.draft.finish()
@@ -95,10 +95,10 @@ class _Loader:
 
     def _read_children(self, parent: XmlElement, scope: Scope) -> None:
         for element in parent.children:
-            with self.reader.placed(element):
+            with self.reader.at_element(element):
                 if element.tag == "launch":
                     raise LaunchError("<launch> is inside <launch>; use <group> or <include>")
-                if self.reader.is_meant(element, scope):
+                if self.reader.applies(element, scope):
                     self._read(element, scope)
 
     def _read(self, element: XmlElement, scope: Scope) -> None:
@@ -123,7 +123,7 @@ class _Loader:
             case "env":
                 self.reader.environment(element, scope)
             case "machine":
-                self._machines.add(read_machine(self.reader, element, scope))
+                self._machines.add(_read_machine(self.reader, element, scope))
             case "master":
                 self.reader.warn(element, "<master> is obsolete; it is ignored")
             case _:
@@ -156,13 +156,13 @@ class _Loader:
         reader.check_attributes(element, ("file", "ns", "clear_params", "pass_all_args"))
         file = reader.required(element, scope, "file")
         inside = reader.namespace(element, scope)
-        pass_all = reader.switch(element, scope, "pass_all_args")
+        pass_all = reader.flag(element, scope, "pass_all_args")
         given = Scope(
             file=file, arguments=dict(scope.arguments) if pass_all else {}, passes_all_arguments=pass_all
         )
         for child in element.children:
-            with reader.placed(child):
-                if not reader.is_meant(child, inside):
+            with reader.at_element(child):
+                if not reader.applies(child, inside):
                     continue
                 match child.tag.lower():
                     case "arg":
@@ -191,7 +191,7 @@ class _Loader:
             )
         self._depth += 1
         try:
-            self._read_children(self._parse(_read(scope.file), scope.file), scope)
+            self._read_children(self._parse(read_file(scope.file), scope.file), scope)
         except LaunchError as error:
             if " (included " in str(error) or not error.file:
                 raise
@@ -202,17 +202,9 @@ class _Loader:
             self._depth -= 1
 
 
-def _read(file: str) -> bytes:
-    try:
-        with open(file, "rb") as stream:  # noqa: PTH123 - Path("") would be "."
-            return stream.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise explain_unreadable(file, error) from None
-
-
-def read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
-    """Return the name of a <machine> if it is this machine. Raises LaunchError for any other."""
-    reader.check_attributes(element, _ATTRIBUTES)
+def _read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
+    """Return the name of a <machine>. Raises LaunchError if it is not this machine."""
+    reader.check_attributes(element, _MACHINE_ATTRIBUTES)
     name, address = (reader.required(element, scope, each) for each in ("name", "address"))
     user = reader.optional(element, scope, "user")
     if not _is_here(address) or (user and user != getpass.getuser()):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
-
 from rostether.errors import LaunchError
 from rostether.launch.parameter_tags import ParameterTags
 from rostether.launch.plan import LaunchNode, Output, WorkingFolder
 from rostether.launch.scope import Scope
+from rostether.launch.substitution import split_words
 from rostether.launch.tag_reader import TagReader
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.xml_tree import XmlElement
@@ -38,7 +37,7 @@ class NodeTags:
         args = reader.optional(element, scope, "args") or ""
         launch_prefix = reader.optional(element, scope, "launch-prefix") or ""
         for text in (args, launch_prefix):
-            _check_words(text)
+            split_words(text)
         node = LaunchNode(
             package=package,
             type=node_type,
@@ -48,9 +47,9 @@ class NodeTags:
             args=args,
             remaps=tuple(inside.remaps),
             environment=tuple(inside.environment),
-            respawn=reader.switch(element, scope, "respawn"),
+            respawn=reader.flag(element, scope, "respawn"),
             respawn_delay_s=max(0.0, reader.number(element, scope, "respawn_delay")),
-            required=reader.switch(element, scope, "required"),
+            required=reader.flag(element, scope, "required"),
             output=self._output(element, scope),
             working_folder=self._working_folder(element, scope),
             launch_prefix=launch_prefix,
@@ -92,8 +91,8 @@ class NodeTags:
             if tag not in ("remap", "param", "rosparam", "env"):
                 reader.warn(child, f"<{child.tag}> has no meaning inside <{element.tag}>; it is ignored")
                 continue
-            with reader.placed(child):
-                if not reader.is_meant(child, own if tag in ("param", "rosparam") else scope):
+            with reader.at_element(child):
+                if not reader.applies(child, own if tag in ("param", "rosparam") else scope):
                     continue
                 match tag:
                     case "remap":
@@ -101,13 +100,13 @@ class NodeTags:
                     case "env":
                         reader.environment(child, inside)
                     case "param":
-                        key, value = self._parameters.node_param(child, own)
+                        key, value = self._parameters.name_and_value(child, own)
                         own_params[key] = (child, value)
                     case "rosparam":
                         self._parameters.rosparam(child, own)
         params = [(key, (element, value)) for key, value in scope.private_params.items()]
         for key, (place, value) in [*params, *own_params.items()]:
-            with reader.placed(place):
+            with reader.at_element(place):
                 reader.set_parameter(place, own.namespace + key.removeprefix(PRIVATE), value)
         return inside
 
@@ -130,10 +129,3 @@ class NodeTags:
             return WorkingFolder("ROS_HOME" if text in (None, "ros_home") else text)
         except ValueError:
             raise LaunchError(f"cwd={text!r} is unknown; known: node and ROS_HOME") from None
-
-
-def _check_words(text: str) -> None:
-    try:
-        shlex.split(text)
-    except ValueError as error:
-        raise LaunchError(f"{text!r}: {str(error).lower()}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
@@ -13,7 +12,7 @@ from rostether.errors import LaunchError
 from rostether.launch.launch_xml import MAX_FILE_BYTES
 from rostether.launch.plan import DeleteParameters, DumpParameters
 from rostether.launch.scope import Scope
-from rostether.launch.substitution import SERVED_ROOT, explain_unreadable
+from rostether.launch.substitution import SERVED_ROOT, read_file, split_words
 from rostether.launch.tag_reader import TagReader
 from rostether.launch.values import convert
 from rostether.mechanisms.xml_tree import XmlElement
@@ -24,7 +23,7 @@ _SOURCES = ("value", "textfile", "binfile", "command")
 _PARAM_ATTRIBUTES = ("name", "type", *_SOURCES)
 _ROSPARAM_ATTRIBUTES = ("command", "ns", "file", "param", "subst_value")
 _COMMANDS = ("load", "dump", "delete")
-# `$(find xacro)/xacro` is how launch files of ROS 1 start programs of packages; `xacro.py` is its older name.
+# Launch files run xacro as `$(find xacro)/xacro`, older ones as `$(find xacro)/xacro.py`.
 _SCRIPT_SUFFIX = ".py"
 
 
@@ -49,15 +48,25 @@ class ParameterTags:
 
     def param(self, element: XmlElement, scope: Scope) -> None:
         """Set a parameter, or store a private one for the following nodes."""
-        name, value = self._name_and_value(element, scope)
+        name, value = self.name_and_value(element, scope)
         if is_private(name):
             scope.private_params[name] = value
         else:
             self._reader.set_parameter(element, join(scope.namespace, name), value)
 
-    def node_param(self, element: XmlElement, scope: Scope) -> tuple[str, Any]:
-        """Return name and value of a <param> inside a <node>: it is private with and without `~`."""
-        return self._name_and_value(element, scope)
+    def name_and_value(self, element: XmlElement, scope: Scope) -> tuple[str, Any]:
+        """Return the name and value of a <param>. Inside a <node> it is private with and without `~`."""
+        reader = self._reader
+        reader.check_attributes(element, _PARAM_ATTRIBUTES)
+        given = {source: reader.optional(element, scope, source) for source in _SOURCES}
+        sources = [(source, text) for source, text in given.items() if text is not None]
+        if len(sources) != 1:
+            raise LaunchError(f"<param> needs one of {', '.join(f'{each}=' for each in _SOURCES)}")
+        name = reader.required(element, scope, "name").strip()
+        if not name:
+            raise LaunchError("<param> has an empty name=")
+        (source, text), type_name = sources[0], element.attributes.get("type", "").lower().strip() or "auto"
+        return name, self._value(source, text, type_name)
 
     def rosparam(self, element: XmlElement, scope: Scope) -> None:
         """Load parameters, or plan to dump or delete parameters before the launch."""
@@ -69,7 +78,7 @@ class ParameterTags:
         name = join(
             reader.optional(element, scope, "ns") or "", reader.optional(element, scope, "param") or ""
         )
-        replaces = reader.switch(element, scope, "subst_value")
+        replaces = reader.flag(element, scope, "subst_value")
         if is_private(name):
             reader.warn(
                 element, f"param={name!r} is not private to the node; write it without ~ inside its <node>"
@@ -112,19 +121,6 @@ class ParameterTags:
         for key, value in leaves(full_name, data):
             self._reader.set_parameter(element, key, value)
 
-    def _name_and_value(self, element: XmlElement, scope: Scope) -> tuple[str, Any]:
-        reader = self._reader
-        reader.check_attributes(element, _PARAM_ATTRIBUTES)
-        given = {source: reader.optional(element, scope, source) for source in _SOURCES}
-        sources = [(source, text) for source, text in given.items() if text is not None]
-        if len(sources) != 1:
-            raise LaunchError(f"<param> needs one of {', '.join(f'{each}=' for each in _SOURCES)}")
-        name = reader.required(element, scope, "name").strip()
-        if not name:
-            raise LaunchError("<param> has an empty name=")
-        (source, text), type_name = sources[0], element.attributes.get("type", "").lower().strip() or "auto"
-        return name, self._value(source, text, type_name)
-
     def _value(self, source: str, text: str, type_name: str) -> Any:
         match source:
             case "value":
@@ -136,7 +132,7 @@ class ParameterTags:
         return convert(self._output_of(text), type_name) if self._runs_commands else ""
 
     def _output_of(self, command: str) -> str:
-        words = _split(command)
+        words = split_words(command)
         if not words:
             raise LaunchError("<param command=''> is empty; give a command")
         words = [*self._program(words[0]), *words[1:]]
@@ -150,7 +146,7 @@ class ParameterTags:
                     if len(output) > MAX_FILE_BYTES:
                         process.kill()
                 except BaseException:
-                    # The command was ended by a signal.
+                    # Ctrl-C must not leave the command running.
                     process.kill()
                     raise
         except OSError as error:
@@ -164,7 +160,7 @@ class ParameterTags:
         try:
             return output.decode()
         except UnicodeDecodeError:
-            raise LaunchError(f"what {command!r} printed is not UTF-8") from None
+            raise LaunchError(f"the output of {command!r} is not UTF-8") from None
 
     def _program(self, word: str) -> Sequence[str]:
         path = Path(word)
@@ -173,27 +169,14 @@ class ParameterTags:
             if served is None:
                 raise LaunchError(f"package {path.parent.name!r} is not installed; install it")
             return served
-        if (word, word) in self._programs and shutil.which(word, path=self._search_path()) is None:
+        search_path = self._reader.context.environ.get("PATH")
+        if (word, word) in self._programs and shutil.which(word, path=search_path) is None:
             return self._programs[word, word]
         return [word]
 
-    def _search_path(self) -> str | None:
-        return self._reader.context.environ.get("PATH")
-
-
-def _split(text: str) -> list[str]:
-    try:
-        return shlex.split(text)
-    except ValueError as error:
-        raise LaunchError(f"{text!r}: {str(error).lower()}") from None
-
 
 def _read_bytes(file: str) -> bytes:
-    try:
-        with open(file, "rb") as opened:  # noqa: PTH123 - Path("") would be "."
-            data = opened.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise explain_unreadable(file, error) from None
+    data = read_file(file)
     if len(data) > MAX_FILE_BYTES:
         raise LaunchError(f"{file} is larger than {MAX_FILE_BYTES} bytes, too large for a parameter")
     return data

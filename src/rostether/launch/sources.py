@@ -22,7 +22,7 @@ _MAX_LISTED = 8
 
 @dataclass(frozen=True, slots=True)
 class LaunchSources:
-    """Files in their order, whether standard input is one of them, and the arguments; the last one counts."""
+    """Files in order, whether standard input is one of them, and the arguments (the last of a name is used)."""
 
     files: list[Path] = field(default_factory=list)
     reads_stdin: bool = False
@@ -31,9 +31,9 @@ class LaunchSources:
 
 
 def split_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]:
-    """Sort words into others, arguments, and the names of arguments with an empty value.
+    """Return the other words, the arguments, and the names of arguments with an empty value.
 
-    Empty ones have no effect, as with roslaunch.
+    As in roslaunch, an argument with an empty value has no effect.
     """
     rest: list[str] = []
     arguments: dict[str, str] = {}
@@ -69,9 +69,9 @@ def find_sources(words: Sequence[str], packages: Mapping[str, Path]) -> LaunchSo
 
 
 def in_package(package: str, name: str, folder: Path) -> Path | None:
-    """Return the file of a name, or of a path, in a package; None if there is none.
+    """Find a file in a package by its name or path; None if there is none.
 
-    Raises ConfigError when there are two.
+    Raises ConfigError if several files have the name.
     """
     if "/" in name:
         return folder / name if (folder / name).is_file() else None
@@ -99,8 +99,8 @@ def _explain_missing(words: list[str], missing: str, packages: Mapping[str, Path
     if package not in packages:
         hint = did_you_mean(package, packages) or "`rostether pkg list` shows the packages found"
         return f"there is no package and no launch file {package}; {hint}"
-    there = launch_files(packages[package])
-    if hint := did_you_mean(name, there):
+    names = launch_files(packages[package])
+    if hint := did_you_mean(name, names):
         return f"package {package} has no launch file {name}; {hint}"
-    listed = ", ".join(there[:_MAX_LISTED]) + (", ..." if len(there) > _MAX_LISTED else "")
+    listed = ", ".join(names[:_MAX_LISTED]) + (", ..." if len(names) > _MAX_LISTED else "")
     return f"package {package} has no launch file {name}; it has {listed or 'none'}"

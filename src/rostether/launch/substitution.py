@@ -1,25 +1,27 @@
 """Substitution arguments: `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)`,
 `$(dirname)`.
 
-A text that is one `$(eval ...)` is computed (`launch.evaluation`). All others are substituted twice, so that
-a value may contain a `$(find ...)`; they cannot be nested.
+A text that is one `$(eval ...)` is computed. All others are substituted twice, so that a value may contain a
+`$(find ...)`; they cannot be nested.
 """
 
 from __future__ import annotations
 
 import ast
 import math
+import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from rostether.errors import LaunchError
 from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
+from rostether.launch.launch_xml import MAX_FILE_BYTES
 from rostether.launch.scope import Scope
 from rostether.launch.values import convert
 from rostether.mechanisms.anonymous import anonymous_name
+from rostether.mechanisms.text import did_you_mean
 
 COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
 # The limit of one text after substitution. A robot description, the longest in use, has about 100 KB.
@@ -74,10 +76,10 @@ def substitute(text: str, scope: Scope, context: LaunchContext) -> str:
     if text.startswith(_EVAL_PREFIX) and text.endswith(")"):
         return evaluate(text[len(_EVAL_PREFIX) : -1], scope, context)
     for found in _substitutions(text):
-        text = _put_in(text, found, scope, context)
+        text = _replaced(text, found, scope, context)
     for found in _substitutions(text):
         if found.split()[0] == "find":
-            text = _put_in_package(text, found, context)
+            text = _with_package_folder(text, found, context)
     return text
 
 
@@ -105,7 +107,7 @@ def scoped_anonymous_name(base_name: str, scope: Scope) -> str:
 
 
 def folder_of(file: str) -> str:
-    """Return the absolute path of the folder that holds a launch file."""
+    """Return the absolute path of a launch file's folder."""
     return str(Path(file).parent.absolute())
 
 
@@ -115,13 +117,28 @@ def package_folder(name: str, context: LaunchContext) -> str:
         return str(context.packages[name])
     if name in context.served:
         return f"{SERVED_ROOT}/{name}"
-    near = get_close_matches(name, context.packages, n=1)
-    hint = f"did you mean {near[0]}?" if near else "add the folder that holds it to ROS_PACKAGE_PATH"
+    hint = did_you_mean(name, context.packages) or "add the folder that contains it to ROS_PACKAGE_PATH"
     raise LaunchError(f"there is no package {name!r}; {hint}")
 
 
-def explain_unreadable(file: str, error: OSError) -> LaunchError:
-    """Return the error for a file that cannot be read, with a hint for files of built-in packages."""
+def split_words(command: str) -> list[str]:
+    """Return the words of a command, split like a shell. Raises LaunchError."""
+    try:
+        return shlex.split(command)
+    except ValueError as error:
+        raise LaunchError(f"{command!r}: {str(error).lower()}") from None
+
+
+def read_file(file: str) -> bytes:
+    """Return the content of a file, or its first MAX_FILE_BYTES + 1 bytes. Raises LaunchError."""
+    try:
+        with open(file, "rb") as stream:  # noqa: PTH123 - Path("") would be "."
+            return stream.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise _unreadable(file, error) from None
+
+
+def _unreadable(file: str, error: OSError) -> LaunchError:
     if file.startswith(f"{SERVED_ROOT}/"):
         package = file.removeprefix(f"{SERVED_ROOT}/").partition("/")[0]
         return LaunchError(
@@ -130,7 +147,7 @@ def explain_unreadable(file: str, error: OSError) -> LaunchError:
     return LaunchError(f"cannot read {file!r}: {error.strerror or error}")
 
 
-def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
+def _replaced(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
     command, *words = found.split()
     value: str | None = None
     match command:
@@ -155,7 +172,7 @@ def _put_in(text: str, found: str, scope: Scope, context: LaunchContext) -> str:
     return text.replace(f"$({found})", value)
 
 
-def _put_in_package(text: str, found: str, context: LaunchContext) -> str:
+def _with_package_folder(text: str, found: str, context: LaunchContext) -> str:
     folder = package_folder(_only(found, found.split()[1:]), context)
     before, _, after = text.partition(f"$({found})")
     # The path may start without a slash: `$(find pkg)urdf/a.urdf` is also in the package.

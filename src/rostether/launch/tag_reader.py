@@ -18,7 +18,7 @@ from rostether.launch.plan import (
 )
 from rostether.launch.scope import Scope, as_namespace
 from rostether.launch.substitution import LaunchContext, substitute
-from rostether.launch.values import check, truth
+from rostether.launch.values import as_bool, check
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import SEPARATOR, canonical, is_legal_name, join, namespace_of
 
@@ -90,7 +90,7 @@ class TagReader:
             raise LaunchError(f"<{element.tag}> needs the attribute {name}=")
         return text
 
-    def switch(self, element: XmlElement, scope: Scope, name: str) -> bool:
+    def flag(self, element: XmlElement, scope: Scope, name: str) -> bool:
         """Return a boolean attribute; False if it is missing."""
         text = self.optional(element, scope, name)
         if text is not None and text.lower() not in ("true", "false"):
@@ -105,14 +105,14 @@ class TagReader:
         except ValueError:
             raise LaunchError(f"{name}={text!r} is not a number") from None
 
-    def is_meant(self, element: XmlElement, scope: Scope) -> bool:
+    def applies(self, element: XmlElement, scope: Scope) -> bool:
         """Return whether an element applies according to its if= or unless=."""
         on, off = (self.optional(element, scope, name) for name in _CONDITIONS)
         if on is not None and off is not None:
             raise LaunchError(f"<{element.tag}> has both if= and unless=; keep one of them")
         if on is not None:
-            return truth(on)
-        return off is None or not truth(off)
+            return as_bool(on)
+        return off is None or not as_bool(off)
 
     def check_attributes(self, element: XmlElement, known: Collection[str]) -> None:
         """Warn about unknown attributes."""
@@ -132,7 +132,7 @@ class TagReader:
         if namespace is not None and not is_legal_name(namespace):
             self.warn(element, f"ns={namespace!r} is not a ROS name; many programs will refuse it")
         inside = scope.child(namespace)
-        if element.attributes.get("clear_params") and self.switch(element, scope, "clear_params"):
+        if element.attributes.get("clear_params") and self.flag(element, scope, "clear_params"):
             if namespace is None and element.tag not in ("node", "test"):
                 raise LaunchError(f"<{element.tag} clear_params=...> needs ns=, the namespace to clear")
             if not node_name and element.tag in ("node", "test"):
@@ -155,7 +155,7 @@ class TagReader:
         scope.environment.append((name, value))
 
     @contextmanager
-    def placed(self, element: XmlElement) -> Iterator[None]:
+    def at_element(self, element: XmlElement) -> Iterator[None]:
         """Add the element's file and line to errors that have none."""
         try:
             yield
@@ -167,7 +167,7 @@ class TagReader:
             raise element.error(str(error)) from None
 
     def set_parameter(self, element: XmlElement, name: str, value: Any) -> None:
-        """Set a parameter; the last value of a name counts."""
+        """Set a parameter; a later value replaces an earlier one."""
         key = canonical(name)
         check(key, value)
         above = namespace_of(key)

@@ -22,13 +22,13 @@ def convert(text: str, type_name: str) -> Any:
         case "double":
             return _number(text, float, "a number")
         case "bool" | "boolean":
-            return truth(text)
+            return as_bool(text)
         case "yaml":
             return parse_value(text, "value") if text else None
     raise LaunchError(f"type={type_name!r} is unknown; known: {', '.join(TYPES)}")
 
 
-def truth(text: str) -> bool:
+def as_bool(text: str) -> bool:
     """Return the value of if=, unless= or a parameter of type bool. Raises LaunchError."""
     word = text.lower().strip()
     if word in ("true", "1"):

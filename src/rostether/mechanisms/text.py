@@ -40,9 +40,12 @@ def first_line(error: Exception) -> str:
     return str(error).split("\n", 1)[0][:200]
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return `did you mean X?` with the most similar of the known names; empty if none is similar."""
+def did_you_mean(name: str, known: Iterable[str], *, prefix: str = "", then: str = "") -> str:
+    """Return `did you mean X?` with the most similar of the known names; empty if none is similar.
+
+    `prefix` completes the similar name, and `then` follows the question.
+    """
     from difflib import get_close_matches
 
     near = get_close_matches(name, list(known), n=1)
-    return f"did you mean {near[0]}?" if near else ""
+    return f"did you mean {prefix}{near[0]}?{then}" if near else ""

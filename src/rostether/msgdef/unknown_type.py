@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import Kind, bundled_file, is_type_name
 
 # The packages that are searched for a type without its package, in this order.
@@ -29,7 +30,7 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
     wanted = f"{package}/{short_name}"
     packages = known.packages()
     if package not in packages:
-        meant = _did_you_mean(package, packages)
+        meant = did_you_mean(package, packages, then=" Otherwise, ")
         return f"no package {package!r} is known for {wanted}; {meant}{HOW_TO_GIVE}"
     candidates, others = known.messages(package), known.services(package)
     noun, other_noun = "message", "service"
@@ -38,16 +39,9 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
     if wanted in others:
         return f"{wanted} is a {other_noun}, not a {noun}"
     short_names = [each.partition("/")[2] for each in candidates]
-    meant = _did_you_mean(short_name, short_names, prefix=f"{package}/")
+    meant = did_you_mean(short_name, short_names, prefix=f"{package}/", then=" Otherwise, ")
     newer = f"if a newer version has it, {HOW_TO_GIVE}"
     return f"package {package!r} has no {noun} {short_name!r}; {meant}{newer}"
-
-
-def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:
-    import difflib
-
-    close = difflib.get_close_matches(name, candidates, n=1)
-    return f"did you mean {prefix}{close[0]}? Otherwise, " if close else ""
 
 
 def example_name(kind: Kind, short_name: str) -> str:

@@ -1,7 +1,7 @@
 """Finds a package's programs, like rosrun: first the results of its build, then the package folder itself.
 
-A package that was built has its programs in `lib/PACKAGE` of the devel or install space; scripts stand
-anywhere below the package's own folder and need no building.
+A package that was built has its programs in `lib/PACKAGE` of the devel or install space. Scripts need no
+build, and can be anywhere below the package's own folder.
 """
 
 from __future__ import annotations
@@ -12,16 +12,17 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import did_you_mean
 from rostether.packages.locate import workspace_of
 from rostether.packages.python_scripts import is_module
 from rostether.packages.search_path import walk
 
-# Where Debian's packages have their programs, without a variable in the environment.
+# Debian's ROS packages have their programs here; no environment variable names this folder.
 SYSTEM_LIBRARY_FOLDER = Path("/usr/lib")
 
 _BUILD_FOLDER = "build"
 
-# Those of large packages have about 50 KB.
+# The CMakeLists.txt of a large package has about 50 KB.
 _MAX_CMAKE_BYTES = 1 << 20
 _COMPILED = (".cpp", ".cc", ".cxx", ".c")
 _EXECUTABLE = re.compile(r"\badd_executable\s*\(\s*([^\s)]+)\s*([^)]*)\)", re.IGNORECASE)
@@ -44,12 +45,9 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
         if program.is_file() and os.access(program, os.X_OK):
             return program
     if folder is None:
-        raise ConfigError(
-            f"package {package} was not found; put it below this folder, or add its folder to "
-            f"ROS_PACKAGE_PATH"
-        )
+        raise _not_found(package)
     # A link and its target are one program.
-    found = list({each.resolve(): each for each in _below(folder, name)}.values())
+    found = list({each.resolve(): each for each in _files(folder, name)}.values())
     runnable = [each for each in found if os.access(each, os.X_OK)] or [
         each for each in found if is_python(each)
     ]
@@ -132,16 +130,13 @@ def compiled_source(folder: Path, name: str) -> str:
         if target == renamed.get(name, name):
             words = sources.split()
             return next((each for each in words if Path(each).suffix in _COMPILED), words[0] if words else "")
-    files = sorted(each.relative_to(folder) for suffix in _COMPILED for each in _below(folder, name + suffix))
+    files = sorted(each.relative_to(folder) for suffix in _COMPILED for each in _files(folder, name + suffix))
     return str(files[0]) if files else ""
 
 
 def _given_path(package: str, name: str, folder: Path | None) -> Path:
     if folder is None:
-        raise ConfigError(
-            f"package {package} was not found; put it below this folder, or add its folder to "
-            f"ROS_PACKAGE_PATH"
-        )
+        raise _not_found(package)
     program = folder / name
     if not program.is_file():
         raise ConfigError(f"package {package} has no {name}: {program} does not exist")
@@ -150,31 +145,29 @@ def _given_path(package: str, name: str, folder: Path | None) -> Path:
     return program
 
 
-def _below(folder: Path, name: str) -> Iterator[Path]:
-    for each in walk(folder, below_packages=True):
-        is_build = each.path.relative_to(folder).parts[:1] == (_BUILD_FOLDER,)
-        if name in each.files and not is_build and (each.path / name).is_file():
-            yield each.path / name
-
-
-def _files(folder: Path) -> Iterator[Path]:
+def _files(folder: Path, name: str | None = None) -> Iterator[Path]:
+    """Yield the files of a package, or only those of one name, without the build folder."""
     for each in walk(folder, below_packages=True):
         if each.path.relative_to(folder).parts[:1] != (_BUILD_FOLDER,):
-            yield from (each.path / file for file in each.files if (each.path / file).is_file())
+            names = each.files if name is None else each.files & {name}
+            yield from (each.path / file for file in names if (each.path / file).is_file())
+
+
+def _not_found(package: str) -> ConfigError:
+    return ConfigError(
+        f"package {package} was not found; put it below this folder, or add its folder to ROS_PACKAGE_PATH"
+    )
 
 
 def _explain_missing(package: str, name: str, folder: Path) -> str:
-    from difflib import get_close_matches
-
     if source := compiled_source(folder, name):
         return (
             f"package {package} has no program {name} yet: it is compiled from {source}; build the workspace "
             "with catkin_make of a ROS 1 installation, then programs in its devel folder are used"
         )
-    there = [each.name for each in programs(folder)]
-    near = get_close_matches(name, there)
-    if near:
-        return f"package {package} has no program {name}; did you mean {' or '.join(near)}?"
-    if there:
-        return f"package {package} has no program {name}; it has {', '.join(there)}"
+    names = [each.name for each in programs(folder)]
+    if hint := did_you_mean(name, names):
+        return f"package {package} has no program {name}; {hint}"
+    if names:
+        return f"package {package} has no program {name}; it has {', '.join(names)}"
     return f"package {package} has no program {name} below {folder}"

@@ -11,9 +11,9 @@ _SHARE = "share"
 
 
 def installed_packages(prefixes: Iterable[Path]) -> dict[str, Path]:
-    """Map the names of all installed packages to their folders; the first prefix that has one counts.
+    """Map the names of all installed packages to their folders; the first prefix that has one is used.
 
-    Prefixes that cannot be read are passed over.
+    Prefixes that cannot be read are skipped.
     """
     found: dict[str, Path] = {}
     for prefix in prefixes:

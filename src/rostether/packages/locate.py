@@ -1,6 +1,6 @@
 """Which package folders a command sees: ROS_PACKAGE_PATH, the workspace around it, and the folders below.
 
-The order decides which of two packages of one name counts, as an overlay does with catkin:
+The first of two packages with one name is used, as in a catkin overlay. The order is:
 
 1. the folders of ROS_PACKAGE_PATH,
 2. `src` of the catkin workspace around the current folder, and `./src`,
@@ -25,10 +25,10 @@ from rostether.packages.search_path import (
 
 SOURCE_FOLDER = "src"
 
-# Deeper than any real path; a bound for file systems that nest without end.
+# No real path is deeper; limits file systems that contain themselves.
 _MAX_PARENTS = 64
 
-# Folders beside a package; more is a download folder, no collection of packages.
+# A folder with more entries is a download folder, not a collection of packages.
 _MAX_NEIGHBOURS = 1_000
 _WORKSPACE_MARKS = (".catkin_workspace", ".catkin_tools", "devel/.catkin", "src/CMakeLists.txt")
 
@@ -38,7 +38,7 @@ def package_folders(
 ) -> dict[str, Path]:
     """Map the names of all packages that a command started in `cwd` sees to their folders.
 
-    Nothing needs to be built. Folders that cannot be read and broken packages are passed over.
+    Nothing needs to be built. Folders that cannot be read and broken packages are skipped.
     """
     found = find_packages(package_roots(environ, cwd), on_namesake=on_namesake)
     for folder in _around(cwd):
@@ -48,7 +48,7 @@ def package_folders(
 
 
 def package_roots(environ: Mapping[str, str], cwd: Path) -> list[Path]:
-    """Return the folders below which packages are looked for, in the order in which they count."""
+    """Return the folders below which packages are searched, in order of priority."""
     roots = [cwd / each for each in ros_package_path(environ)]
     workspace = workspace_of(cwd)
     if workspace is not None:
@@ -58,7 +58,7 @@ def package_roots(environ: Mapping[str, str], cwd: Path) -> list[Path]:
 
 
 def workspace_roots(cwd: Path) -> list[Path]:
-    """Return where the packages of the workspace, or of the folder of packages, around a folder are."""
+    """Return the folders with the packages of the workspace, or of the repository, around a folder."""
     workspace = workspace_of(cwd)
     roots = [cwd / SOURCE_FOLDER] if workspace is None else [workspace / SOURCE_FOLDER]
     return [root for root in roots if root.is_dir()] + [folder.path for folder in _around(cwd)]

@@ -1,4 +1,4 @@
-"""package.xml and manifest.xml: which package a folder is. Any DTD is refused before it is expanded."""
+"""Reads package.xml and manifest.xml. Any DTD is refused before it is expanded."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class PackageXml:
 
 
 def is_package_name(name: str) -> bool:
-    """Return whether a package may be called so: a letter, then letters, digits, `_` and `-`."""
+    """Return whether this is a legal package name: a letter, then letters, digits, `_` and `-`."""
     return _PACKAGE_NAME.fullmatch(name) is not None
 
 
 def parse_package_xml(data: bytes, *, file: str = "package.xml", default_name: str = "") -> PackageXml:
     """Read a package.xml (formats 1 to 3) or, with `default_name`, a nameless rosbuild manifest.xml.
 
-    Raises ConfigError: too large, not XML, a DTD or entity, no or a bad package name.
+    Raises ConfigError for a file that is too large, is not XML, or has a DTD, an entity or no legal name.
     """
 
     def make_error(reason: str, line: int) -> ConfigError:
@@ -86,5 +86,5 @@ def _text(parent: XmlElement, tag: str) -> str:
 
 
 def _folded(element: XmlElement) -> str:
-    # A description contains mark-up, whose text counts too.
+    # A description may contain mark-up; the text inside it is part of the description.
     return " ".join(element.full_text.split())

@@ -13,33 +13,31 @@ if TYPE_CHECKING:
 # A longer script is generated; parsing it would delay its start.
 _MAX_BYTES = 1 << 20
 
-# Python's errors for statements and literals that only Python 2 has.
-_OF_PYTHON_2 = re.compile(
+# The errors of Python 3 for statements and literals that only Python 2 has.
+_PYTHON_2_ERRORS = re.compile(
     r"Missing parentheses in call to '(print|exec)'|multiple exception types must be parenthesized|"
     r"leading zeros in decimal integer literals|inconsistent use of tabs"
 )
-_ONLY_PYTHON_2 = re.compile(
+_PYTHON_2_SYNTAX = re.compile(
     r"^\s*(print\b(?!\s*[(=.,])|raise\s+[\w.]+\s*,|exec\s+[\"'\w]|except\s+[\w.]+\s*,\s*\w+\s*:)"
     r"|`\w+`|<>|\bur[\"']"
 )
 
-
-# Python 3.14 reads this as two exception types. Those have capital letters, variables do not.
-_CAUGHT_AS = re.compile(r"^\s*except\s+[\w.]+\s*,\s*[a-z_]\w*\s*:", re.MULTILINE)
-
+# `except TYPE, NAME:`, which Python 3.14 accepts as two exception types. A lower-case name is a variable.
+_PYTHON_2_EXCEPT = re.compile(r"^\s*except\s+[\w.]+\s*,\s*[a-z_]\w*\s*:", re.MULTILINE)
 
 # Modules that have another name in Python 3; 2to3 renames them.
-_MODULES_OF_PYTHON_2 = re.compile(
+_PYTHON_2_MODULES = re.compile(
     "BaseHTTPServer|ConfigParser|Queue|SimpleHTTPServer|SocketServer|StringIO|Tkinter|__builtin__|cPickle|"
     "cStringIO|httplib|tkMessageBox|urllib2|urlparse|xmlrpclib"
 )
 
-# Imported modules beside a script, with those that they import.
+# More modules beside a script than this are not examined: its start must not wait.
 _MAX_FILES = 50
 
 
 def explain_python2(script: Path) -> str:
-    """Return what to do with a script for Python 2, or that imports one; else an empty string."""
+    """Return what to do with a script that is, or imports, Python 2 code; empty if it is neither."""
     waiting, seen = [script], {script}
     while waiting:
         file = waiting.pop(0)
@@ -64,21 +62,21 @@ def _examine(script: Path) -> tuple[int, list[str]]:
     except SyntaxError as error:
         number = error.lineno or 1
         lines = text.splitlines()
-        if _OF_PYTHON_2.search(error.msg) or _ONLY_PYTHON_2.search("".join(lines[number - 1 : number])):
+        if _PYTHON_2_ERRORS.search(error.msg) or _PYTHON_2_SYNTAX.search("".join(lines[number - 1 : number])):
             line = number
     except ValueError:  # a zero byte
         pass
     else:
-        if caught := _CAUGHT_AS.search(text):
+        if caught := _PYTHON_2_EXCEPT.search(text):
             line = text.count("\n", 0, caught.start()) + 1
         else:
-            old = (name for name in imported if _MODULES_OF_PYTHON_2.fullmatch(name))
+            old = (name for name in imported if _PYTHON_2_MODULES.fullmatch(name))
             line = next((imported[name] for name in old if not _is_beside(script, name)), 0)
     return line, list(imported)
 
 
 def _imports(module: ast.Module) -> dict[str, int]:
-    """Return the modules that a file always imports, with their lines: those in a `try` may be missing."""
+    """Return the modules imported at the top level, with their lines. An import in a `try` may fail."""
     import ast
 
     found: dict[str, int] = {}
@@ -95,7 +93,7 @@ def _is_beside(script: Path, name: str) -> bool:
 
 
 def is_module(file: Path) -> bool:
-    """Whether a file has only definitions at its left margin, including a function or class."""
+    """Return whether a file has only definitions at the top level, at least one function or class."""
     import ast
 
     try:
@@ -123,6 +121,6 @@ def _parse(data: bytes) -> ast.Module:
     import ast
 
     with warnings.catch_warnings():
-        # Warnings of invalid escapes, which do not stop a script.
+        # An invalid escape sequence causes a warning, and does not stop a script.
         warnings.simplefilter("ignore")
         return ast.parse(data)

@@ -1,4 +1,4 @@
-"""Finding ROS packages on disk: breadth first, bounded, never below a package, as rospack and catkin do."""
+"""Finds ROS packages on disk: breadth first, bounded, never below a package, like rospack and catkin."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from pathlib import Path
 from rostether.errors import ConfigError
 from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
 
-# A large workspace has some thousands; a home directory must not be read whole.
+# A large workspace has a few thousand folders; a home directory must not be searched whole.
 MAX_FOLDERS = 20_000
 
-# workspace/src/repository/stack/package is 4; more than 12 is not a workspace.
+# workspace/src/repository/stack/package has depth 4; deeper than 12 is not a workspace.
 MAX_DEPTH = 12
 PACKAGE_FILE = "package.xml"
 ROSBUILD_FILE = "manifest.xml"
-# Here every program of the system has its folder: packages are at the top level, as in Debian's rospkg.
+# All programs of the system have folders here; ROS packages are only at the top level, as in Debian's rospkg.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
 
-# In `devel` and `install`, which hold a package at share/NAME.
+# A file in catkin's `devel` and `install`, which contain copies of packages in share/NAME.
 _CATKIN_MARK = ".catkin"
 _COPY_DEPTH = 3
 _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
@@ -30,7 +30,7 @@ _NO_SUBFOLDERS_FILE = "rospack_nosubdirs"
 
 @dataclass(frozen=True, slots=True)
 class Folder:
-    """One folder met by a walk, with the names of its files."""
+    """A folder with the names of its files."""
 
     path: Path
     files: frozenset[str]
@@ -51,35 +51,30 @@ OnNamesake = Callable[[str, Path, Path], object]
 
 
 def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = None) -> dict[str, Path]:
-    """Map the names of all packages below the roots to their folders; the first found of a name counts.
+    """Map the names of all packages below the roots to their folders; the first of a name is used.
 
-    Folders that cannot be read and packages whose package.xml is broken are passed over, so that one bad
-    checkout does not hide the others.
+    Folders that cannot be read and packages with a broken package.xml are skipped, so that one bad checkout
+    does not hide the others.
     """
     found: dict[str, Path] = {}
     reported: set[Path] = set()
     for root in roots:
-        # One root may overlay another: only within one is a second package of a name a mistake.
+        # One root may overlay another: a second package with the same name is a mistake only below one root.
         below: dict[str, Path] = {}
         for folder in walk(root):
             if not folder.is_package or not (name := package_name(folder)):
                 continue
-            counts = found.setdefault(name, folder.path)
+            used = found.setdefault(name, folder.path)
             first = below.setdefault(name, folder.path)
-            other = folder.path if counts != folder.path else first
-            if (
-                on_namesake
-                and other not in (counts, *reported)
-                and first != folder.path
-                and _is_source(other)
-            ):
+            other = folder.path if used != folder.path else first
+            if on_namesake and other not in (used, *reported) and first != folder.path and _is_source(other):
                 reported.add(other)
-                on_namesake(name, counts, other)
+                on_namesake(name, used, other)
     return found
 
 
 def _is_source(package: Path) -> bool:
-    """Return whether a package is where it was written, not where catkin has put a copy of it."""
+    """Return whether a package folder is the source, not a copy by catkin."""
     return not any((folder / _CATKIN_MARK).exists() for folder in [*package.parents][:_COPY_DEPTH])
 
 
@@ -99,8 +94,8 @@ def package_name(folder: Folder) -> str | None:
 def walk(root: Path, *, below_packages: bool = False) -> Iterator[Folder]:
     """Yield the root and the folders below it, nearest first.
 
-    Hidden folders and those with a CATKIN_IGNORE file are left out with all they hold; links are followed,
-    but no folder is visited twice. Stops after MAX_FOLDERS folders.
+    Hidden folders, and folders with a CATKIN_IGNORE file, are skipped with all their content. Links are
+    followed, but no folder is visited twice. Stops after MAX_FOLDERS folders.
     """
     seen: set[tuple[int, int]] = set()
     start = os.path.abspath(root)  # noqa: PTH100 - Path has no way to do this without following links

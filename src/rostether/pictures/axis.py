@@ -1,4 +1,4 @@
-"""The scale of a plot's axis: a range with room around the values, and round numbers to mark it with."""
+"""The scale of a plot's axis: a range with a margin around the values, and ticks at round numbers."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-# Of the range, above and below the values.
-_ROOM = 0.05
+# The margin above and below the values, as a fraction of their range.
+_MARGIN = 0.05
 
-# Below it floats lose their digits.
-_LEAST_ROOM = 1e-300
+# Below this, floats lose their digits.
+_MIN_MARGIN = 1e-300
 _LARGEST = 1e308
 
-# Whatever is asked for: a bound for ranges that floats cannot step through.
-_MOST_TICKS = 50
+# Bounds the steps in a range where a step is smaller than the resolution of a float.
+_MAX_TICKS = 50
 _STEPS = (1.0, 2.0, 5.0, 10.0)
 _CLOCK_STEPS_S = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 43200, 86400)
 
@@ -29,44 +29,45 @@ class Axis:
 
     @classmethod
     def around(cls, values: Iterable[float]) -> Axis:
-        """Return the range of the finite values with some room; -1 to 1 around none."""
+        """Return the range of the finite values with a margin; -1 to 1 if there are none."""
         finite = [min(max(each, -_LARGEST), _LARGEST) for each in values if math.isfinite(each)]
         if not finite:
             return cls(-1.0, 1.0)
         low, high = min(finite), max(finite)
-        room = (high / 2 - low / 2) * 2 * _ROOM
-        if room < _LEAST_ROOM:
-            room = max(abs(low) * _ROOM, 0.5)
-        return cls(max(low - room, -_LARGEST), min(high + room, _LARGEST))
+        # Halves, because the difference of two large values is infinite.
+        margin = (high / 2 - low / 2) * 2 * _MARGIN
+        if margin < _MIN_MARGIN:
+            margin = max(abs(low) * _MARGIN, 0.5)
+        return cls(max(low - margin, -_LARGEST), min(high + margin, _LARGEST))
 
     def part(self, value: float) -> float:
         """Return the position of a value: 0 at the low end, 1 at the high end, also outside."""
         return (value / 2 - self.low / 2) / (self.high / 2 - self.low / 2)
 
     def ticks(self, count: int) -> list[tuple[float, str]]:
-        """Return at most about `count` round values with their texts, ascending."""
+        """Return about `count` round values with their texts, ascending."""
         width = self.high / 2 - self.low / 2
         step = _round_step(2 * (width / max(count, 1)))
         first = math.ceil(self.low / step)
         found = []
-        for number in range(min(_MOST_TICKS, math.floor(self.high / step) - first + 1)):
+        for number in range(min(_MAX_TICKS, math.floor(self.high / step) - first + 1)):
             value = (first + number) * step
             found.append((value, _text(value, step)))
         return found
 
 
 def clock_ticks(axis: Axis, count: int, begin_s: float) -> list[tuple[float, str]]:
-    """Return about `count` times with the clock's time there; `begin_s` is the Unix time of zero.
+    """Return about `count` times with the local time as text; `begin_s` is the Unix time of zero.
 
-    Marks are whole seconds, minutes or hours of the local time.
+    Ticks are at whole seconds, minutes or hours of the local time.
     """
     least = (axis.high - axis.low) / max(count, 1)
     step = next((each for each in _CLOCK_STEPS_S if each >= least), _CLOCK_STEPS_S[-1])
-    # Time zones are whole quarters of an hour from UTC.
+    # A whole hour of local time is not always a whole hour of UTC.
     offset_s = time.localtime(begin_s).tm_gmtoff
     first = math.ceil((begin_s + offset_s + axis.low) / step)
     found = []
-    for number in range(_MOST_TICKS):
+    for number in range(_MAX_TICKS):
         moment_s = (first + number) * step - offset_s
         if moment_s - begin_s > axis.high:
             break

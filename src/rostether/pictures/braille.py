@@ -1,4 +1,4 @@
-"""Curves in a terminal: every character is a field of 2 x 4 dots of Unicode's braille patterns."""
+"""Curves in a terminal: each character is a Unicode braille pattern of 2 x 4 dots."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _BLANK = 0x2800
 # The bit of the dot in each row, left and right. Source: Unicode, block Braille Patterns.
 _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 
-# Dots: points farther out are not distinguished.
+# In dots; points farther outside are moved to this distance.
 _FAR = 1 << 20
 
 
 def braille(
     curves: Sequence[Curve], columns: int, rows: int, across: Axis, up: Axis
 ) -> list[list[tuple[str, int | None]]]:
-    """Return rows of cells, top first: a character and the curve that was drawn there last."""
+    """Return rows of cells, top first: a character and the index of the last curve drawn there."""
     dots = [[0] * columns for _ in range(rows)]
     owners: list[list[int | None]] = [[None] * columns for _ in range(rows)]
     for number, curve in enumerate(curves):
@@ -45,13 +45,13 @@ def _dot(point: Point, columns: int, rows: int, across: Axis, up: Axis) -> tuple
 def _dots_between(
     start: tuple[int, int], end: tuple[int, int], size: tuple[int, int]
 ) -> Iterator[tuple[int, int]]:
-    """Yield the dots of a line that lie within a field of that size."""
+    """Yield the dots of a line that are inside an area of the given size."""
     count = max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
     first, last = 0.0, float(count)
     for begin, finish, limit in zip(start, end, size, strict=True):
         distance = finish - begin
         if distance:
-            # Half a dot outside is still rounded into the field.
+            # A point up to half a dot outside is rounded to a dot inside.
             bounds = ((-0.5 - begin) * count / distance, (limit - 0.5 - begin) * count / distance)
             first, last = max(first, min(bounds)), min(last, max(bounds))
     for step in range(math.floor(first), math.ceil(last) + 1):

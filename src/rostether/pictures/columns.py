@@ -11,15 +11,16 @@ from typing import Final, TypeAlias
 
 Ends: TypeAlias = tuple[str, str]
 
-# Fewer columns are only a list.
+# With fewer columns, the picture is only a list.
 MIN_COLUMNS: Final = 3
 
 
 def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[str, int]]:
     """Yield columns by vertex, from wide to narrow.
 
-    In the first choice, every vertex follows its farthest source; edges that close a cycle are reversed. In
-    the second, it follows its nearest source. Each further choice folds these into one column less.
+    In the first choice, every vertex is to the right of its farthest source; edges that close a cycle are
+    reversed. In the second, it is to the right of its nearest source. Each further choice folds these into
+    one column less.
     """
     yield _longest_paths(keys, _without_cycles(keys, edges))
     depths = _shortest_paths(keys, edges)
@@ -38,7 +39,7 @@ def _folded(depth: int, width: int) -> int:
 
 
 def _apart(wanted: Mapping[str, int], neighbours: Mapping[str, Sequence[str]]) -> dict[str, int]:
-    """Return the columns nearest to those wanted in which no neighbours meet, without empty columns."""
+    """Return the columns nearest to the wanted ones that separate all neighbours, without empty columns."""
     placed: dict[str, int] = {}
     for key in sorted(wanted, key=lambda each: wanted[each]):
         taken = {placed[each] for each in neighbours[key] if each in placed}
@@ -49,7 +50,10 @@ def _apart(wanted: Mapping[str, int], neighbours: Mapping[str, Sequence[str]]) -
 
 
 def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return how many edges each vertex is behind a source; a cycle without one begins at its first."""
+    """Return the number of edges from the nearest source to each vertex.
+
+    A cycle without a source starts at its first vertex.
+    """
     following: dict[str, list[str]] = {key: [] for key in keys}
     entered = dict.fromkeys(keys, 0)
     for source, target in edges:
@@ -69,7 +73,7 @@ def _shortest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int
 
 
 def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
-    """Return the edges with those turned that lead back, found by a walk in depth."""
+    """Return the edges; those that lead back in a depth-first search are reversed."""
     following: dict[str, list[str]] = {key: [] for key in keys}
     entered: dict[str, int] = dict.fromkeys(keys, 0)
     for source, target in edges:
@@ -100,7 +104,7 @@ def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
 
 
 def _longest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
-    """Return each vertex's column: after its last source; one without sources is just before a target."""
+    """Return each vertex's column: after its last source, or for a source just before its first target."""
     following: dict[str, list[str]] = {key: [] for key in keys}
     waiting = dict.fromkeys(keys, 0)
     for source, target in edges:

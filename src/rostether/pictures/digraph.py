@@ -16,10 +16,10 @@ from rostether.pictures.scene import Anchor, Color, Point, Scene, ellipse, recta
 _SIZE = 12.0
 _MARGIN = 16.0
 
-# Around a label, sideways and up and down together.
+# Around a label: on each side, and above and below together.
 _PADDING = (14.0, 16.0)
 
-# How much wider than a box an ellipse around the same text is.
+# An ellipse is wider than a box around the same text by this factor.
 _ELLIPSE_ROOM = 1.25
 _ARROW_LENGTH = 8.0
 _ARROW_HALF_WIDTH = 3.5
@@ -27,9 +27,8 @@ _LABEL_SIZE = 10.0
 
 # Between a label and the line that it interrupts.
 _LABEL_GAP = 4.0
+# Between columns. With labels there are twice as many columns.
 _GAP = 60.0
-
-# There are twice as many columns.
 _LABELLED_GAP = 28.0
 _CURVE_STEPS = 14
 
@@ -39,7 +38,7 @@ _LABEL: Color = (70, 80, 100)
 
 
 class Shape(StrEnum):
-    """How a vertex looks; the names are Graphviz's."""
+    """The shape of a vertex, with its name in Graphviz."""
 
     ELLIPSE = "ellipse"
     BOX = "box"
@@ -71,7 +70,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Digraph:
-    """Vertices and the edges between them, in the order in which they are written."""
+    """Vertices and the edges between them, in the order of the output."""
 
     vertices: Sequence[Vertex]
     edges: Sequence[Edge]
@@ -93,18 +92,18 @@ def dot(graph: Digraph) -> str:
 
 
 def quoted(text: str) -> str:
-    """Return any text as a string of Graphviz's language, on one line and without control characters."""
+    """Return a text as a string of Graphviz's language, on one line and without control characters."""
     return '"' + escape_text(text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")) + '"'
 
 
 def draw(graph: Digraph) -> Scene:
-    """Lay the graph out from left to right. Raises ConfigError for one that is too large to be drawn."""
+    """Draw the graph from left to right. Raises ConfigError if it is too large."""
     sizes = {vertex.key: _size(vertex) for vertex in graph.vertices}
     lines: list[_Line] = []
     labels: dict[str, str] = {}
     for edge in dict.fromkeys(graph.edges):
         if edge.label:
-            # A label is above its line, in a separate area.
+            # The layout treats a label as a vertex in the middle of its edge.
             key = f"\0label {len(labels)}"
             labels[key] = edge.label
             sizes[key] = (text_width(edge.label, _LABEL_SIZE) + 2 * _LABEL_GAP, _LABEL_SIZE + 2)
@@ -153,7 +152,7 @@ def _draw_edge(scene: Scene, route: Sequence[Point], *, has_head: bool) -> None:
 
 
 def _curve(route: Sequence[Point]) -> list[Point]:
-    """Return a smooth line through the points of a route, level at each of them."""
+    """Return a smooth line through the points of a route; it is horizontal at each point."""
     points = [route[0]]
     for (x1, y1), (x2, y2) in pairwise(route):
         if y1 == y2:
@@ -161,7 +160,7 @@ def _curve(route: Sequence[Point]) -> list[Point]:
             continue
         for step in range(1, _CURVE_STEPS + 1):
             part = step / _CURVE_STEPS
-            # A cubic Bezier curve whose inner points lie half way across.
+            # A cubic Bezier curve whose control points are at half the width.
             x = x1 + (x2 - x1) * (1.5 * part * (1 - part) + part**3)
             points.append((x, y1 + (y2 - y1) * part * part * (3 - 2 * part)))
     return points

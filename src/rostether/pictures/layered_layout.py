@@ -1,8 +1,8 @@
 """Places the vertices of a directed graph in columns from left to right, with few crossings.
 
-Sugiyama's method: every vertex gets a column (see `columns`), edges over several columns get a bend in each
-of them, columns are ordered by the middle of their neighbours, and heights are the nearest to those middles
-that leave room for all.
+Sugiyama's method: every vertex gets a column (see `columns`), and edges over several columns get a bend in
+each of them. Each column is ordered by the mean position of the neighbours, and heights are as near to that
+mean as the sizes allow.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rostether.pictures.columns import Ends, column_choices
 Size: TypeAlias = tuple[float, float]
 Point: TypeAlias = tuple[float, float]
 
-# The time grows with the square of it, and no one reads a larger picture.
+# The time grows with the square of the number, and larger pictures are not readable.
 MAX_VERTICES = 2_000
 
 # A picture up to this width, or up to this ratio of width to height, fits a page or a screen.
@@ -29,7 +29,7 @@ MAX_RATIO = 2.0
 _ROW_GAP = 16.0
 _BEND_HEIGHT = 6.0
 
-# Down, for backward edges: distinguishes them from forward edges.
+# Backward edges are drawn lower by this, to distinguish them from forward edges.
 _TURNED_SHIFT = 6.0
 _ORDERING_SWEEPS = 12
 _PLACING_SWEEPS = 8
@@ -37,7 +37,7 @@ _PLACING_SWEEPS = 8
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Middles of the vertices, and the points of each edge from its source's edge to its target's."""
+    """The centres of the vertices, and the points of each edge from the border of its source to its target."""
 
     width: float
     height: float
@@ -61,7 +61,6 @@ def lay_out(sizes: Mapping[str, Size], edges: Sequence[Ends], *, column_gap: flo
     for ends in dict.fromkeys(ends for ends in edges if ends[0] != ends[1]):
         is_turned = ends not in columns.chains
         chain = columns.chains[ends[::-1] if is_turned else ends]
-        # Beside its counterpart, if there is one.
         down = _TURNED_SHIFT if is_turned else 0.0
         points = [(xs[key], ys[key] + down) for key in chain]
         points[0] = (points[0][0] + sizes[chain[0]][0] / 2, points[0][1])
@@ -118,7 +117,7 @@ class _Columns:
         return sum(widths) + gap * (len(self._rows) - 1), max(heights, default=0.0)
 
     def order(self) -> None:
-        """Order each column by the middle of its neighbours, back and forth; the best order seen is kept."""
+        """Order each column by the mean of its neighbours, in both directions; keep the best order."""
         best, fewest = [list(row) for row in self._rows], self._crossings()
         for sweep in range(_ORDERING_SWEEPS):
             is_forward = sweep % 2 == 0
@@ -146,7 +145,7 @@ class _Columns:
     def _crossings(self) -> int:
         places, count = self._places(), 0
         for row in self._rows:
-            targets: list[int] = []  # of those above, ascending
+            targets: list[int] = []  # of the vertices above, ascending
             for key in row:
                 ends = [places[each] for each in self._behind[key]]
                 count += sum(len(targets) - bisect_right(targets, end) for end in ends)
@@ -155,7 +154,7 @@ class _Columns:
         return count
 
     def across(self, gap: float) -> dict[str, float]:
-        """Return the horizontal middles."""
+        """Return the x of each centre."""
         xs, left = {}, 0.0
         for row in self._rows:
             width = max((self._sizes[key][0] for key in row), default=0.0)
@@ -164,7 +163,7 @@ class _Columns:
         return xs
 
     def heights(self) -> dict[str, float]:
-        """Return the vertical middles; the uppermost vertex begins at 0."""
+        """Return the y of each centre; the top of the highest vertex is at 0."""
         ys = {}
         for row in self._rows:
             ys.update(_spread(self._distances(row), dict.fromkeys(row, 0.0)))
@@ -181,7 +180,7 @@ class _Columns:
         return sum(near) / len(near) if near else ys[key]
 
     def _distances(self, row: Sequence[str]) -> list[tuple[str, float]]:
-        """Return each key of a column with its least distance from the one above."""
+        """Return each key of a column with its minimum distance from the one above."""
         found = [(key, 0.0) for key in row[:1]]
         for upper, lower in pairwise(row):
             found.append((lower, (self._sizes[upper][1] + self._sizes[lower][1]) / 2 + _ROW_GAP))
@@ -189,9 +188,9 @@ class _Columns:
 
 
 def _spread(distances: Sequence[tuple[str, float]], wanted: Mapping[str, float]) -> dict[str, float]:
-    """Return the places nearest to those wanted (least squares) that keep order and distances.
+    """Return the positions nearest to the wanted ones (least squares) that keep order and distances.
 
-    Without the distances it is an isotonic regression; neighbours that would overlap form blocks.
+    This is an isotonic regression after subtracting the distances: neighbours that would overlap form blocks.
     """
     shift, blocks = 0.0, []
     for key, distance in distances:

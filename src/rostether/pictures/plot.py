@@ -11,8 +11,8 @@ from itertools import pairwise
 from rostether.pictures.axis import Axis, clock_ticks
 from rostether.pictures.scene import Anchor, Color, Point, Scene, rectangle, text_width
 
-# Okabe and Ito's colors without yellow, which is invisible on white paper; color-blind people can distinguish
-# them.
+# The colors of Okabe and Ito, which color-blind people can distinguish, without yellow, which is invisible on
+# white paper.
 COLORS: Sequence[Color] = (
     (0, 114, 178),
     (213, 94, 0),
@@ -26,7 +26,7 @@ _INK: Color = (40, 44, 52)
 _GRID: Color = (226, 229, 234)
 _SIZE = 11.0
 
-# Pixels between marks, at least.
+# All sizes are in pixels; the size of a tick is its minimum distance from the next one.
 _WIDTH, _HEIGHT = 900, 480
 _TICK_HEIGHT = 36.0
 _TICK_WIDTH = 90.0
@@ -38,12 +38,12 @@ _MARGIN = 14.0
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """One value over time: (seconds, value), times ascending; values that are not finite are gaps."""
+    """One value over time: (seconds, value), times ascending. A value that is not finite is a gap."""
 
     name: str
     points: Sequence[Point]
     unit: str = ""
-    # On its own scale, at the right.
+    # Whether it uses the scale at the right.
     is_right: bool = False
 
     @property
@@ -54,7 +54,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Labels:
-    """The text around a plot; `begin_s` is the Unix time of zero, and `is_clock` shows the clock."""
+    """The text around a plot; `begin_s` is the Unix time of zero, `is_clock` shows the time of day."""
 
     title: str = ""
     begin_s: float | None = None
@@ -79,7 +79,7 @@ class _Frame:
 
 
 def draw_plot(curves: Sequence[Curve], labels: Labels | None = None) -> Scene:
-    """Draw the curves over the time in which they have values; title and legend add to the height."""
+    """Draw the curves over the time in which they have values."""
     labels = labels or Labels()
     times = [time_s for curve in curves for time_s, _ in curve.points]
     across = Axis(min(times), max(times)) if times and min(times) < max(times) else Axis.around(times)
@@ -177,7 +177,7 @@ def _draw_piece(scene: Scene, points: list[Point], color: Color) -> None:
 
 
 def _thinned(points: list[Point]) -> list[Point]:
-    """Return at most four points a pixel column, first, lowest, highest and last: nothing seen is lost."""
+    """Return at most four points per pixel column: the first, lowest, highest and last. The picture is the same."""
     if len(points) < 3:
         return points
     columns: list[list[Point]] = [[points[0]]]

@@ -1,6 +1,6 @@
-"""The items of a picture: lines, areas and text, in pixels from the upper left.
+"""The items of a picture: lines, areas and text, in pixels from the upper left corner.
 
-Text is set in a monospaced face, so that its width is known before anything draws it.
+The font is monospaced, so that the width of a text is known before it is drawn.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[int, int, int]
 
 WHITE: Color = (255, 255, 255)
-# The width of a character, in font sizes: that of the usual monospaced faces.
+# The width of a character in usual monospaced fonts, as a fraction of the font size.
 ADVANCE = 0.6
 
-# Corners that are invisible at the sizes of labels.
+# Enough that no corners are visible at the size of a label.
 _ELLIPSE_POINTS = 64
 
 
 class Anchor(StrEnum):
-    """Which end of a text its place is."""
+    """The part of a text that is at its position."""
 
     START = "start"
     MIDDLE = "middle"
@@ -32,7 +32,7 @@ class Anchor(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line through points; with `fill` the convex area within is painted too, and the line closed."""
+    """A line through points; with `fill`, the line is closed and the convex area inside is painted."""
 
     points: tuple[Point, ...]
     color: Color
@@ -80,7 +80,7 @@ class Scene:
 
 
 def text_width(text: str, size: float) -> float:
-    """Return how wide a text is, in pixels."""
+    """Return the width of a text in pixels."""
     return len(text) * size * ADVANCE
 
 
@@ -90,6 +90,6 @@ def rectangle(x: float, y: float, width: float, height: float) -> Sequence[Point
 
 
 def ellipse(x: float, y: float, width: float, height: float) -> Sequence[Point]:
-    """Return points on the ellipse around a middle, of that width and height."""
+    """Return points on the ellipse with a centre, width and height."""
     turns = [2 * math.pi * step / _ELLIPSE_POINTS for step in range(_ELLIPSE_POINTS)]
     return [(x + width / 2 * math.cos(turn), y + height / 2 * math.sin(turn)) for turn in turns]

@@ -11,7 +11,7 @@ _BARS = "▁▂▃▄▅▆▇█"
 def sparkline(values: Sequence[float], scale: tuple[float, float] | None = None) -> str:
     """Return one character for each value: a bar from the lower end of the scale to the upper end.
 
-    Without a scale the smallest and the largest value are its ends. Values that are not finite are blank.
+    Without a scale, its ends are the smallest and the largest value. A value that is not finite is a blank.
     """
     finite = [value for value in values if isfinite(value)]
     if not finite:

@@ -16,19 +16,19 @@ if TYPE_CHECKING:
 
 _LEAST_COLUMNS, _LEAST_ROWS = 20, 4
 
-# Even if the terminal reports more.
+# Bounds the work for terminals that report a huge width.
 _MOST_COLUMNS = 400
 
-# Text, and the number of the curve that gives its color.
+# Text, and the index of the curve that gives its color.
 Piece = tuple[str, int | None]
 
 
 def plot_lines(
     curves: Sequence[Curve], columns: int, rows: int, across: Axis, begin_s: float | None = None
 ) -> list[list[Piece]]:
-    """Return the lines of a plot in a window of that size, pieces of one color each.
+    """Return the lines of a plot in a window of the given size, as pieces of one color.
 
-    With `begin_s`, the Unix time of zero, the times are those of the clock.
+    With `begin_s`, the Unix time of zero, the ticks are local times.
     """
     up = Axis.around([value for curve in curves for _, value in curve.points])
     legend = _legend(curves, columns)

@@ -17,7 +17,7 @@ from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 # Ids that the protocol does not use.
 UNUSED_IDS = (8, 9, 12, 50, 99)
 # Fits in the 64 bytes that a board's serial port buffers while its program is busy.
-JOINED = 5
+JOINED_FRAMES = 5
 # Longer than pauses of a network, and than the time after which a client must drop an incomplete frame.
 TORN_S = 1.2
 
@@ -34,8 +34,8 @@ async def check_split(client: CheckedClient) -> None:
 @case("frame-joined", Part.PING)
 async def check_joined(client: CheckedClient) -> None:
     """5 frames that arrive together are all received."""
-    client.send_bytes(encode_frame(client.id_of("ping"), b"") * JOINED)
-    for _ in range(JOINED):
+    client.send_bytes(encode_frame(client.id_of("ping"), b"") * JOINED_FRAMES)
+    for _ in range(JOINED_FRAMES):
         await client.next_on("pong")
 
 

@@ -65,7 +65,7 @@ async def check_time_layout(client: CheckedClient) -> None:
 @case("time-lost", Part.TEXT, wait_s=LOST_S)
 async def check_lost(client: CheckedClient) -> None:
     """After 11 s without time answers, the client sends no messages."""
-    client.unsettle()
+    client.require_configuration()
     client.answers_time = False
     await asyncio.sleep(LOST_S)
     await _expect_dropped(client)
@@ -118,7 +118,7 @@ async def check_line_again(client: CheckedClient) -> None:
 def _stop(client: CheckedClient) -> None:
     # A disconnected host does not answer.
     client.answers_time = False
-    client.unsettle()
+    client.require_configuration()
     client.send(ids.TX_STOP)
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from typing import Protocol
 
 from rostether.errors import UnknownTypeError
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.registry import MAX_NAME_CHARACTERS
 
@@ -49,11 +49,11 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
     wanted = f"{package}/{kind}/{short_name}"
     packages = known.packages()
     if package not in packages:
-        meant = _did_you_mean(package, packages)
+        meant = did_you_mean(package, packages, then=" Otherwise, ")
         return f"no ROS 2 package {package!r} is known for {wanted}; {meant}{HOW_TO_GIVE}"
     names, noun = known.names(kind, package), _NOUNS[kind]
     short_names = [each.rpartition("/")[2] for each in names]
-    meant = _did_you_mean(short_name, short_names, prefix=f"{package}/{kind}/")
+    meant = did_you_mean(short_name, short_names, prefix=f"{package}/{kind}/", then=" Otherwise, ")
     return f"the ROS 2 package {package!r} has no {noun} {short_name!r}; {meant}{HOW_TO_GIVE}"
 
 
@@ -63,8 +63,3 @@ def explain_only_idl(package: str, kind: Kind, short_name: str) -> str:
         f"{package}/{kind}/{short_name} is installed as .idl only, which rostether does not read;"
         f" write it as {short_name}.{kind} and give its folder with --msg-path DIR"
     )
-
-
-def _did_you_mean(name: str, candidates: list[str], *, prefix: str = "") -> str:
-    close = difflib.get_close_matches(name, candidates, n=1)
-    return f"did you mean {prefix}{close[0]}? Otherwise, " if close else ""

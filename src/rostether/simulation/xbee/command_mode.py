@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from rostether.simulation.xbee.registers import Registers
 
-_LEAVE = "CN"
-# Longer than any line of commands; a line without an end must not fill the memory.
+_EXIT = "CN"
+# Longer than any line of commands; a line that never ends must not fill the memory.
 _MAX_LINE_BYTES = 256
 
 
@@ -15,7 +15,7 @@ class CommandMode:
     """One session in command mode."""
 
     def __init__(self, registers: Registers) -> None:
-        self.is_left = False
+        self.has_ended = False
         self._registers = registers
         self._line = bytearray()
 
@@ -47,7 +47,7 @@ class CommandMode:
                 yield "ERROR"
                 return
             is_ok, answer = self._registers.execute(name, value)
-            self.is_left |= is_ok and name == _LEAVE
+            self.has_ended |= is_ok and name == _EXIT
             yield "ERROR" if not is_ok else "OK" if answer is None else f"{answer:X}"
             if not is_ok:
                 return

@@ -13,14 +13,14 @@ from rostether.rosserial.device_link import DeviceLinkConfig
 from rostether.serde.store import TypeStore
 from rostether.transports.transport import Transport
 
-# The established library's buffers on an Uno.
+# The buffers of the established library on an Uno.
 _UNO = DeviceLinkConfig(
     max_subscribers=25, max_publishers=25, input_buffer_bytes=280, output_buffer_bytes=280
 )
 
 
 class CountingBoard:
-    """Publishes `NAME/count` (std_msgs/UInt32) at a rate, and `NAME/led` (std_msgs/Bool) switches its LED."""
+    """Publishes a counter on `NAME/count` (std_msgs/UInt32); `NAME/led` (std_msgs/Bool) switches its LED."""
 
     def __init__(
         self,
@@ -43,11 +43,11 @@ class CountingBoard:
 
     @property
     def is_connected(self) -> bool:
-        """Whether a host has asked for its topics and still answers."""
+        """Whether a host has requested its topics and still answers."""
         return self._device.connected
 
     async def __aenter__(self) -> Self:
-        """Begin to count."""
+        """Start to count."""
         await self._device.__aenter__()
         self._counting = asyncio.get_running_loop().create_task(self._run())
         return self

@@ -12,7 +12,7 @@ from rostether.simulation.xbee.radio import SimulatedRadio
 from rostether.simulation.xbee.radio_port import RadioPort
 from rostether.transports.transport import Transport
 
-# The maker's range.
+# In the range of the manufacturer, Digi.
 _FIRST_SERIAL_NUMBER = 0x0013A20040A10000
 _BAUD = 57600
 _PAN_ID = 0x1331
@@ -22,7 +22,7 @@ _NO_SHORT_ADDRESS = 0xFFFF
 
 
 class XbeeNetwork:
-    """The radios of one network, and those that are not set up yet."""
+    """The radios of one network, and new radios that are not set up yet."""
 
     def __init__(self, conditions: AirConditions, *, model: Model = SERIES_1, seed: int = 0) -> None:
         self.model = model
@@ -31,7 +31,7 @@ class XbeeNetwork:
         self._radio_count = 0
 
     def add_fresh(self, transport: Transport, *, host_baud: int | None = None) -> SimulatedRadio:
-        """Add a radio as it comes from the factory; `transport` is its serial port."""
+        """Add a radio with its factory settings; `transport` is its serial port."""
         radio = self._new_radio()
         self.connect(radio, transport, host_baud=host_baud)
         return radio
@@ -60,7 +60,7 @@ class XbeeNetwork:
     def connect(
         self, radio: SimulatedRadio, transport: Transport, *, host_baud: int | None = None
     ) -> RadioPort:
-        """Connect a radio's serial port, instead of its previous connection."""
+        """Connect a radio's serial port; this replaces its previous connection."""
         if (before := self._ports.get(radio.serial_number)) is not None:
             before.close()
         port = RadioPort(radio, transport, self.air.send_from, host_baud=host_baud)
@@ -68,7 +68,7 @@ class XbeeNetwork:
         return port
 
     def close(self) -> None:
-        """End the serial ports of all radios."""
+        """Close the serial ports of all radios."""
         for port in self._ports.values():
             port.close()
 

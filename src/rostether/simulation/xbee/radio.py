@@ -86,11 +86,11 @@ class SimulatedRadio:
     def serial_received(self, data: bytes, now_s: float) -> None:
         """Handle bytes from its serial port."""
         if self._command_mode is not None:
-            self._commands(data, now_s)
+            self._receive_commands(data, now_s)
         elif self.registers["AP"]:
-            self._frames(data)
+            self._receive_frames(data)
         else:
-            self._plain(data, now_s)
+            self._receive_text(data, now_s)
         self._heard_s = now_s
 
     def handle_timer(self, now_s: float) -> None:
@@ -138,7 +138,7 @@ class SimulatedRadio:
         else:
             self._report(bytes((0x89, packet.frame_id, status)))
 
-    def _plain(self, data: bytes, now_s: float) -> None:
+    def _receive_text(self, data: bytes, now_s: float) -> None:
         is_after_silence = now_s - self._heard_s >= self._guard_s()
         may_be_command = set(data) == {ord("+")} and (is_after_silence or self._pluses)
         if may_be_command and not self._text and self._pluses + len(data) <= 3:
@@ -172,10 +172,10 @@ class SimulatedRadio:
             return
         self.outgoing.append(packet)
 
-    def _commands(self, data: bytes, now_s: float) -> None:
+    def _receive_commands(self, data: bytes, now_s: float) -> None:
         assert self._command_mode is not None
         self._to_serial(self._command_mode.receive(data))
-        if self._command_mode.is_left:
+        if self._command_mode.has_ended:
             self._leave_command_mode()
             self._due_s = None
         else:
@@ -185,33 +185,33 @@ class SimulatedRadio:
         self._command_mode = None
         self.registers.apply()
 
-    def _frames(self, data: bytes) -> None:
+    def _receive_frames(self, data: bytes) -> None:
         mode = self.registers["AP"]
         if self._decoder_mode != mode:
             self._decoder = XbeeFrameDecoder(escaped=mode == 2)
             self._decoder_mode = mode
         for frame in self._decoder.feed(data):
-            self._frame(frame)
+            self._handle_frame(frame)
 
-    def _frame(self, frame: bytes) -> None:
+    def _handle_frame(self, frame: bytes) -> None:
         kind, frame_id = (frame[0], frame[1]) if len(frame) > 1 else (None, 0)
         match kind:
             case 0x08 | 0x09 if len(frame) >= 4:
-                self._at(frame_id, frame[2:4].decode("latin-1"), frame[4:])
+                self._execute_at(frame_id, frame[2:4].decode("latin-1"), frame[4:])
                 # A frame of kind 09 waits for ATAC or for a frame of kind 08.
                 if kind == 0x08:
                     self.registers.apply()
             case 0x01 if len(frame) >= 5:
-                self._packet(frame_id, int.from_bytes(frame[2:4], "big"), frame[5:])
+                self._queue_packet(frame_id, int.from_bytes(frame[2:4], "big"), frame[5:])
             case 0x00 if len(frame) >= 11:
-                self._packet(frame_id, int.from_bytes(frame[2:10], "big"), frame[11:], is_long=True)
+                self._queue_packet(frame_id, int.from_bytes(frame[2:10], "big"), frame[11:], is_long=True)
             case 0x10 if len(frame) >= 14:
                 destination = int.from_bytes(frame[2:10], "big")
-                self._packet(frame_id, destination, frame[14:], is_long=True, is_mesh_frame=True)
+                self._queue_packet(frame_id, destination, frame[14:], is_long=True, is_mesh_frame=True)
             case _:
                 return
 
-    def _packet(
+    def _queue_packet(
         self,
         frame_id: int,
         destination: int,
@@ -223,14 +223,14 @@ class SimulatedRadio:
         is_broadcast = destination == BROADCAST
         packet = Transmission(destination, is_long and not is_broadcast, payload, frame_id, is_mesh_frame)
         # A mesh has only its own kinds of frames.
-        if self.model.is_mesh != is_mesh_frame and self.model.is_mesh:
+        if self.model.is_mesh and not is_mesh_frame:
             return
         if len(payload) > self.model.packet_bytes:
             self.transmitted(packet, 0x74, 0)
             return
         self._send(packet)
 
-    def _at(self, frame_id: int, command: str, value: bytes) -> None:
+    def _execute_at(self, frame_id: int, command: str, value: bytes) -> None:
         is_ok, answer = self.registers.execute(command, int.from_bytes(value, "big") if value else None)
         if frame_id != _NO_FRAME:
             failed = _INVALID_VALUE if value else _INVALID_COMMAND

@@ -48,7 +48,7 @@ class Registers:
         self._used = dict(self._set)
 
     def as_bytes(self, command: str, value: int | None) -> bytes:
-        """Return a value as frames have it: as many bytes as its largest value needs."""
+        """Return a value as in frames, in as many bytes as the register's largest value needs."""
         if value is None:
             return b""
         largest = self._model.registers.get(command, (0, None))[1] or value
