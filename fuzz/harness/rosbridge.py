@@ -244,7 +244,7 @@ async def _converse(lines: list[str]) -> None:
     failures: list[dict[str, Any]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context))
     try:
-        await session.run(is_known=True)
+        await session.run(is_authenticated=True)
         assert not failures, failures
     finally:
         await around.close()

@@ -1,4 +1,4 @@
-"""One subscription of a topic on the graph, shared by all clients of a gateway that listen to it.
+"""One subscription to a topic on the graph, shared by all clients of a gateway that want it.
 
 Each client gets the messages unchanged, with the type that the publisher reported; a client that subscribes
 late gets the last messages of latched publishers. No publisher is paused: each client has its own bounded
@@ -77,7 +77,7 @@ class SharedSubscription:
 
     @property
     def connections(self) -> Sequence[PublisherConnection]:
-        """The known publishers, in the order of their headers."""
+        """The known publishers, in the order of their connection headers."""
         return tuple(self._source.connections.values())
 
     async def close(self) -> None:
@@ -87,7 +87,7 @@ class SharedSubscription:
             await self._source.remove(self)
 
     def deliver(self, batch: Batch) -> None:
-        """Pass a batch on; an error of the callback stays here."""
+        """Deliver a batch; an error of the callback is reported and ignored."""
         if not self._is_closed:
             call_contained(f"subscriber of {self.topic}", self._on_batch, batch)
 
@@ -98,7 +98,7 @@ class SharedSubscription:
 
 
 class SharedSubscriptions:
-    """All topics that the clients of a gateway subscribe, each subscribed once on the graph."""
+    """All topics that the clients of a gateway subscribe to, each with one subscription on the graph."""
 
     def __init__(self, graph: Graph, store: TypeStore) -> None:
         self.types = LearnedTypes(store)
@@ -113,7 +113,7 @@ class SharedSubscriptions:
     async def subscribe(
         self, topic: str, on_batch: OnBatch, on_connection: OnConnection | None = None
     ) -> SharedSubscription:
-        """Subscribe a topic of any type. `on_connection` is called for each publisher before its first batch.
+        """Subscribe to a topic of any type; `on_connection` is called for a publisher before its first batch.
 
         Raises InvalidNameError, GraphError.
         """
@@ -170,12 +170,11 @@ class _Source:
             share.report_connection(connection)
         if not latched:
             return
-        there = await self._publishers()
+        publishers = await self._publishers()
         for batch in latched:
-            # A publisher that has left takes its latched messages with it; newer messages of others have
-            # already arrived.
+            # A latched message is not valid after the end of its publisher; a newer one has been delivered.
             node_name = batch.connection.node_name
-            if (there is None or node_name in there) and self._latched.get(node_name) is batch:
+            if (publishers is None or node_name in publishers) and self._latched.get(node_name) is batch:
                 share.deliver(batch)
 
     async def remove(self, share: SharedSubscription) -> None:
@@ -220,7 +219,7 @@ class _Source:
         return lambda payloads: self._deliver(connection, payloads)
 
     def _deliver_from_last(self, payloads: Sequence[bytes]) -> None:
-        # A graph that does not distinguish publishers.
+        # For graphs that do not distinguish publishers.
         if self._last is not None:
             self._deliver(self._last, payloads)
 

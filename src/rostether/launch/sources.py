@@ -22,7 +22,7 @@ _MAX_LISTED = 8
 
 @dataclass(frozen=True, slots=True)
 class LaunchSources:
-    """Files in order, whether standard input is one of them, and the arguments (the last of a name is used)."""
+    """Files in order, whether standard input is also read, and the arguments; the last of a name is used."""
 
     files: list[Path] = field(default_factory=list)
     reads_stdin: bool = False

@@ -177,7 +177,7 @@ def _draw_piece(scene: Scene, points: list[Point], color: Color) -> None:
 
 
 def _thinned(points: list[Point]) -> list[Point]:
-    """Return at most four points per pixel column: the first, lowest, highest and last. The picture is the same."""
+    """Return at most four points per pixel column (first, lowest, highest, last), which look the same."""
     if len(points) < 3:
         return points
     columns: list[list[Point]] = [[points[0]]]

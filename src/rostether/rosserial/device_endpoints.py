@@ -39,7 +39,7 @@ class DeviceEndpoints:
         return self._add_sender(ids.PUBLISHER, topic, message_type, md5sum)
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic that the device subscribes; return its id."""
+        """Declare a topic that the device subscribes to; return its id."""
         return self._add_listener(ids.SUBSCRIBER, topic, message_type, md5sum)
 
     def add_service_server(

@@ -120,7 +120,7 @@ class DeviceLink:
         return topic_id
 
     def add_subscriber(self, topic: str, message_type: str, md5sum: str) -> int:
-        """Declare a topic that the device subscribes; return its id. Raises LocalProtocolError if full."""
+        """Declare a topic that the device subscribes to; return its id. Raises LocalProtocolError if full."""
         topic_id = self._endpoints.add_subscriber(topic, message_type, md5sum)
         self._announce_late(topic_id)
         return topic_id

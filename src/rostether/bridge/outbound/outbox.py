@@ -211,7 +211,7 @@ class Outbox:
         try:
             frames = self._link.encode_messages(queue.topic_id, payloads)
         except LocalProtocolError:
-            # The board no longer subscribes the topic, for example after a reset with another sketch.
+            # The board no longer subscribes to the topic, for example after a reset with another sketch.
             queue.dropped_count += len(payloads)
             return b""
         return frames

@@ -1,4 +1,4 @@
-"""The topics of a graph as channels, each with the definition by which clients decode it.
+"""The topics of a graph as channels, each with the definition that clients need to decode it.
 
 The definition of an unknown type comes from its publisher. A publisher may also define a known type
 differently: then the channel gets a new id, and clients subscribe again.
@@ -61,12 +61,12 @@ class Channels:
 
     def update(self, snapshot: Snapshot) -> None:
         """Update the channels: each published topic is a channel."""
-        there = {
+        listed = {
             info.name: info
             for info in snapshot.topics.values()
             if info.publishers and self._offered.includes(info.name)
         }
-        gone = [topic for topic in self._names if topic not in there or self._has_changed(there[topic])]
+        gone = [topic for topic in self._names if topic not in listed or self._has_changed(listed[topic])]
         for topic in gone:
             del self._names[topic]
             self._learned.discard(topic)
@@ -74,7 +74,7 @@ class Channels:
                 task.cancel()
         self._end(topic for topic in gone if topic in self._by_topic)
         new: list[Channel] = []
-        for info in there.values():
+        for info in listed.values():
             if info.name in self._names or info.type == ANY_TYPE or len(self._names) >= MAX_CHANNELS:
                 continue
             self._names[info.name] = info.type
@@ -86,17 +86,17 @@ class Channels:
         if new:
             self._on_offer(new)
 
-    def met(self, channel: Channel, connection: PublisherConnection) -> None:
+    def check_publisher(self, channel: Channel, connection: PublisherConnection) -> None:
         """Handle the type in the connection header of a channel's publisher."""
         actual = connection.type
         if actual.md5sum in (channel.type.md5sum, ANY_MD5SUM) or self.by_id.get(channel.id) is not channel:
             return
         if channel.topic in self._learned:
-            # Two publishers disagree: the first one counts while it is connected.
+            # Two publishers disagree: the definition of the first is used while it is connected.
             return
-        if not self._is_sound(actual):
+        if not self._is_consistent(actual):
             self._report(
-                f"{channel.topic} is sent with another definition of {actual.name} than the known one, and "
+                f"{channel.topic} is published with an unknown definition of {actual.name}, and "
                 "its publisher does not send the definition; give its package with --msg-path or "
                 "ROS_PACKAGE_PATH"
             )
@@ -156,7 +156,7 @@ class Channels:
         finally:
             if share is not None:
                 await share.close()
-        if self._is_sound(message_type):
+        if self._is_consistent(message_type):
             self._learned.add(topic)
             self._on_offer([self._add(topic, message_type)])
         else:
@@ -166,7 +166,7 @@ class Channels:
             )
         self._learning.pop(topic, None)
 
-    def _is_sound(self, actual: MessageType) -> bool:
+    def _is_consistent(self, actual: MessageType) -> bool:
         if not actual.definition.strip():
             return False
         try:

@@ -105,7 +105,7 @@ class _Fields:
     def text(self, name: str) -> str:
         value = self._fields.get(name)
         if not isinstance(value, str) or len(value) > MAX_TEXT_CHARACTERS:
-            raise self._wrong(name, "a text")
+            raise self._wrong(name, "a string")
         return value
 
     def optional_text(self, name: str) -> str | None:
@@ -140,7 +140,7 @@ class _Fields:
         if value is None:
             return ""
         if not isinstance(value, str):
-            raise self._wrong("schema", "a text")
+            raise self._wrong("schema", "a string")
         if self._fields.get("schemaEncoding") != "ros1msg" and self._fields.get("encoding") != "ros1":
             return ""
         return value

@@ -41,7 +41,7 @@ class Parameters:
         self._watched: dict[str, _Watched] = {}
 
     async def get(self, names: Sequence[str]) -> list[dict[str, Any]]:
-        """Return the values of the names, or of all parameters; those that are unset are left out.
+        """Return the values of the names, or of all parameters; unset parameters are skipped.
 
         Raises GraphError.
         """

@@ -133,7 +133,7 @@ def unadvertise_services(service_ids: Iterable[int]) -> str:
 
 
 def parameter_values(parameters: Sequence[Mapping[str, Any]], request_id: str | None = None) -> str:
-    """Return parameters in their JSON form, see `parameter_values.py`; the id is the request's."""
+    """Return parameters in their JSON form, see `parameters.py`; the id is the id of the request."""
     message: dict[str, Any] = {"op": "parameterValues", "parameters": list(parameters)}
     if request_id is not None:
         message["id"] = request_id

@@ -55,13 +55,13 @@ class Services:
 
     def update(self, snapshot: Snapshot) -> None:
         """Update the services."""
-        there = {
+        listed = {
             service.name: (service.providers, service.type)
             for service in snapshot.services.values()
             if service.providers and self._offered.includes(service.name)
         }
         ended: list[OfferedService] = []
-        for name in [name for name, known in self._providers.items() if there.get(name) != known]:
+        for name in [name for name, known in self._providers.items() if listed.get(name) != known]:
             del self._providers[name]
             if task := self._asking.pop(name, None):
                 task.cancel()
@@ -71,7 +71,7 @@ class Services:
         if ended:
             self._on_end(ended)
         new: list[OfferedService] = []
-        for name, (providers, type_name) in there.items():
+        for name, (providers, type_name) in listed.items():
             if name in self._providers or len(self._providers) >= MAX_SERVICES:
                 continue
             self._providers[name] = (providers, type_name)

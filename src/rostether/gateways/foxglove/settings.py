@@ -107,10 +107,10 @@ class NameFilter:
 
 @dataclass(frozen=True, slots=True)
 class FoxgloveSettings(ServerSettings):
-    """How a gateway serves.
+    """The settings of a gateway.
 
-    `name` is the server's in the clients' windows, `metadata` is sent with it; log lines start with `label`.
-    The filters limit what clients reach.
+    Clients show the `name`, and also get the `metadata`. Log lines start with `label`. Clients can only use
+    names that the filters include.
     """
 
     port: int = DEFAULT_PORT

@@ -25,7 +25,7 @@ _PERIOD_S = 5.0
 
 
 class Subscription:
-    """Passes a topic's messages to a line unchanged; `report` gets a line if the graph refuses."""
+    """Sends a topic's messages to a client unchanged."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class Subscription:
         self._is_closed = False
 
     def open(self, shared: SharedSubscriptions, report: Callable[[str], None]) -> None:
-        """Subscribe on the graph, unless another client has."""
+        """Subscribe on the graph, unless another client has; `report` gets an error of the graph."""
         self._opening = asyncio.ensure_future(self._open(shared, report))
 
     async def close(self) -> None:
@@ -65,7 +65,7 @@ class Subscription:
             report(f"{self.channel.topic} cannot be subscribed: {error}")
 
     def _report_publisher(self, connection: PublisherConnection) -> None:
-        self._channels.met(self.channel, connection)
+        self._channels.check_publisher(self.channel, connection)
 
     def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.
@@ -99,6 +99,6 @@ class DroppedReport:
             self._send(replies.remove_status([_STATUS_ID]))
             return
         self._reported = self.count
-        text = f"this client reads too slowly: {self.count} messages were left out so far"
+        text = f"this client reads too slowly: {self.count} messages have been dropped so far"
         self._send(replies.status(StatusLevel.WARNING, text, _STATUS_ID))
         self._timer = asyncio.get_running_loop().call_later(_PERIOD_S, self._report)

@@ -36,7 +36,7 @@ class CborForm:
     """Messages of all types in CBOR; `style` is the form of times."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
-        leaves = Leaves(stamp_reader(style), clean_text, _as_it_is, _typed_array, OMITTED[style])
+        leaves = Leaves(stamp_reader(style), clean_text, _unchanged, _typed_array, OMITTED[style])
         self._readers = CompiledForms(compile_values, leaves)
 
     def publish(self, topic: str, codec: Codec, payload: bytes) -> bytes:
@@ -46,7 +46,7 @@ class CborForm:
 
 
 def publish_raw(topic: str, payload: bytes, now: Time) -> bytes:
-    """Return the `publish` frame with a payload itself; `now` is the time of receipt."""
+    """Return the `publish` frame with a raw payload; `now` is the time of receipt."""
     message = {"secs": now.secs, "nsecs": now.nsecs, "bytes": payload}
     return cbor2.dumps({"op": "publish", "topic": topic, "msg": message})
 
@@ -60,5 +60,5 @@ def _typed_array(code: str) -> Callable[[list[Any]], cbor2.CBORTag]:
     return pack
 
 
-def _as_it_is(value: bytes) -> bytes:
+def _unchanged(value: bytes) -> bytes:
     return value

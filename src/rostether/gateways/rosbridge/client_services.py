@@ -50,7 +50,7 @@ class ClientServices:
         task = asyncio.ensure_future(self._call(request, service, delivery, timeout_s))
         self._calls[task] = request.size_bytes
         self._call_bytes += request.size_bytes
-        task.add_done_callback(self._called)
+        task.add_done_callback(self._call_ended)
 
     async def advertise(self, request: Request) -> str:
         """Offer a service that the client answers; returns a warning, empty if there is none."""
@@ -87,7 +87,7 @@ class ClientServices:
         )
         await asyncio.gather(*withdrawals, *self._calls, return_exceptions=True)
 
-    def _called(self, task: asyncio.Task[None]) -> None:
+    def _call_ended(self, task: asyncio.Task[None]) -> None:
         self._call_bytes -= self._calls.pop(task)
 
     async def _call(
@@ -130,7 +130,7 @@ class ClientServices:
         return context.forms.to_json(service_type.response.name, answer)
 
     def _by_name(self, type_name: str, args: Any) -> Any:
-        """Return a request by its fields' names: clients may give a list in their order, or one value."""
+        """Return the request's fields by name: a client may also send a list of values, or one value."""
         if args is None or isinstance(args, dict):
             return args or {}
         names = [name for name, _ in self._context.store.codec(type_name).message_class._fields]

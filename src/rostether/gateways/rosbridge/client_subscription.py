@@ -1,8 +1,8 @@
-"""One client's subscription of one topic, with rate, queue and form of its messages.
+"""One client's subscription to one topic, with rate, queue and form of its messages.
 
-A client may subscribe a topic several times with different ids; it gets each message once, according to the
-most demanding subscription. `throttle_rate` without a queue drops messages that come too soon; with one, they
-are sent at that rate.
+A client may subscribe to a topic several times with different ids; it gets each message once, according to
+the most demanding subscription. `throttle_rate` without a queue drops messages that come too soon; with a
+queue, they are sent at that rate.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rostether.msgdef.interface import ANY_TYPE
 # Smaller fragments would be mostly overhead, and a large message would need millions of them.
 MIN_FRAGMENT_BYTES = 32
 
-# The limit of subscriptions of one client to one topic.
+# The limit of subscriptions of one client to the same topic.
 MAX_REQUESTS = 100
 
 _MS = 1e-3
@@ -45,7 +45,7 @@ _STRENGTH = list(Compression)
 
 @dataclass(frozen=True, slots=True)
 class Delivery:
-    """How one subscription wants its messages: rate, queue and form."""
+    """The rate, queue and form of the messages of one subscription."""
 
     throttle_s: float = 0.0
     queue_length: int = 0
@@ -82,7 +82,7 @@ def merge(settings: list[Delivery]) -> Delivery:
 
 
 class ClientSubscription:
-    """A topic that a client subscribes; `topic` is the name as the client wrote it."""
+    """A topic that a client subscribes to; `topic` is the name that the client uses."""
 
     def __init__(
         self, topic: str, outbox: Outbox[ClientSubscription], report_mistake: Callable[[str], None]
@@ -104,25 +104,25 @@ class ClientSubscription:
         self._held: deque[tuple[Batch, int]] = deque()
         self._timer: asyncio.TimerHandle | None = None
 
-    def want(self, request_id: object, delivery: Delivery, type_name: str) -> None:
+    def add_request(self, request_id: object, delivery: Delivery, type_name: str) -> None:
         """Add the settings of a subscription, or replace those of the same id. Raises RemoteProtocolError."""
         if len(self._settings) >= MAX_REQUESTS and request_id not in self._settings:
             raise RemoteProtocolError(
-                f"{self.topic} is subscribed {MAX_REQUESTS} times; unsubscribe some ids"
+                f"{self.topic} has {MAX_REQUESTS} subscriptions of this client; unsubscribe some ids"
             )
         if type_name:
             self._type = type_name
         self._settings[request_id] = delivery
-        self._settle()
+        self._merge_settings()
 
-    def want_no_more(self, request_id: object) -> bool:
+    def remove_request(self, request_id: object) -> bool:
         """Remove the subscription of an id (default: all); returns whether any is left."""
         if request_id is None:
             self._settings.clear()
         else:
             self._settings.pop(request_id, None)
         if self._settings:
-            self._settle()
+            self._merge_settings()
         return bool(self._settings)
 
     def enqueue(self, batch: Batch) -> None:
@@ -154,7 +154,7 @@ class ClientSubscription:
     def _put(self, batch: Batch, index: int) -> None:
         self._outbox.put(self, batch, index, self.queue_length)
 
-    def _settle(self) -> None:
+    def _merge_settings(self) -> None:
         self.delivery = merge(list(self._settings.values()))
         # Zero means no queue in the protocol: messages for a slow client then wait within the server's
         # limits.
@@ -177,11 +177,11 @@ class ClientSubscription:
             self._held.append((batch, index))
             self._release()
         elif now_s >= self._next_s:
-            self._step(now_s)
+            self._advance(now_s)
             self._put(batch, index)
 
     def _release(self) -> None:
-        """Pass on the held messages that are due, and schedule the rest."""
+        """Queue the held messages that are due, and schedule the rest."""
         loop = asyncio.get_running_loop()
         if self._timer is not None and not self._timer.cancelled():
             if self._timer.when() > loop.time():
@@ -190,17 +190,17 @@ class ClientSubscription:
         if not self._held:
             return
         if loop.time() >= self._next_s:
-            self._step(loop.time())
+            self._advance(loop.time())
             self._put(*self._held.popleft())
         if self._held:
-            self._timer = loop.call_at(self._next_s, self._timed)
+            self._timer = loop.call_at(self._next_s, self._timer_due)
 
-    def _timed(self) -> None:
+    def _timer_due(self) -> None:
         self._timer = None
         self._release()
 
-    def _step(self, now_s: float) -> None:
+    def _advance(self, now_s: float) -> None:
         # A message that is a little late must not shift the schedule of the next one.
         throttle_s = self.delivery.throttle_s
-        is_in_step = now_s - self._next_s < throttle_s / 2
-        self._next_s = (self._next_s if is_in_step else now_s) + throttle_s
+        is_on_time = now_s - self._next_s < throttle_s / 2
+        self._next_s = (self._next_s if is_on_time else now_s) + throttle_s

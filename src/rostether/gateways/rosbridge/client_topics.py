@@ -20,7 +20,7 @@ _NOTHING: dict[str, Any] = {}
 
 
 class ClientTopics:
-    """The topics that one client subscribes or publishes. Every method raises RostetherError."""
+    """The topics that one client publishes or subscribes to. Methods raise RostetherError."""
 
     def __init__(
         self,
@@ -64,19 +64,19 @@ class ClientTopics:
         await publication.publish([payload])
 
     async def subscribe(self, request: Request) -> None:
-        """Subscribe a topic, which need not exist yet."""
+        """Subscribe to a topic, which need not exist yet."""
         topic = request.word("topic")
         delivery = Delivery.read(request)
         type_name = request.optional_word("type")
         known = self._subscriptions.get(topic)
         if known is not None:
-            known.want(request.id, delivery, type_name)
+            known.add_request(request.id, delivery, type_name)
             return
         self._check_glob(topic)
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise RemoteProtocolError(f"subscribe: at most {MAX_SUBSCRIPTIONS} are allowed; unsubscribe some")
         subscription = ClientSubscription(topic, self._outbox, self._report_mistake)
-        subscription.want(request.id, delivery, type_name)
+        subscription.add_request(request.id, delivery, type_name)
         self._subscriptions[topic] = subscription
         try:
             subscription.share = await self._context.shared.subscribe(topic, subscription.enqueue)
@@ -86,12 +86,12 @@ class ClientTopics:
             raise
 
     async def unsubscribe(self, request: Request) -> None:
-        """Unsubscribe an id; without an id, all of the client's subscriptions of the topic."""
+        """Unsubscribe an id; without an id, all of the client's subscriptions to the topic."""
         topic = request.word("topic")
         subscription = self._subscriptions.get(topic)
         if subscription is None:
-            raise UnknownNameError(f"unsubscribe: this client does not subscribe {topic}")
-        if not subscription.want_no_more(request.id):
+            raise UnknownNameError(f"unsubscribe: this client is not subscribed to {topic}")
+        if not subscription.remove_request(request.id):
             del self._subscriptions[topic]
             await subscription.close()
 

@@ -1,7 +1,7 @@
-"""Messages in pieces: rosbridge's `fragment` operation, both ways, without I/O.
+"""Splits and joins messages: rosbridge's `fragment` operation, without I/O.
 
-A message's text is cut into pieces; each one is sent as a separate message with the id of the whole message,
-its number from 0, and the total. Fragments may come in any order, and fragments of several messages may be
+A message's text is split into pieces. Each piece is a separate message with the id of the whole message, its
+number from 0, and the total. Fragments may come in any order, and fragments of several messages may be
 mixed.
 """
 
@@ -19,6 +19,9 @@ MAX_FRAGMENTS: Final = 100_000
 # The limit of incomplete messages of one client; above it, the oldest is discarded.
 MAX_UNFINISHED: Final = 32
 
+# The limit of waiting fragments of all messages: even an empty one needs about a hundred bytes.
+MAX_UNFINISHED_PIECES: Final = 2 * MAX_FRAGMENTS
+
 
 def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
     """Yield a message's fragments of `size` characters each, as JSON."""
@@ -28,10 +31,6 @@ def split_fragments(text: str, size: int, message_id: str) -> Iterator[str]:
         piece = text[number * size : (number + 1) * size]
         fields = {"op": "fragment", "id": message_id, "data": piece, "num": number, "total": total}
         yield json.dumps(fields, separators=(",", ":"))
-
-
-# The limit of waiting fragments of all messages: even an empty one needs about a hundred bytes.
-MAX_UNFINISHED_PIECES: Final = 2 * MAX_FRAGMENTS
 
 
 class _Unfinished:
@@ -66,7 +65,7 @@ class Defragmenter:
             self._forget(message_id)
         whole = self._unfinished.pop(message_id, None) or _Unfinished(total)
         self._unfinished[message_id] = whole
-        # A repeated piece counts once.
+        # A piece may be repeated.
         self._pieces += number not in whole.pieces
         grown = len(data) - len(whole.pieces.get(number, ""))
         whole.pieces[number] = data

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.publication import Publication
     from rostether.gateways.rosbridge.service_types import ServiceTypes
 
-# As in rosbridge, a topic stays advertised this long after its client has left: pages are reloaded.
+# As in rosbridge, a topic stays advertised for this time after its client disconnects: pages are reloaded.
 LINGER_S = 10.0
 
 # The limit of lingering publications; above it, the oldest end early.

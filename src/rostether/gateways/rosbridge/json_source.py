@@ -87,7 +87,7 @@ class _Body:
         return [*self._reads, *check, f"return {''.join(self._format)!r}{values}"]
 
     def struct(self, tree: Struct, variable: str) -> None:
-        """Write a message that a variable holds."""
+        """Write the message in a variable."""
         separator = "{"
         for member in tree.members:
             if f"{tree.name}.{member.name}" in self._source.leaves.omitted:
@@ -106,7 +106,7 @@ class _Body:
             self._put("%s", f"quote(text({value}))")
         elif isinstance(node, Stamp):
             variable = self._read(value)
-            # Only the names of a time's two parts differ.
+            # ROS 1 and ROS 2 differ only in the names of a time's two fields.
             first, second = self._source.leaves.stamp((0, 0))
             self._put(f'{{"{first}":%d', f"{variable}[0]")
             self._put(f',"{second}":%d}}', f"{variable}[1]")

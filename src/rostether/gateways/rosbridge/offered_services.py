@@ -1,4 +1,4 @@
-"""Services that clients offer to the graph: each call goes to the client over its connection, and back."""
+"""Services that clients offer to the graph: calls are forwarded to the client over its connection."""
 
 from __future__ import annotations
 

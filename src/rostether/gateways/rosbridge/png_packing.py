@@ -19,7 +19,7 @@ from rostether.errors import RemoteProtocolError
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
 # Bytes per pixel by color type: gray, color, both also with alpha.
-_BYTES_A_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}
+_BYTES_PER_PIXEL: Final = {0: 1, 2: 3, 4: 2, 6: 4}
 _COLOR: Final = 2
 
 # Row filters are undone byte by byte, which takes 0.1 s for this size; packed texts need no row filters.
@@ -30,7 +30,7 @@ _LEVEL: Final = 1
 
 
 def pack_png(text: str) -> str:
-    """Return the `png` message that holds a text."""
+    """Return the `png` message that contains a text."""
     content = text.encode("utf-8", "replace")
     width = max(1, math.isqrt(len(content) // 3))
     height = max(1, math.ceil(len(content) / 3 / width))
@@ -75,11 +75,11 @@ def _text(picture: bytes, max_bytes: int) -> str:
             packed.append(content)
         at += length + 12
     width, height, depth, color, _, _, interlace = struct.unpack(">IIBBBBB", header)
-    if depth != 8 or color not in _BYTES_A_PIXEL or interlace:
+    if depth != 8 or color not in _BYTES_PER_PIXEL or interlace:
         raise ValueError(
             "only images with 8 bits per channel, without palette and interlacing, are supported"
         )
-    pixel = _BYTES_A_PIXEL[color]
+    pixel = _BYTES_PER_PIXEL[color]
     row = width * pixel
     size = (row + 1) * height
     if not 0 < row * height <= max_bytes:
@@ -91,7 +91,7 @@ def _text(picture: bytes, max_bytes: int) -> str:
 
 
 def _unfiltered(rows: bytes, size: int, pixel: int) -> bytes:
-    """Return the bytes of all rows, their filters undone. Raises ValueError."""
+    """Return the bytes of all rows without their filters. Raises ValueError."""
     if len(rows) > MAX_FILTERED_BYTES:
         filtered = sum(kind != 0 for kind in rows[:: size + 1]) * size
         if filtered > MAX_FILTERED_BYTES:

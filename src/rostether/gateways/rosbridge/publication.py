@@ -14,9 +14,9 @@ MAX_FIRST_BYTES = 4 << 20
 
 
 class Publication:
-    """A publisher on the graph that keeps a client's first messages for subscribers still connecting.
+    """A publisher that keeps a client's first messages until the subscribers of the topic are connected.
 
-    Web pages advertise and publish at once; without this their first message would be lost.
+    Web pages publish immediately after they advertise, and would lose their first message.
     """
 
     def __init__(self, publisher: Publisher, *, is_latching: bool = False) -> None:
@@ -41,7 +41,7 @@ class Publication:
             self._first += payloads
             self._first_bytes += sum(map(len, payloads))
             if self._first_bytes > MAX_FIRST_BYTES:
-                self._speak()
+                self._publish_first()
             return
         if not self._publisher.publish_raw(payloads):
             await self._publisher.drained(DRAIN_S)
@@ -50,16 +50,16 @@ class Publication:
         """Publish the waiting messages, and unadvertise. Idempotent."""
         if self._opening is not None:
             self._opening.cancel()
-        self._speak()
+        self._publish_first()
         await self._publisher.close()
 
     async def _open(self, graph: Graph) -> None:
         try:
             await wait_for_subscribers(graph, self._publisher)
         finally:
-            self._speak()
+            self._publish_first()
 
-    def _speak(self) -> None:
+    def _publish_first(self) -> None:
         first, self._first = self._first, None
         if first:
             self._publisher.publish_raw(first)

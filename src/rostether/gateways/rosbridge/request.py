@@ -16,6 +16,9 @@ from rostether.gateways.rosbridge.status import show
 # The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
 MAX_WORD_CHARACTERS: Final = 512
 
+# For larger frames, garbage collection may take longer than parsing.
+_LARGE_BYTES: Final = 64 << 10
+
 
 class Request:
     """A JSON object with an `op`, received in a frame of `size_bytes` with about `value_count` values.
@@ -39,8 +42,8 @@ class Request:
         if isinstance(found, str):
             self._check_length("id", found)
         # Python's JSON reader accepts NaN, and would write invalid JSON.
-        is_one = isinstance(found, str | int) or (isinstance(found, float) and math.isfinite(found))
-        return found if is_one else None
+        is_valid = isinstance(found, str | int) or (isinstance(found, float) and math.isfinite(found))
+        return found if is_valid else None
 
     def text(self, name: str) -> str:
         """Return a required text field. Raises RemoteProtocolError."""
@@ -60,7 +63,7 @@ class Request:
         return "" if self.fields.get(name) is None else self.word(name)
 
     def number(self, name: str, default: float) -> float:
-        """Return a number that is not negative; browsers send some as texts. Raises RemoteProtocolError."""
+        """Return a number that is not negative; browsers send some as strings. Raises RemoteProtocolError."""
         value = self.fields.get(name)
         if value is None:
             return default
@@ -92,10 +95,6 @@ class Request:
         subject = f"{show(op)[1:-1]}: " if isinstance(op, str) and name != "op" else ""
         got = show(self.fields[name]) if name in self.fields else "nothing"
         return RemoteProtocolError(f"{subject}field '{name}' must be {wanted}, got {got}")
-
-
-# For larger frames, garbage collection may take longer than parsing.
-_LARGE_BYTES: Final = 64 << 10
 
 
 async def read_request(data: str | bytes) -> Request:

@@ -84,7 +84,7 @@ class RosbridgeServer:
             self._open_session,
             lambda text: report(Level.WARN, f"rosbridge: {text}"),
             path=settings.path,
-            # Clients may also give it in their first message.
+            # Clients may also send the token in their first message.
             wants_token_first=False,
             deflates=settings.deflate,
         )
@@ -147,16 +147,18 @@ class RosbridgeServer:
     def _open_session(self, connection: Connection) -> MessageStream:
         stream = MessageStream(connection)
         session = Session(stream, self._context, self._server.admission.token, connection.peer)
-        is_known = not self._server.admission.token.is_wanted or self._server.admission.has_token(
+        is_authenticated = not self._server.admission.token.is_required or self._server.admission.has_token(
             connection.path, connection.headers
         )
-        self._clients[session] = asyncio.ensure_future(self._serve(session, connection, is_known=is_known))
+        self._clients[session] = asyncio.ensure_future(
+            self._serve(session, connection, is_authenticated=is_authenticated)
+        )
         self._changed(f"rosbridge: {session.name} connected")
         return stream
 
-    async def _serve(self, session: Session, connection: Connection, *, is_known: bool) -> None:
+    async def _serve(self, session: Session, connection: Connection, *, is_authenticated: bool) -> None:
         try:
-            await session.run(is_known=is_known)
+            await session.run(is_authenticated=is_authenticated)
         except Exception as error:  # noqa: BLE001 - one client's failure must not affect others
             report_error(f"rosbridge client {session.name}", error)
         finally:

@@ -1,9 +1,10 @@
-"""One client: its requests are handled in order, and messages are sent as fast as it reads."""
+"""One client: handles its requests in order, and sends messages as fast as it reads them."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import hashlib
 import time
 from itertools import count
 from typing import TYPE_CHECKING, Any
@@ -27,7 +28,7 @@ from rostether.gateways.rosbridge.settings import (
 )
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
 from rostether.gateways.rosbridge.values import write_json
-from rostether.gateways.websocket.admission import Token
+from rostether.gateways.websocket.admission import Token, is_same_secret
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
@@ -35,11 +36,6 @@ from rostether.mechanisms.text import fold_line
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.gateway_context import GatewayContext
-
-
-import hashlib
-
-from rostether.gateways.websocket.admission import is_same_secret
 
 # The maximum age of a MAC, as in rosauth: an intercepted MAC cannot be used later.
 MAX_CLOCK_OFFSET_S = 5.0
@@ -80,12 +76,12 @@ class Session:
         self._depth = 0
         self._logged: set[str] = set()
 
-    async def run(self, *, is_known: bool) -> None:
+    async def run(self, *, is_authenticated: bool) -> None:
         """Serve the client until it closes the connection."""
         sending = asyncio.ensure_future(self._send_all())
-        sending.add_done_callback(self._sent)
+        sending.add_done_callback(self._sending_ended)
         try:
-            if is_known or await self._greeted():
+            if is_authenticated or await self._authenticate():
                 await self._receive_all()
         finally:
             sending.cancel()
@@ -102,22 +98,22 @@ class Session:
         """Handle one piece of a message; after the last one, handle the message."""
         whole = self._fragments.add(request.fields)
         if whole is not None:
-            await self._unpacked(whole)
+            await self._execute_inner(whole)
 
     async def handle_png(self, request: Request) -> None:
         """Handle a message that is packed into an image."""
-        await self._unpacked(unpack_png(request.text("data"), self._context.settings.max_message_bytes))
+        await self._execute_inner(unpack_png(request.text("data"), self._context.settings.max_message_bytes))
 
-    async def _unpacked(self, text: str) -> None:
+    async def _execute_inner(self, text: str) -> None:
         if self._depth >= MAX_DEPTH:
             raise RemoteProtocolError("this message is packed into too many others")
         self._depth += 1
         try:
-            await self._carry_out(text)
+            await self._execute(text)
         finally:
             self._depth -= 1
 
-    async def _greeted(self) -> bool:
+    async def _authenticate(self) -> bool:
         """Wait for the `auth` message, which must be the first."""
         fields: dict[str, Any] = {}
         with contextlib.suppress(TimeoutError, RemoteProtocolError):
@@ -140,12 +136,12 @@ class Session:
         loop = asyncio.get_running_loop()
         turn_ends_s = 0.0
         async for data in self._connection:
-            await self._carry_out(data)
+            await self._execute(data)
             if loop.time() >= turn_ends_s:
                 await asyncio.sleep(0)
                 turn_ends_s = loop.time() + TURN_S
 
-    async def _carry_out(self, data: str | bytes) -> None:
+    async def _execute(self, data: str | bytes) -> None:
         request_id: object = None
         try:
             request = await read_request(data)
@@ -213,7 +209,7 @@ class Session:
             size += sum(map(len, new))
         return frames
 
-    def _sent(self, sending: asyncio.Task[None]) -> None:
+    def _sending_ended(self, sending: asyncio.Task[None]) -> None:
         if not sending.cancelled() and (error := sending.exception()) is not None:
             report_error(f"sending to {self.name}", error)
             self._connection.abort()
@@ -250,7 +246,7 @@ def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:
     """Return whether an `auth` message is valid: with the token itself, or rosauth's MAC made with it."""
     given = fields.get("token")
     if isinstance(given, str):
-        return token.is_same(given)
+        return token.matches(given)
     names = ("client", "dest", "rand", "t", "level", "end")
     mac, parts = fields.get("mac"), [fields.get(name) for name in names]
     if not isinstance(mac, str) or not all(isinstance(part, str | int | float) for part in parts):

@@ -71,9 +71,10 @@ def matches(name: str, globs: tuple[str, ...] | None) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class RosbridgeSettings(ServerSettings):
-    """How a rosbridge server serves.
+    """The settings of a rosbridge server.
 
-    Only `path` is served, unless it is empty. Globs limit what clients reach; None is everything.
+    Only `path` is served, unless it is empty. Clients can only use names that match the globs; None allows
+    all names.
     """
 
     port: int = DEFAULT_PORT

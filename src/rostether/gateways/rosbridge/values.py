@@ -32,7 +32,7 @@ class Style(Enum):
 
 
 def stamp_reader(style: Style) -> Any:
-    """Return a function that makes a dict of a time or duration."""
+    """Return a function that converts a time or duration to a dict."""
     if style is Style.ROS1:
         return _ros1_stamp
     return _ros2_stamp

@@ -39,7 +39,7 @@ def message_payload(codec: Codec, value: object, now: Time) -> bytes:
     try:
         message = _Reader(codec, now).struct(codec.tree, value)
     except _MisfitError as misfit:
-        raise SerializationError(misfit.sentence(codec.type_name)) from None
+        raise SerializationError(misfit.message(codec.type_name)) from None
     # Numbers that do not fit their type are reported here.
     return codec.encode(message)
 
@@ -57,7 +57,7 @@ class _MisfitError(Exception):
         """Add a step to the front of the path."""
         self.path = step + self.path if not self.path or self.path[0] == "[" else f"{step}.{self.path}"
 
-    def sentence(self, type_name: str) -> str:
+    def message(self, type_name: str) -> str:
         """Return the whole error in one line."""
         if not self._wanted:
             return f"{type_name} has no field {self.path}; {self._got}"
@@ -74,7 +74,7 @@ class _Reader:
         self._elements_left = MAX_ELEMENTS
 
     def struct(self, tree: Struct, value: object) -> Message:
-        """Return a message, its missing fields zero. Raises _MisfitError."""
+        """Return a message whose missing fields are zero. Raises _MisfitError."""
         if tree.name == ROS2_TIME:
             value = self._ros2_time(value)
         if not isinstance(value, Mapping):
@@ -107,7 +107,7 @@ class _Reader:
         if isinstance(node, Text):
             if not isinstance(value, str):
                 raise _MisfitError("a string", value)
-            return value if value.isascii() else _sound_text(value)
+            return value if value.isascii() else _valid_text(value)
         if isinstance(node, Struct):
             return self.struct(node, value)
         if isinstance(node, Stamp):
@@ -130,7 +130,7 @@ class _Reader:
                 return _packed(value) if array.is_bytes else value
         self._elements_left -= len(value)
         if self._elements_left < 0:
-            raise _MisfitError(f"at most {MAX_ELEMENTS} elements in all", value)
+            raise _MisfitError(f"at most {MAX_ELEMENTS} elements in total", value)
         items = []
         for index, each in enumerate(value):
             try:
@@ -219,7 +219,7 @@ def _stamp(node: Stamp, value: Any, now: Time) -> Time | Duration:
     return kind(*halves)
 
 
-def _sound_text(text: str) -> str:
+def _valid_text(text: str) -> str:
     """Return a string with surrogate pairs joined and lone surrogates replaced, because UTF-8 has none."""
     try:
         text.encode()
@@ -242,6 +242,6 @@ def _is_short(value: object) -> bool:
 
 
 def _kind(value: object) -> str:
-    names: dict[type, str] = {list: "a list", dict: "an object", str: "a text", int: "an integer"}
+    names: dict[type, str] = {list: "a list", dict: "an object", str: "a string", int: "an integer"}
     size = f" of {len(value)}" if isinstance(value, list | dict | str) else ""
-    return f"{names.get(type(value), 'something')}{size}"
+    return f"{names.get(type(value), 'a value')}{size}"

@@ -41,7 +41,7 @@ class Leaves:
 
 
 class CompiledForms(Generic[FormT]):
-    """The functions that `compile_form` made, one for each type."""
+    """A cache of the functions from `compile_form`, one for each type."""
 
     def __init__(self, compile_form: Callable[[Struct, Leaves], FormT], leaves: Leaves) -> None:
         self._compile = compile_form
@@ -59,7 +59,7 @@ class CompiledForms(Generic[FormT]):
 
 
 def compile_values(tree: Struct, leaves: Leaves) -> ReadValues:
-    """Return the function that reads a message of a type into a dict, fields as the definition has them."""
+    """Return the function that converts a message of a type to a dict, with its fields in order."""
     source = _ValuesSource(leaves)
     name = source.reader(tree)
     text = "\n".join(source.functions)

@@ -1,7 +1,7 @@
 """Decides which web pages and clients may connect to a gateway.
 
-Any page in a browser may open a WebSocket to this machine, even on loopback; only the `Origin` that
-browsers send names the page. Programs send none.
+A browser lets every web page open WebSockets to this machine, even on loopback. Only the `Origin` header
+identifies the page; programs send none.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from http import HTTPStatus
-from typing import Protocol
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
+from rostether.gateways.websocket.site import RequestHeaders
 from rostether.transports.own_names import OwnNames
 
 ANY_PAGE = "*"
@@ -27,9 +27,9 @@ _BEARER = "bearer"
 class PageRule:
     """The pages that may connect: pages of this machine to this machine, and pages of the same address.
 
-    `origins` are pages that the user named, such as `https://panel.example` (`*`: all), `own_names` this
-    machine's names. A gateway for a viewer names the viewer's own `viewer_site`: its pages may connect too,
-    and the viewer that this machine serves may connect to any machine.
+    `origins` are pages that the user allows, such as `https://panel.example` (`*`: all), `own_names` the
+    names of this machine. `viewer_site` is the web site of a viewer: its pages may connect, and so may a copy
+    of the viewer on the user's own machine.
     """
 
     origins: Sequence[str] = ()
@@ -54,7 +54,7 @@ class PageRule:
         name = page.hostname or ""
         if name in _LOOPBACK_NAMES and server in _LOOPBACK_NAMES:
             return True
-        # A name that a foreign name server resolves to this machine must not count as its name.
+        # DNS rebinding: a foreign name may resolve to this machine, and is not one of its names.
         return bool(name) and name == server and self.own_names.include(name)
 
     def admits_host(self, host: str) -> bool:
@@ -84,33 +84,26 @@ class Token:
     secret: str = field(default="", repr=False)
 
     @property
-    def is_wanted(self) -> bool:
+    def is_required(self) -> bool:
         """Whether clients need the token."""
         return bool(self.secret)
 
-    def is_carried_by(self, path: str, authorization: str) -> bool:
-        """Return whether a request has the token: `Authorization: Bearer` counts, or else `?token=`."""
+    def is_presented_in(self, path: str, authorization: str) -> bool:
+        """Return whether a request has the token in `Authorization: Bearer`, or else in `?token=`."""
         scheme, _, credentials = authorization.partition(" ")
         if scheme.lower() == _BEARER:
-            return self.is_same(credentials.strip())
-        return self.is_same(parse_qs(path.partition("?")[2]).get("token", [""])[0])
+            return self.matches(credentials.strip())
+        return self.matches(parse_qs(path.partition("?")[2]).get("token", [""])[0])
 
-    def is_same(self, given: str) -> bool:
-        """Return whether a text is the secret, in constant time."""
+    def matches(self, given: str) -> bool:
+        """Return whether a text is the secret, in a time that does not depend on the text."""
         return is_same_secret(given, self.secret)
 
 
-class Headers(Protocol):
-    """The read access to a request's headers."""
-
-    def get_all(self, key: str, /) -> list[str]:
-        """Return all values of a header."""
-
-
-def single_header(headers: Headers, name: str) -> str | None:
+def single_header(headers: RequestHeaders, name: str) -> str | None:
     """Return the value of a header, None if it is missing.
 
-    A repeated header counts as "null", which is neither the Origin of a page nor a valid token.
+    The value of a repeated header is "null", which is neither the Origin of a page nor a valid token.
     """
     values = headers.get_all(name)
     if not values:
@@ -123,13 +116,13 @@ def foreign_host(host: str) -> str:
     return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use a --token"
 
 
-def _is_carried(token: Token, path: str, headers: Headers) -> bool:
+def _is_presented(token: Token, path: str, headers: RequestHeaders) -> bool:
     authorization = single_header(headers, "Authorization") or ""
-    return token.is_wanted and token.is_carried_by(path, authorization)
+    return token.is_required and token.is_presented_in(path, authorization)
 
 
 def is_same_secret(given: str, wanted: str) -> bool:
-    """Return whether two texts are equal, in a time independent of their first difference."""
+    """Return whether two texts are equal, in a time that does not depend on where they differ."""
     return hmac.compare_digest(
         given.encode("utf-8", "surrogatepass"), wanted.encode("utf-8", "surrogatepass")
     )
@@ -163,30 +156,30 @@ class Admission:
         self._path = path.strip("/")
         self._wants_token_first = wants_token_first
 
-    def has_token(self, path: str, headers: Headers) -> bool:
+    def has_token(self, path: str, headers: RequestHeaders) -> bool:
         """Return whether a request has the token; False if the server has none."""
-        return _is_carried(self.token, path, headers)
+        return _is_presented(self.token, path, headers)
 
-    def rights(self, path: str, headers: Headers) -> Rights:
+    def rights(self, path: str, headers: RequestHeaders) -> Rights:
         """Return the rights of a client whose request is not refused."""
-        return Rights.FULL if not self.token.is_wanted or self.has_token(path, headers) else Rights.VIEW
+        return Rights.FULL if not self.token.is_required or self.has_token(path, headers) else Rights.VIEW
 
-    def _has_view_token(self, path: str, headers: Headers) -> bool:
-        return self.token.is_wanted and _is_carried(self._view_token, path, headers)
+    def _has_view_token(self, path: str, headers: RequestHeaders) -> bool:
+        return self.token.is_required and _is_presented(self._view_token, path, headers)
 
-    def refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Return why a WebSocket is refused, None when it is not."""
+    def refusal(self, path: str, headers: RequestHeaders) -> tuple[HTTPStatus, str] | None:
+        """Return why a WebSocket is refused, None if it is admitted."""
         return self._refusal(path, headers, self._pages)
 
-    def own_refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Return why a WebSocket that requires the full token, and no viewer's page, is refused."""
+    def own_refusal(self, path: str, headers: RequestHeaders) -> tuple[HTTPStatus, str] | None:
+        """Return why a WebSocket is refused that requires the full token and is not for pages of a viewer."""
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
-        if self.token.is_wanted and not self.has_token(path, headers):
+        if self.token.is_required and not self.has_token(path, headers):
             return HTTPStatus.FORBIDDEN, "this requires the full token, not the view token"
         return None
 
-    def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
+    def _refusal(self, path: str, headers: RequestHeaders, pages: PageRule) -> tuple[HTTPStatus, str] | None:
         origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
         has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
         if not pages.admits(origin, host) and not (has_token and is_of_program(origin)):
@@ -194,23 +187,23 @@ class Admission:
                 return HTTPStatus.FORBIDDEN, foreign_host(host)
             reason = f"pages of {origin:.200} may not connect; allow them with --origin {origin:.200}"
             return HTTPStatus.FORBIDDEN, reason
-        if self.token.is_wanted and self._wants_token_first and not has_token:
+        if self.token.is_required and self._wants_token_first and not has_token:
             reason = "the token is missing or wrong; connect to ws://HOST:PORT/?token=TOKEN"
             return HTTPStatus.FORBIDDEN, reason
         if self._path and path.partition("?")[0].strip("/") != self._path:
             return HTTPStatus.NOT_FOUND, f"nothing is served at {path!r:.200}"
         return None
 
-    def page_refusal(self, headers: Headers) -> str | None:
-        """Return why a plain request for a file is refused, None when it is not.
+    def page_refusal(self, headers: RequestHeaders) -> str | None:
+        """Return why a plain request for a file is refused, None if it is admitted.
 
         Files are not secret, so they need no token: the page sends it when it connects.
         """
         host = single_header(headers, "Host") or ""
         return None if self._pages.admits_host(host) else foreign_host(host)
 
-    def download_refusal(self, path: str, headers: Headers) -> str | None:
-        """Return why a request for a recording is refused, None when it is not.
+    def download_refusal(self, path: str, headers: RequestHeaders) -> str | None:
+        """Return why a request for a recording is refused, None if it is admitted.
 
         Unlike the page, recordings need the token if one is set, and pages of other sites are refused.
         """
@@ -219,6 +212,6 @@ class Admission:
         if single_header(headers, "Sec-Fetch-Site") in ("cross-site", "same-site"):
             return "pages of other sites may not download recordings"
         is_known = self.has_token(path, headers) or self._has_view_token(path, headers)
-        if self.token.is_wanted and not is_known:
+        if self.token.is_required and not is_known:
             return "the token is missing or wrong; add ?token=TOKEN to the address"
         return None

@@ -8,7 +8,6 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Sequence
-from contextlib import aclosing
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -16,7 +15,7 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.extensions.permessage_deflate import ServerPerMessageDeflateFactory
 from websockets.frames import CloseCode, Frame, Opcode
-from websockets.http11 import Request, Response
+from websockets.http11 import Request
 from websockets.protocol import OPEN
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
@@ -24,14 +23,14 @@ from websockets.typing import Subprotocol
 from rostether.gateways.websocket.connection_limiter import peer_name
 from rostether.gateways.websocket.message_assembler import MessageAssembler
 from rostether.gateways.websocket.ping_watch import PingWatch
-from rostether.gateways.websocket.plain_response import (
+from rostether.gateways.websocket.plain_answer import (
     MAX_METHOD_BYTES,
+    PlainAnswer,
     asks_for_websocket,
-    download_chunks,
-    malformed_reply,
-    plain_response,
+    end_sending,
+    http_method,
+    request_method,
 )
-from rostether.gateways.websocket.site import Site, refusal
 from rostether.gateways.websocket.tls_start import encrypted
 from rostether.transports.read_turn import ReadTurn
 from rostether.transports.sockets import READ_BYTES, read_buffer
@@ -41,11 +40,8 @@ if TYPE_CHECKING:
 
     from rostether.gateways.websocket.server import WebSocketServer
 
-# The time for a client to answer a close; then the connection is aborted.
+# A client that does not answer a close within this time is aborted.
 _CLOSE_S = 5.0
-
-# Long enough for a phone on a weak network to read the largest file of the page.
-_FILE_S = 30.0
 
 # The first byte of a pong.
 _PONG = bytes([0x80 | Opcode.PONG])
@@ -103,12 +99,13 @@ class Connection(asyncio.BufferedProtocol):
         # What arrives between the TLS handshake and the encrypted transport; None from then on.
         self._early: bytearray | None = None
         self._encrypting: asyncio.Task[None] | None = None
-        self._is_shaken = False
+        self._is_established = False
         self._timer: asyncio.TimerHandle | None = None
         self._is_ending = False
-        self._is_answered = False
+        # The answer to a plain request or a refused handshake, which ends the connection.
+        self._answer: PlainAnswer | None = None
+        # The first bytes of the request.
         self._start = b""
-        self._download: asyncio.Task[None] | None = None
         # The answer to the last ping of a client that does not read.
         self._pong = b""
         self._pings = PingWatch(self._limits.pings)
@@ -117,12 +114,12 @@ class Connection(asyncio.BufferedProtocol):
     def is_open(self) -> bool:
         """Whether messages can be sent."""
         # An invalid frame in the chunk of the request ends sending, but the state becomes open.
-        return self._is_shaken and self._websocket.state is OPEN and not self._websocket.eof_sent
+        return self._is_established and self._websocket.state is OPEN and not self._websocket.eof_sent
 
     @property
     def is_newcomer(self) -> bool:
         """Whether it has not sent a whole request yet."""
-        return not self._is_shaken and not self._is_answered
+        return not self._is_established and self._answer is None
 
     @property
     def unsent_bytes(self) -> int:
@@ -143,7 +140,7 @@ class Connection(asyncio.BufferedProtocol):
     # Methods that asyncio calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Wait for the request, if the connection is admitted; encrypt it first if the server does that."""
+        """Wait for the request of an admitted connection, after a TLS handshake if the server uses TLS."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
@@ -173,10 +170,10 @@ class Connection(asyncio.BufferedProtocol):
         self._turn.note_cost(nbytes, time.thread_time() - began_s)
 
     def _receive(self, data: bytes) -> None:
-        if self._is_answered:
+        if self._answer is not None:
             # One connection, one plain request; its body is read, so that the client gets the response.
             return
-        if not self._is_shaken:
+        if not self._is_established:
             self._start = (self._start + data[:MAX_METHOD_BYTES])[:MAX_METHOD_BYTES]
         self._websocket.receive_data(data)
         self._handle_events()
@@ -185,11 +182,10 @@ class Connection(asyncio.BufferedProtocol):
         """Handle the end of the client's data."""
         if self._early is not None:
             return False
-        if self._is_answered and self._download is None:
-            return False
-        if self._download is not None:
+        if self._answer is not None:
             # TLS has no half-closed connections.
-            return self._transport is not None and self._transport.can_write_eof()
+            is_half_closed = self._transport is not None and self._transport.can_write_eof()
+            return self._answer.is_download and is_half_closed
         self._websocket.receive_eof()
         self._handle_events()
         return False
@@ -198,9 +194,9 @@ class Connection(asyncio.BufferedProtocol):
         """Report the end to the user."""
         if self._timer is not None:
             self._timer.cancel()
-        if self._download is not None:
-            self._download.cancel()
-        self._is_shaken = False
+        if self._answer is not None:
+            self._answer.cancel()
+        self._is_established = False
         self.has_room.set()
         user, self._user = self._user, None
         if user is not None:
@@ -292,9 +288,9 @@ class Connection(asyncio.BufferedProtocol):
                 self._handle_request(event)
             elif isinstance(event, Frame):
                 self._handle_frame(event)
-        if self._websocket.handshake_exc is not None and not self._is_shaken and not self._is_answered:
+        if self._websocket.handshake_exc is not None and self.is_newcomer:
             self._refuse_malformed()
-        if self._is_answered:
+        if self._answer is not None:
             # The library would parse the body as WebSocket frames.
             return
         self._write_protocol()
@@ -304,65 +300,35 @@ class Connection(asyncio.BufferedProtocol):
             self._set_timer(_CLOSE_S, self.abort)
 
     def _refuse_malformed(self) -> None:
-        if self._server.site is not None and (reply := malformed_reply(self._server.site, self._start)):
-            self._answer(plain_response(reply), self._limits.handshake_s)
+        site, method = self._server.site, http_method(self._start)
+        if site is not None and method:
+            self._start_answer().refuse_malformed(site, method, self._limits.handshake_s)
 
     def _handle_request(self, request: Request) -> None:
         self.path, self.headers = request.path, request.headers
-        if self._server.site is not None and not asks_for_websocket(request):
-            self._serve_file(request)
+        if (site := self._server.site) is not None and not asks_for_websocket(request):
+            is_download = site.is_download(request_method(request), request.path)
+            refused = self._server.plain_refusal(self, request, is_download=is_download)
+            self._start_answer().send_file(site, request, refused)
             return
-        refused = self._server.refusal(self, request)
-        if refused is not None:
-            status, reason = refused
-            self._answer(self._websocket.reject(status, reason + "\n"), self._limits.handshake_s)
-            return
-        response = self._websocket.accept(request)
+        refusal = self._server.refusal(self, request)
+        response = self._websocket.accept(request) if refusal is None else self._websocket.reject(*refusal)
         if response.status_code != HTTPStatus.SWITCHING_PROTOCOLS:
-            self._answer(response, self._limits.handshake_s)
+            self._start_answer().send(response, self._limits.handshake_s)
             return
         self._websocket.send_response(response)
         self._write_protocol()
         self._set_timer(self._limits.ping_period_s, self._ping)
-        self._is_shaken = True
+        self._is_established = True
         self._user = self._server.open_user(self)
 
-    def _serve_file(self, request: Request) -> None:
-        assert self._server.site is not None
-        # Before websockets 17, only GET reaches this point, and requests have no method.
-        method = getattr(request, "method", "GET")
-        is_download = self._server.site.is_download(method, request.path)
-        refused = self._server.download_refusal if is_download else self._server.page_refusal
-        if (reason := refused(self, request)) is not None:
-            reply = refusal(HTTPStatus.FORBIDDEN, reason)
-        elif is_download:
-            self._is_answered = self._is_ending = True
-            self._set_timer(_FILE_S, self.abort)
-            self._download = asyncio.ensure_future(self._send_download(self._server.site, request.path))
-            return
-        else:
-            reply = self._server.site.reply(method, request.path, request.headers)
-        self._answer(plain_response(reply), _FILE_S)
-
-    def _answer(self, response: Response, limit_s: float) -> None:
-        """Answer a plain request, or refuse a WebSocket; then the client closes."""
+    def _start_answer(self) -> PlainAnswer:
         assert self._transport is not None
-        self._is_answered = self._is_ending = True
-        self._transport.write(response.serialize())
-        self._end_sending()
-        self._set_timer(limit_s, self.abort)
-
-    async def _send_download(self, site: Site, path: str) -> None:
-        assert self._transport is not None
-        # A canceled download closes its file.
-        async with aclosing(download_chunks(site, path)) as chunks:
-            async for chunk in chunks:
-                self._transport.write(chunk)
-                # A client that reads nothing for this time has disconnected.
-                self._set_timer(_FILE_S, self.abort)
-                await self.has_room.wait()
-        # The transport sends written data first.
-        self._transport.close()
+        self._is_ending = True
+        self._answer = PlainAnswer(
+            self._transport, self.has_room, lambda limit_s: self._set_timer(limit_s, self.abort)
+        )
+        return self._answer
 
     def _handle_frame(self, frame: Frame) -> None:
         self._pings.received()
@@ -388,15 +354,7 @@ class Connection(asyncio.BufferedProtocol):
         if data := b"".join(pieces):
             self._transport.write(data)
         if b"" in pieces:
-            self._end_sending()
-
-    def _end_sending(self) -> None:
-        assert self._transport is not None
-        # TLS has no half-close; the transport sends written data first.
-        if self._transport.can_write_eof():
-            self._transport.write_eof()
-        else:
-            self._transport.close()
+            end_sending(self._transport)
 
     def _ping(self) -> None:
         if self._pings.is_lost(self.unsent_bytes, is_reading=self._is_reading):

@@ -18,20 +18,20 @@ MAX_REASONS = 5
 class ConnectionLimiter:
     """Admits and counts connections, and reports those that it refuses at a limited rate.
 
-    `allow` are the networks that may connect (none: all networks); `most` is the maximum of connections.
-    `make_room` ends a connection at that maximum, and returns whether it did.
+    `allow` are the networks that may connect (none: all networks); `max_connections` is their limit.
+    `make_room` ends a connection when the limit is reached, and returns whether it did.
     """
 
     def __init__(
         self,
         allow: Sequence[str],
-        most: int,
+        max_connections: int,
         report: Callable[[str], None],
         make_room: Callable[[], bool] = lambda: False,
     ) -> None:
         self.open_count = 0
         self._allow = AllowList(allow)
-        self._most = most
+        self._max_connections = max_connections
         self._report = report
         self._make_room = make_room
         self._reported: set[str] = set()
@@ -68,11 +68,11 @@ class ConnectionLimiter:
     def _refusal(self, transport: asyncio.BaseTransport) -> str:
         peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
         if not peer or not own:
-            return "it is gone"
+            return "it has disconnected"
         if not self._allow.allows_connection(peer[0], own[0]):
             return f"{peer[0]} is not in the networks of --allow"
-        if self.open_count >= self._most and not self._make_room():
-            return f"the limit of open connections ({self._most}) is reached"
+        if self.open_count >= self._max_connections and not self._make_room():
+            return f"the limit of open connections ({self._max_connections}) is reached"
         return ""
 
 

@@ -75,7 +75,7 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
                 return made
             _make_server(made, authority, key, wanted_names, addresses)
     except OSError as error:
-        raise ConfigError(f"the certificate cannot be kept in {folder}: {error.strerror}") from None
+        raise ConfigError(f"the certificate cannot be written to {folder}: {error.strerror}") from None
     except ValueError as error:
         raise ConfigError(
             f"a certificate in {folder} cannot be read: {error}; delete that folder to make a new one"
@@ -97,7 +97,7 @@ def _identities(names: Iterable[str]) -> tuple[set[str], set[_Address]]:
 
 
 def _ascii_name(name: str) -> str:
-    """Return a host name as certificates have it. Raises ConfigError."""
+    """Return a host name in the ASCII form of certificates. Raises ConfigError."""
     try:
         return name.lower().encode("idna").decode()
     except UnicodeError:
@@ -199,7 +199,7 @@ def _is_good(
         certificate.verify_directly_issued_by(authority)
     except (InvalidSignature, ValueError):
         return False
-    # Only one of both is new if the program was killed between them.
+    # Only one of the two files is new if the program was killed between the writes.
     if load_pem_private_key(made.key.read_bytes(), None).public_key() != certificate.public_key():
         return False
     held = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
@@ -256,7 +256,7 @@ def _write_pair(
 
 
 def _replace(file: Path, content: bytes, mode: int) -> None:
-    """Write a file at once: other programs see the old content or the new one."""
+    """Write a file atomically: other programs read the old content or the new one."""
     new = file.with_name(f"{file.name}.{os.getpid()}")
     new.unlink(missing_ok=True)
     with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as opened:

@@ -1,4 +1,4 @@
-"""A WebSocket server: where it listens, which connections it admits, and how it ends them."""
+"""A WebSocket server: listens, admits connections, and ends them."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class WebSocketServer:
         limits: The bounds of the server and its connections.
         open_user: Creates the user of a WebSocket after its handshake.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
-        viewer_site: A web site whose pages may connect, as well as the viewer that this machine serves.
-        path: The only path that is served; empty: all.
-        wants_token_first: Whether a handshake without the token is refused, not checked later.
+        viewer_site: The web site of a viewer; its pages, and a copy of it on this machine, may connect.
+        path: The only path for WebSockets; empty for all paths.
+        wants_token_first: Whether a handshake without the token is refused; otherwise the user checks it.
         subprotocols: The WebSocket subprotocols, the best first.
         deflates: Whether messages are compressed for clients that support it.
         site: Files that are served by plain GET.
@@ -92,7 +92,7 @@ class WebSocketServer:
         self._servers: list[asyncio.Server] = []
         self._connections: dict[Connection, asyncio.Transport] = {}
         self._is_closed = False
-        self._are_gone = asyncio.Event()
+        self._is_empty = asyncio.Event()
 
     @property
     def port(self) -> int:
@@ -130,7 +130,7 @@ class WebSocketServer:
                     )
             except OSError as error:
                 if self._servers:
-                    # A machine without IPv6.
+                    # The machine has no IPv6.
                     continue
                 raise self._explain(port, error) from error
             lengthen_backlog(server)
@@ -153,16 +153,16 @@ class WebSocketServer:
             connection.close()
         try:
             async with asyncio.timeout(HANG_UP_S):
-                await self._wait_gone()
+                await self._wait_until_empty()
         except TimeoutError:
             for connection in list(self._connections):
                 connection.abort()
-            await self._wait_gone()
+            await self._wait_until_empty()
 
-    async def _wait_gone(self) -> None:
+    async def _wait_until_empty(self) -> None:
         while self._connections:
-            self._are_gone.clear()
-            await self._are_gone.wait()
+            self._is_empty.clear()
+            await self._is_empty.wait()
 
     # Methods that connections call.
 
@@ -176,7 +176,7 @@ class WebSocketServer:
     def _make_room(self) -> bool:
         """End the oldest connection that is not a WebSocket, of the address with most of them.
 
-        One that has sent no request ends first.
+        A connection that has sent no request ends first.
         """
         plain = [each for each in self._connections if not each.is_open]
         if not plain:
@@ -193,10 +193,10 @@ class WebSocketServer:
         if self._connections.pop(connection, None) is not None:
             self._limiter.release()
         if not self._connections:
-            self._are_gone.set()
+            self._is_empty.set()
 
     def refusal(self, connection: Connection, request: Request) -> tuple[HTTPStatus, str] | None:
-        """Return why a WebSocket is refused, None when it is not."""
+        """Return the status and reason with which a WebSocket is refused, None if it is admitted."""
         route = request.path.partition("?")[0]
         if route not in self._routes:
             refused = self.admission.refusal(request.path, request.headers)
@@ -206,9 +206,11 @@ class WebSocketServer:
             refused = self.admission.own_refusal(request.path, request.headers)
         if refused is None and (reason := self._limit_reached(connection)):
             refused = HTTPStatus.SERVICE_UNAVAILABLE, reason
-        if refused is not None:
-            self._report_refused(connection, refused[1])
-        return refused
+        if refused is None:
+            return None
+        status, reason = refused
+        self._report_refused(connection, reason)
+        return status, reason + "\n"
 
     def _limit_reached(self, connection: Connection) -> str:
         hosts = [each.host for each in self._connections if each.is_open]
@@ -225,16 +227,12 @@ class WebSocketServer:
         open_user = self._routes.get(connection.path.partition("?")[0]) or self._open_user
         return open_user(connection)
 
-    def page_refusal(self, connection: Connection, request: Request) -> str | None:
-        """Return why a plain request is refused, None when it is not."""
-        reason = self.admission.page_refusal(request.headers)
-        if reason is not None:
-            self._report_refused(connection, reason)
-        return reason
-
-    def download_refusal(self, connection: Connection, request: Request) -> str | None:
-        """Return why a request for a recording is refused, None when it is not."""
-        reason = self.admission.download_refusal(request.path, request.headers)
+    def plain_refusal(self, connection: Connection, request: Request, *, is_download: bool) -> str | None:
+        """Return why a plain request for a file or a download is refused, None if it is allowed."""
+        if is_download:
+            reason = self.admission.download_refusal(request.path, request.headers)
+        else:
+            reason = self.admission.page_refusal(request.headers)
         if reason is not None:
             self._report_refused(connection, reason)
         return reason

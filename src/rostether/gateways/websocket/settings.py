@@ -28,17 +28,17 @@ class ConnectionLimits:
 
     ping_period_s: float = 20.0
 
-    # A client that leaves this number of pings unanswered, and reads nothing, counts as disconnected.
+    # A client that leaves this number of pings unanswered, and reads nothing, has disconnected.
     pings: int = 1
 
 
 @dataclass(frozen=True, slots=True)
 class ServerSettings:
-    """How a server is reached.
+    """The address and the access rules of a server.
 
-    `host` is one name or address of this machine, `localhost` both loopback addresses. Clients must send
-    `token` if it is not empty; clients with `view_token` may only view. `origins` are more web
-    pages that may connect (`*`: all), `allow` networks. With `certificate` and `key` (files), connections are
+    `host` is a name or address of this machine; `localhost` is both loopback addresses. Clients must send
+    `token` if it is not empty; clients with `view_token` may only view. `origins` are more web pages that may
+    connect (`*`: all), and `allow` the networks. With `certificate` and `key` (files), connections are
     encrypted (wss).
     """
 

@@ -69,7 +69,7 @@ class RequestHeaders(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """The response to a plain request. `length` is the size of the body, which HEAD leaves out."""
+    """The response to a plain request; `length` is the size of the body also for HEAD, which has no body."""
 
     status: HTTPStatus
     headers: tuple[tuple[str, str], ...]
@@ -156,7 +156,7 @@ class Site:
         return is_tile or (self._downloads is not None and path.startswith(DOWNLOADS))
 
     def open_download(self, path: str) -> tuple[Reply, BinaryIO | None]:
-        """Return the head of the response and the open file that follows it; reads the disk."""
+        """Return the header of the response and the open file that follows it; reads the disk."""
         if path.startswith(TILES):
             return self._open_tile(path)
         assert self._downloads is not None
@@ -207,7 +207,7 @@ class Site:
 
 
 def refusal(status: HTTPStatus, text: str, *more: tuple[str, str], is_head: bool = False) -> Reply:
-    """Return a response with one line that explains why there is no file."""
+    """Return a response with one line of text that explains why there is no file."""
     body = f"{text}\n".encode("utf-8", "replace")
     headers = (*_ALWAYS, ("Content-Type", "text/plain; charset=utf-8"), *more)
     return Reply(status, headers, b"" if is_head else body, len(body))

@@ -1,7 +1,7 @@
 """Starts TLS on an accepted connection.
 
-A listener of asyncio with TLS shows a connection only after its handshake: neither allow lists nor limits
-would apply to clients that never finish it.
+asyncio reports a connection of a TLS listener only after its handshake, so allow lists and limits would not
+apply to clients that never finish it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ async def encrypted(
 ) -> asyncio.Transport | None:
     """Return the encrypted transport of a client, None if its handshake failed or took longer than the limit.
 
-    Bytes that follow the handshake at once may reach the protocol before this returns. A request without TLS
+    Bytes directly after the handshake may reach the protocol before this returns. A request without TLS
     gets an answer that names https.
     """
     try:

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 # The overhead of a waiting message, so that the limit also applies to many empty messages.
 MESSAGE_COST_BYTES = 100
 
-# Full queues shrink to this share, so that the fullest topic is not searched for with each message.
+# Full queues shrink to this share, so that not every message causes a search for the fullest topic.
 _SHRUNK_TO = 0.9
 
 TopicT = TypeVar("TopicT")

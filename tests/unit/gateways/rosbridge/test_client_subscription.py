@@ -31,7 +31,7 @@ def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox[ClientSubscr
     errors: list[str] = []
     outbox = Outbox[ClientSubscription](1 << 20, 1 << 20)
     made = ClientSubscription("/a", outbox, errors.append)
-    made.want(None, delivery(**fields), str(fields.get("type", "")))
+    made.add_request(None, delivery(**fields), str(fields.get("type", "")))
     return made, outbox, errors
 
 
@@ -69,21 +69,21 @@ def test_several_wishes_of_one_client_are_all_met() -> None:
 
 def test_wishes_are_taken_back_one_by_one_or_all() -> None:
     made, _, _ = subscription(throttle_rate=1000)
-    made.want("b", delivery(throttle_rate=100), "")
+    made.add_request("b", delivery(throttle_rate=100), "")
     assert made.delivery.throttle_s == 0.1
-    assert made.want_no_more("b")
+    assert made.remove_request("b")
     assert made.delivery.throttle_s == 1.0
-    made.want("b", delivery(), "")
-    assert not made.want_no_more(None)
+    made.add_request("b", delivery(), "")
+    assert not made.remove_request(None)
 
 
 def test_ids_are_bounded() -> None:
     made, _, _ = subscription()
     for number in range(MAX_REQUESTS - 1):
-        made.want(number, delivery(), "")
+        made.add_request(number, delivery(), "")
     with pytest.raises(RemoteProtocolError, match="unsubscribe some"):
-        made.want("more", delivery(), "")
-    made.want(0, delivery(queue_length=2), "")
+        made.add_request("more", delivery(), "")
+    made.add_request(0, delivery(queue_length=2), "")
 
 
 @pytest.mark.parametrize(("asked", "kept"), [(0, MAX_QUEUED_MESSAGES), (3, 3), (10**9, MAX_QUEUED_MESSAGES)])

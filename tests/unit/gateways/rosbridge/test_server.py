@@ -96,7 +96,7 @@ async def test_unsubscribing_ends_it_and_ids_keep_others(there: World) -> None:
         await client.settled()
         assert publisher.subscriber_count == 0
         await client.say("unsubscribe", topic="/chatter")
-        assert "does not subscribe /chatter" in (await client.receive("status"))["msg"]
+        assert "is not subscribed to /chatter" in (await client.receive("status"))["msg"]
 
 
 async def test_a_subscription_of_the_wrong_type_is_reported_once_and_gets_nothing(there: World) -> None:

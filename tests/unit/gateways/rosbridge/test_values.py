@@ -172,7 +172,7 @@ def test_whole_floats_are_integers() -> None:
         ("std_msgs/Float64MultiArray", {"data": {"0": 1}}, r"a list \(float64\[\]\) for field data"),
         ("std_msgs/Float64MultiArray", {"data": [1, "b"]}, r"for field data\[1\], got 'b'"),
         ("sensor_msgs/CameraInfo", {"K": [1, 2]}, "field 'K' of sensor_msgs/CameraInfo needs 9 elements"),
-        ("std_msgs/Float64MultiArray", {"data": "x" * 10_000}, "got a text of 10000"),
+        ("std_msgs/Float64MultiArray", {"data": "x" * 10_000}, "got a string of 10000"),
     ],
 )
 def test_what_does_not_fit_is_named(name: str, value: object, sentence: str) -> None:
@@ -189,7 +189,7 @@ def test_every_type_comes_back_as_it_went(name: str) -> None:
 
 
 def test_arrays_of_messages_have_a_limit() -> None:
-    with pytest.raises(SerializationError, match="at most 262144 elements in all for field points"):
+    with pytest.raises(SerializationError, match="at most 262144 elements in total for field points"):
         back("geometry_msgs/Polygon", {"points": [{}] * 262_145})
 
 

@@ -37,7 +37,7 @@ async def test_a_connection_that_has_gone_already_takes_no_place() -> None:
     told: list[str] = []
     gate = ConnectionLimiter((), 1, told.append)
     assert not gate.admit(asyncio.BaseTransport({}))
-    assert (gate.open_count, told) == (0, ["refused a client: it is gone"])
+    assert (gate.open_count, told) == (0, ["refused a client: it has disconnected"])
 
 
 async def test_each_reason_is_reported_once_in_a_while_and_few_of_them() -> None:

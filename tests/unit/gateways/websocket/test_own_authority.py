@@ -134,7 +134,7 @@ def test_files_that_are_broken_are_named(tmp_path: Path) -> None:
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(ConfigError, match="the certificate cannot be kept in"):
+    with pytest.raises(ConfigError, match="the certificate cannot be written to"):
         own_certificate(tmp_path / "file" / "tls")
 
 

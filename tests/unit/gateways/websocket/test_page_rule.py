@@ -68,14 +68,14 @@ def test_pages_that_were_named_may_connect() -> None:
 
 def test_a_request_carries_one_token() -> None:
     token = Token("abc")
-    assert token.is_wanted
-    assert not Token().is_wanted
-    assert token.is_carried_by("/?a=1&token=abc", "")
-    assert token.is_carried_by("/", "bearer  abc ")
-    assert token.is_carried_by("//[?token=abc", "Basic x")
-    assert not token.is_carried_by("/?token=abc", "Bearer wrong")
-    assert not token.is_carried_by("/?token=wrong&token=abc", "")
-    assert not token.is_same("ab\ud800")
+    assert token.is_required
+    assert not Token().is_required
+    assert token.is_presented_in("/?a=1&token=abc", "")
+    assert token.is_presented_in("/", "bearer  abc ")
+    assert token.is_presented_in("//[?token=abc", "Basic x")
+    assert not token.is_presented_in("/?token=abc", "Bearer wrong")
+    assert not token.is_presented_in("/?token=wrong&token=abc", "")
+    assert not token.matches("ab\ud800")
     assert "abc" not in repr(token)
 
 

@@ -101,7 +101,7 @@ async def test_without_a_page_a_plain_request_asks_for_an_upgrade() -> None:
 
 
 async def test_a_client_that_goes_on_sending_keeps_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.gateways.websocket.connection._FILE_S", 0.1)
+    monkeypatch.setattr("rostether.gateways.websocket.plain_answer._FILE_S", 0.1)
     limits = FoxgloveLimits(clients=1, others=0)
     async with stage(replace(FREE, limits=limits), site=SITE) as there:
         _, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)

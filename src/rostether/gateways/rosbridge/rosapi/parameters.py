@@ -26,7 +26,7 @@ class ParameterServices:
         self._is_ros2 = is_ros2
 
     async def get(self, name: str, default: str) -> str:
-        """Return a parameter's value in JSON: `default` if it is unset, null if that is empty too."""
+        """Return a parameter's value in JSON: `default` if it is not set, null if `default` is also empty."""
         try:
             value = await self._graph.get_param(self._name(name))
         except UnknownNameError:
@@ -49,7 +49,7 @@ class ParameterServices:
             await self._graph.delete_param(full_name)
 
     async def search(self, name: str) -> str:
-        """Return the full name of the nearest parameter of that name, or an empty text."""
+        """Return the full name of the nearest parameter of that name, or an empty string."""
         return await self._graph.search_param(self._name(name)) or ""
 
     async def names(self) -> list[str]:

@@ -36,7 +36,7 @@ LocalAnswer: TypeAlias = Callable[[Any], Awaitable[dict[str, Any]]]
 class Rosapi:
     """The handlers of rosapi's services, on one node's graph.
 
-    `ask_type` and `ask_host` ask a service's server, which ROS 1 needs: its master does not know.
+    `ask_type` and `ask_host` ask the server of a service, because a ROS 1 master does not know them.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class Rosapi:
         return {name: f"{self._package}/{row.type_name}" for name, row in self._rows.items()}
 
     def find(self, service: str) -> LocalAnswer | None:
-        """Return the handler of a service by its full name; it takes and returns values of JSON.
+        """Return the handler of a service by its full name; it accepts and returns JSON values.
 
         It raises SerializationError for a request that does not fit, and GraphError.
         """
@@ -116,8 +116,8 @@ class Rosapi:
             await graph.advertise_service(name, registry.service_type(type_name), self.handler(name))
 
     async def _answer(self, row: Row, request: Codec, response: Codec, payload: bytes) -> bytes:
-        tells_success = any(member.name == "successful" for member in response.tree.members)
-        fields = await row.answer(request.decode(payload), tells_success=tells_success)
+        has_success_field = any(member.name == "successful" for member in response.tree.members)
+        fields = await row.answer(request.decode(payload), has_success_field=has_success_field)
         return self._form.from_json(response, fields, self._graph.now())
 
     def _codecs(self, row: Row) -> tuple[Codec, Codec]:
@@ -150,7 +150,7 @@ async def offering_rosapi(
 
 
 def _by_name(request: Codec, args: Any) -> Any:
-    """Return a request's fields by name: clients may give a list in their order, and ROS 1's names."""
+    """Return the request's fields by name: a client may also send a list of values, or ROS 1's names."""
     if args is None:
         return {}
     names = [member.name for member in request.tree.members]
@@ -172,13 +172,13 @@ class Row:
     ask: Callable[[Message], Awaitable[Any]]
     fields: tuple[str, ...]
 
-    async def answer(self, request: Message, *, tells_success: bool) -> dict[str, Any]:
+    async def answer(self, request: Message, *, has_success_field: bool) -> dict[str, Any]:
         """Return the fields of the response. Raises RostetherError, unless the response reports it."""
-        success: dict[str, Any] = {"successful": True} if tells_success else {}
+        success: dict[str, Any] = {"successful": True} if has_success_field else {}
         try:
             found = await self.ask(request)
         except RostetherError as error:
-            if not tells_success:
+            if not has_success_field:
                 raise
             return {"successful": False, "reason": str(error)}
         if len(self.fields) == 1:
