@@ -157,6 +157,19 @@ async def test_a_latched_topic_greets_a_subscriber_of_rclpy(
     assert await peer.ask("receive", topic="/latched/out", count=1) == [{"data": "new"}]
 
 
+async def test_a_latched_burst_reaches_a_connected_subscriber_of_rclpy_whole(
+    join: JoinGraph, peer: RclpyPeer, store: TypeStore
+) -> None:
+    node = await join("/board")
+    string_type = store.registry.message_type("std_msgs/String")
+    publisher = await node.advertise("/latched/burst", string_type, latch=True)
+    await peer.ask("subscribe", topic="/latched/burst", type="std_msgs/msg/String", quality="rosout")
+    await until(lambda: publisher.subscriber_count == 1)
+    publisher.publish_raw([string(f"{number:03}" + "x" * 20_000) for number in range(100)])
+    texts = await peer.ask("receive", topic="/latched/burst", count=100)
+    assert [int(each["data"][:3]) for each in texts] == list(range(100))
+
+
 async def test_a_subscriber_that_asks_for_too_much_is_explained(
     join: JoinGraph, peer: RclpyPeer, store: TypeStore, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -26,11 +26,14 @@ UNFINISHED_SUFFIX = ".unfinished"
 
 @dataclass(frozen=True, slots=True)
 class Repaired:
-    """The contents of a repaired recording, and the reason for the repair (empty if it was complete)."""
+    """The contents of a repaired recording, and the reason for the repair (empty if it was complete).
+
+    `listed_count` is the number of messages in its index, None without an index.
+    """
 
     damage: str
     message_count: int
-    backup: Path | None
+    listed_count: int | None = None
 
 
 def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> Repaired:
@@ -40,6 +43,7 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> R
     `output` is another path. Raises RecordingError.
     """
     reader = open_recording(path, is_native=True)
+    listed_count = None if reader.damage else sum(reader.counts.values())
     try:
         if not reader.damage and (faults := file_faults(path)):
             # The index is intact but the records are not: read the file without its index.
@@ -47,11 +51,11 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> R
             reader = open_recording(path, is_native=True, damage=faults[0])
         damage = reader.damage
         if not damage and path == output:
-            return Repaired("", sum(reader.counts.values()), None)
+            return Repaired("", sum(reader.counts.values()))
         written = _rewrite(reader, path, output, _usual(reader), keep_original)
     finally:
         reader.close()
-    return Repaired(damage, written, keep_original)
+    return Repaired(damage, written, listed_count)
 
 
 def repack(path: Path, output: Path, compression: str, *, keep_original: Path | None = None) -> int:

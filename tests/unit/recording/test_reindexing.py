@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import RecordingError
-from rostether.recording.files import open_recording
+from rostether.recording.files import create_recording, open_recording
 from rostether.recording.reindexing import copy, refuse_same, reindex
-from unit.recording.bags import write_bag
+from unit.recording.bags import connection, text, write_bag
 
 
 def test_a_cut_bag_becomes_whole_and_the_old_one_stays(tmp_path: Path) -> None:
@@ -25,6 +25,28 @@ def test_a_cut_bag_becomes_whole_and_the_old_one_stays(tmp_path: Path) -> None:
     assert reader.damage == ""
     assert reader.compressions[0].name == "bz2"
     assert backup.read_bytes() == cut
+
+
+@pytest.mark.parametrize("name", ["a.bag", "a.mcap"])
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_only_the_damaged_chunk_is_lost(tmp_path: Path, name: str, is_closed: bool) -> None:
+    path, output = tmp_path / name, tmp_path / f"new.{name}"
+    writer = create_recording(path, chunk_bytes=300)
+    number = writer.add_connection(connection())
+    payloads = [text(f"message {index:02}") for index in range(30)]
+    for index, payload in enumerate(payloads):
+        writer.write(number, index + 1, [payload])
+    writer.close()
+    data = path.read_bytes()
+    middle, end = data.index(b"message 14"), len(data) if is_closed else data.index(b"message 29") + 10
+    path.write_bytes(data[:middle] + data[middle + 5 : end])
+    mended = reindex(path, output)
+    found = [each.payload for each in open_recording(output).messages()]
+    assert mended.damage
+    assert found == [each for each in payloads if each in found]
+    assert found[0] == payloads[0]
+    assert found[-1] == payloads[-1]
+    assert 24 <= mended.message_count == len(found) < 30
 
 
 def test_a_whole_bag_is_left_alone(tmp_path: Path) -> None:

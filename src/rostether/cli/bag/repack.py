@@ -134,6 +134,10 @@ def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, q
         output, backup = new_place(path, output_dir, force=force)
         mended = reindex(path, output, keep_original=backup)
         if not quiet:
-            why = f" ({mended.damage})" if mended.damage else ""
             what = f"{mended.message_count} messages"
-            write_line(f"{output}: {what} kept{why}" if why else f"{output}: {what}, complete, not changed")
+            if not mended.damage:
+                write_line(f"{output}: {what}, complete, not changed")
+                continue
+            if mended.listed_count is not None:
+                what = f"{mended.message_count} of {mended.listed_count} messages"
+            write_line(f"{output}: {what} kept ({mended.damage})")

@@ -55,11 +55,6 @@ class BagReader:
         return self._content.damage
 
     @property
-    def whole_bytes(self) -> int:
-        """The length of the intact part of the file."""
-        return self._content.whole_bytes
-
-    @property
     def connections(self) -> Mapping[int, Connection]:
         """The connections by their numbers in the file."""
         return self._content.connections
@@ -105,7 +100,7 @@ class BagReader:
                 yield RecordedMessage(connections[number], time_ns, payload)
         except RecordingError as error:
             raise RecordingError(
-                f"{self.path}: {error}; `rostether bag reindex` keeps the complete part before it"
+                f"{self.path}: {error}; `rostether bag reindex` keeps the rest"
             ) from None
 
     def close(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -46,6 +47,9 @@ MAX_DEFINITION_BYTES = 256 << 20
 
 # The limit of reported reasons: every chunk may be damaged in another way.
 MAX_DAMAGE_CHARS = 500
+
+# A chunk's kind, its length below 1 TB, its times, size and checksum, and its compression.
+_CHUNK_HEAD = re.compile(rb"\x06.{5}\0\0\0.{28}(?:\0\0\0\0|\x03\0\0\0lz4|\x04\0\0\0zstd)", re.DOTALL)
 
 # Messages outside of chunks are read together up to this size.
 MAX_LOOSE_BYTES = 4 << 20
@@ -180,22 +184,18 @@ def _stored(chunk: Chunk, numbers: frozenset[int] | None) -> StoredChunk:
 
 
 def search(data: Buffer, damage: str) -> McapContent:
-    """Read the file up to the last complete record.
+    """Read all complete records; after a broken one, go on at the next chunk.
 
     Raises RecordingError if the unpacked size of its chunks is implausible.
     """
-    check_unpacked_size(_packed_bytes(data), len(data))
     content = McapContent(damage=damage)
+    check_unpacked_size(_define_channels(content, data), len(data))
     loose = _LooseMessages(content, data)
     position = len(MAGIC)
-    try:
-        while position < len(data):
-            before = position
-            try:
-                op, start, position = read_record(data, position)
-            except RecordingError:
-                _add_cut_chunk(content, data, position)
-                raise
+    while position < len(data):
+        before = position
+        try:
+            op, start, position = _known_record(data, before)
             if op == OP_MESSAGE:
                 loose.add(before, position)
                 continue
@@ -203,14 +203,35 @@ def search(data: Buffer, damage: str) -> McapContent:
             if op == OP_DATA_END:
                 break
             _add_record(content, data, op, start, position)
-    except RecordingError as error:
-        content.note(str(error))
+        except RecordingError as error:
+            content.note(str(error))
+            end = position if position > before else len(data)
+            position = min(end, _next_chunk(data, before + 1))
+            with contextlib.suppress(RecordingError):
+                _add_cut_chunk(content, data, before, position)
     try:
         loose.flush()
     except RecordingError as error:
         content.note(str(error))
     content.chunks.sort(key=lambda chunk: chunk.start_ns)
     return content
+
+
+def _known_record(data: Buffer, position: int) -> tuple[int, int, int]:
+    op, start, end = read_record(data, position)
+    if op == 0:
+        raise RecordingError(f"there is no record at byte {position}")
+    return op, start, end
+
+
+def _next_chunk(data: Buffer, position: int) -> int:
+    """Return the position of the next chunk, or the end of the file."""
+    for found in _CHUNK_HEAD.finditer(data, position):
+        with contextlib.suppress(RecordingError):
+            _, start, end = read_record(data, found.start())
+            if decode_chunk(data, start, end).data_end == end:
+                return found.start()
+    return len(data)
 
 
 class _LooseMessages:
@@ -238,43 +259,49 @@ class _LooseMessages:
 
 def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: int) -> None:
     if op == OP_CHUNK:
-        try:
-            _add_found(content, data, _stored(decode_chunk(data, start, end), None))
-        except RecordingError as error:  # the next one may be whole
-            content.note(str(error))
+        _add_found(content, data, _stored(decode_chunk(data, start, end), None))
     elif op in (OP_SCHEMA, OP_CHANNEL):
         content.define(op, data, start, end)
     elif op == OP_HEADER:
         content.profile, content.library = decode_header(data, start, end)
 
 
-def _packed_bytes(data: Buffer) -> int:
-    """Return the total unpacked size, from the headers of the chunks."""
+def _define_channels(content: McapContent, data: Buffer) -> int:
+    """Add the schemas and channels outside of chunks, because a broken chunk may have defined them.
+
+    Returns the total unpacked size of the chunks, from their headers.
+    """
     total, position = 0, len(MAGIC)
-    with contextlib.suppress(RecordingError):
-        while position < len(data):
-            op, start, position = read_record(data, position)
-            if op == OP_CHUNK and (chunk := decode_chunk(data, start, position)).compression:
+    while position < len(data):
+        before = position
+        try:
+            op, start, position = _known_record(data, before)
+            if op in (OP_SCHEMA, OP_CHANNEL):
+                content.define(op, data, start, position)
+            elif op == OP_CHUNK and (chunk := decode_chunk(data, start, position)).compression:
                 total += min(chunk.size_bytes, MAX_CHUNK_BYTES)
+        except RecordingError:
+            end = position if position > before else len(data)
+            position = min(end, _next_chunk(data, before + 1))
     return total
 
 
-def _add_cut_chunk(content: McapContent, data: Buffer, position: int) -> None:
-    """Read the complete messages of an uncompressed chunk that is truncated at the end of the file."""
+def _add_cut_chunk(content: McapContent, data: Buffer, position: int, limit: int) -> None:
+    """Read the complete messages of an uncompressed chunk that is broken, up to a position."""
     start = position + RECORD_HEAD.size
-    if start > len(data) or data[position] != OP_CHUNK:
+    if data[position] != OP_CHUNK:
         return
-    # Treat the end of the file as the end of the chunk.
     head = bytes(data[start : start + 32])
     if len(head) < 32 or int.from_bytes(head[28:32], "little"):
         return
     start += 40
-    end = start
-    while end < len(data):
-        try:
-            end = read_record(data, end)[2]
-        except RecordingError:
-            break
+    before = end = start
+    try:
+        while end < limit:
+            before, end = end, read_record(data, end, limit)[2]
+    except RecordingError:
+        # The damage may begin in the last record that can be read, unless the file ends here.
+        end = end if limit == len(data) else before
     if end > start:
         _add_found(content, data, StoredChunk(start, end, "", end - start, 0, 0, None))
 
@@ -285,7 +312,8 @@ def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
     first_ns, last_ns = 1 << 64, -1
     for time_ns, _, _, number in messages_in(plain, content):
         if number not in content.channels:
-            raise RecordingError(f"a message belongs to channel {number}, which is not defined")
+            content.note(f"messages belong to channel {number}, which is not defined")
+            continue
         counts[number] = counts.get(number, 0) + 1
         first_ns = min(first_ns, time_ns)
         last_ns = max(last_ns, time_ns)

@@ -128,7 +128,7 @@ class McapReader:
                     yield RecordedMessage(connection, time_ns, converted)
         except RecordingError as error:
             raise RecordingError(
-                f"{self.path}: {error}; `rostether bag reindex` keeps the complete part"
+                f"{self.path}: {error}; `rostether bag reindex` keeps the rest"
             ) from None
 
     def close(self) -> None:

@@ -168,6 +168,7 @@ class Endpoints:
             is_open = self._publications.get(publication.topic) is publication
             if is_open and (publication.handle_count == 0 or self._is_closing):
                 del self._publications[publication.topic]
+                publication.send_rest()
                 await self._own.thread.run(publication.close)
 
     async def _end_subscriber(self, subscriber: RclpySubscriber) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections import deque
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,12 +20,20 @@ from rostether.ros2.types.type_support import MessageSupport
 # The time that a closing publisher waits for acknowledgements of its last messages: many round trips.
 ACKNOWLEDGE_S = 0.1
 
-# The polling interval for acknowledgements while paused: a hundredth of what users notice.
-ACKNOWLEDGE_POLL_S = 0.01
+# The polling interval for acknowledgements: local subscribers acknowledge within 5 ms.
+ACKNOWLEDGE_POLL_S = 0.002
+
+# The latched messages that wait for acknowledgements. A subscriber that was killed delays them by
+# `ACKNOWLEDGE_S` each until its lease ends, 20 s later; beyond this, the oldest is sent at once.
+MAX_BACKLOG = 1000
 
 
 class Publication:
-    """One publisher of rclpy. Opened and closed in the executor's thread."""
+    """One publisher of rclpy. Opened and closed in the executor's thread.
+
+    A latched publisher keeps one message, also for connected subscribers that have not acknowledged it: the
+    next message waits, so that a burst arrives whole.
+    """
 
     # The middleware does not report the losses of slow subscribers to publishers.
     dropped_count = 0
@@ -40,6 +49,8 @@ class Publication:
         self._latch = latch
         self._has_complained = False
         self._publisher: Any = None
+        self._backlog: deque[bytes] = deque()
+        self._sending: asyncio.Task[None] | None = None
 
     def open(self) -> None:
         """Advertise. Raises GraphError, InvalidNameError, TypeMismatchError, UnknownTypeError."""
@@ -74,7 +85,7 @@ class Publication:
     def publish(self, payloads: Sequence[bytes]) -> bool:
         """Send to every subscriber, in order; in the event loop.
 
-        Always True: no subscriber of ROS 2 slows its publishers down.
+        False if latched messages wait; otherwise no subscriber of ROS 2 slows its publishers down.
         """
         publisher = self._publisher
         # Without subscribers, messages cost nothing.
@@ -84,11 +95,15 @@ class Publication:
             converted = self.support.converter.to_cdr_all(payloads)
         except SerializationError:
             converted = self._convert_one_by_one(payloads)
-        try:
-            for each in converted:
-                publisher.publish(each)
-        except Exception as error:  # noqa: BLE001 - an error of the middleware must not end the caller
-            self._complain(f"cannot publish on {self.topic}: {first_lines(str(error))}")
+        if self._latch and (self._backlog or len(converted) > 1 or not self._is_acknowledged()):
+            while len(self._backlog) + len(converted) > MAX_BACKLOG:
+                self._send(self._backlog.popleft() if self._backlog else converted.pop(0))
+            self._backlog += converted
+            if self._sending is None:
+                self._sending = asyncio.get_running_loop().create_task(self._send_backlog())
+            return False
+        for each in converted:
+            self._send(each)
         return True
 
     async def drained(self, timeout_s: float) -> None:
@@ -99,8 +114,13 @@ class Publication:
         """
         deadline_s = time.monotonic() + timeout_s
         # The middleware does not report acknowledgements; polling is cheap.
-        while not self._is_acknowledged() and time.monotonic() < deadline_s:  # noqa: ASYNC110
+        while (self._backlog or not self._is_acknowledged()) and time.monotonic() < deadline_s:  # noqa: ASYNC110
             await asyncio.sleep(ACKNOWLEDGE_POLL_S)
+
+    def send_rest(self) -> None:
+        """Send what waits at once, before the publisher closes; in the event loop."""
+        while self._backlog:
+            self._send(self._backlog.popleft())
 
     def close(self) -> None:
         """Unadvertise."""
@@ -108,6 +128,23 @@ class Publication:
         if publisher is not None:
             publisher.wait_for_all_acked(load_rclpy().duration.Duration(seconds=ACKNOWLEDGE_S))
             self._own.node.destroy_publisher(publisher)
+
+    def _send(self, message: bytes) -> None:
+        if self._publisher is None:
+            return
+        try:
+            self._publisher.publish(message)
+        except Exception as error:  # noqa: BLE001 - an error of the middleware must not end the caller
+            self._complain(f"cannot publish on {self.topic}: {first_lines(str(error))}")
+
+    async def _send_backlog(self) -> None:
+        while self._backlog:
+            deadline_s = time.monotonic() + ACKNOWLEDGE_S
+            while not self._is_acknowledged() and time.monotonic() < deadline_s:  # noqa: ASYNC110
+                await asyncio.sleep(ACKNOWLEDGE_POLL_S)
+            if self._backlog:
+                self._send(self._backlog.popleft())
+        self._sending = None
 
     def _is_acknowledged(self) -> bool:
         publisher = self._publisher
