@@ -99,9 +99,7 @@ class BagReader:
             for number, time_ns, payload in found:
                 yield RecordedMessage(connections[number], time_ns, payload)
         except RecordingError as error:
-            raise RecordingError(
-                f"{self.path}: {error}; `rostether bag reindex` keeps the rest"
-            ) from None
+            raise RecordingError(f"{self.path}: {error}; `rostether bag reindex` keeps the rest") from None
 
     def close(self) -> None:
         """Close the file. Idempotent."""

@@ -127,9 +127,7 @@ class McapReader:
                 if converted is not None:
                     yield RecordedMessage(connection, time_ns, converted)
         except RecordingError as error:
-            raise RecordingError(
-                f"{self.path}: {error}; `rostether bag reindex` keeps the rest"
-            ) from None
+            raise RecordingError(f"{self.path}: {error}; `rostether bag reindex` keeps the rest") from None
 
     def close(self) -> None:
         """Close the file. Idempotent."""
