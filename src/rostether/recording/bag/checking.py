@@ -5,7 +5,8 @@ from __future__ import annotations
 import struct
 
 from rostether.errors import RecordingError
-from rostether.recording.bag.chunks import BagChunk, messages_in, read_content
+from rostether.recording.bag.chunks import BagChunk, messages_in
+from rostether.recording.bag.content import read_content
 from rostether.recording.bag.records import (
     OP_INDEX,
     OP_MESSAGE,

@@ -8,7 +8,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rostether.errors import RecordingError
-from rostether.recording.bag.chunks import messages_in, read_content
+from rostether.recording.bag.chunks import messages_in
+from rostether.recording.bag.content import read_content
 from rostether.recording.bag.records import MAGIC, MAGIC_START
 from rostether.recording.chunk_order import messages_of
 from rostether.recording.packed_chunks import compression_shares

@@ -1,0 +1,93 @@
+"""Finds the contents of a bag by its index, or by a search if the index is missing or damaged."""
+
+from __future__ import annotations
+
+import contextlib
+
+from rostether.errors import RecordingError
+from rostether.recording.bag.chunks import MAX_CONNECTIONS, BagChunk, BagContent
+from rostether.recording.bag.records import (
+    BAG_HEADER_BYTES,
+    MAGIC,
+    OP_BAG,
+    OP_CHUNK,
+    OP_CHUNK_INFO,
+    OP_CONNECTION,
+    U32_PAIR,
+    Fields,
+    op_of,
+    read_record,
+    time_field,
+    u32_field,
+    u64_field,
+)
+from rostether.recording.bag.searching import search
+from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check_unpacked_size
+
+
+def read_content(data: Buffer, damage: str = "") -> BagContent:
+    """Return the content of a bag, by its index, or by a search if the index is missing or damaged.
+
+    Raises RecordingError if the file is not a bag.
+    """
+    start = len(MAGIC)
+    if bytes(data[:start]) != MAGIC:
+        raise RecordingError("it is not a bag of format 2.0")
+    try:
+        fields, _, data_end = read_record(data, start)
+        if op_of(fields) != OP_BAG:
+            raise RecordingError("it does not start with a bag header")
+        index_position = u64_field(fields, b"index_pos")
+        chunk_count = u32_field(fields, b"chunk_count")
+    except RecordingError as error:
+        return search(data, start + BAG_HEADER_BYTES + 8, str(error))
+    if damage:
+        content = BagContent(damage=damage)
+        with contextlib.suppress(RecordingError):
+            # This includes the connections of broken chunks.
+            content.connections = _by_index(data, index_position, chunk_count).connections
+        return search(data, data_end, damage, content)
+    if index_position == 0:
+        return search(data, data_end, "it was not closed")
+    try:
+        return _by_index(data, index_position, chunk_count)
+    except RecordingError as error:
+        return search(data, data_end, f"its index is broken: {error}")
+
+
+def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
+    content = BagContent()
+    while position < len(data):
+        fields, start, position = read_record(data, position)
+        op = op_of(fields)
+        if op == OP_CONNECTION:
+            content.add_connection(fields, data[start:position])
+        elif op == OP_CHUNK_INFO:
+            content.chunks.append(_indexed_chunk(data, fields, data[start:position]))
+    if len(content.chunks) != chunk_count:
+        raise RecordingError(f"it lists {len(content.chunks)} of {chunk_count} chunks")
+    packed = (chunk.size_bytes for chunk in content.chunks if chunk.compression != NONE)
+    check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
+    unknown = {number for chunk in content.chunks for number in chunk.counts} - content.connections.keys()
+    if unknown:
+        raise RecordingError(f"its index has no record of connection {min(unknown)}")
+    return content
+
+
+def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> BagChunk:
+    if len(counts) % U32_PAIR.size or len(counts) > MAX_CONNECTIONS * U32_PAIR.size:
+        raise RecordingError("the counts of a chunk are truncated")
+    chunk_fields, start, end = read_record(data, u64_field(fields, b"chunk_pos"))
+    if op_of(chunk_fields) != OP_CHUNK:
+        raise RecordingError("there is no chunk at a listed position")
+    by_number = dict(U32_PAIR.iter_unpack(counts))
+    return BagChunk(
+        data_start=start,
+        data_end=end,
+        compression=chunk_fields.get(b"compression", b"").decode(errors="replace"),
+        size_bytes=u32_field(chunk_fields, b"size"),
+        start_ns=time_field(fields, b"start_time"),
+        end_ns=time_field(fields, b"end_time"),
+        numbers=frozenset(by_number),
+        counts=by_number,
+    )
