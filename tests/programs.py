@@ -6,9 +6,11 @@ import asyncio
 import contextlib
 import os
 import pty
+import select
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
@@ -80,7 +82,7 @@ class Peer:
                 break
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, number)
-            deadline_s = time.monotonic() + (PATIENCE_S if number == signal_number else 3.0)
+            deadline_s = time.monotonic() + (PATIENCE_S if number == signal_number else PATIENCE_S / 4)
             # `wait` would also wait for programs that have inherited its output.
             while self.process.returncode is None and time.monotonic() < deadline_s:
                 await asyncio.sleep(0.01)
@@ -88,8 +90,9 @@ class Peer:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(group, signal.SIGKILL)
         if self.reader is not None:
+            # A program that it has left running may hold the output open.
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self.reader, 3.0)
+                await asyncio.wait_for(self.reader, PATIENCE_S / 4)
 
 
 def _descendants(pid: int) -> set[int]:
@@ -185,12 +188,18 @@ def read_until(process: subprocess.Popen[str], text: str) -> list[str]:
 
 
 class Terminal:
-    """A pseudo-terminal of 80 columns with a command of ours in it."""
+    """A pseudo-terminal of 80 columns with a command of ours in it.
+
+    What is shown is read all the time: a command waits for ever to write to a terminal that nobody reads.
+    """
 
     def __init__(self, leader: int, process: subprocess.Popen[str]) -> None:
         self.process = process
         self.seen = b""
         self._leader = leader
+        self._is_closing = threading.Event()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
 
     def type(self, keys: bytes) -> None:
         """Press keys."""
@@ -201,7 +210,19 @@ class Terminal:
         deadline_s = time.monotonic() + PATIENCE_S
         while text.encode() not in self.seen:
             assert time.monotonic() < deadline_s, f"{text!r} not in {self.seen[-4000:]!r}"
-            self.seen += os.read(self._leader, 65536)
+            time.sleep(0.005)
+
+    def close(self) -> None:
+        """End the reading."""
+        self._is_closing.set()
+        self._reader.join()
+
+    def _read(self) -> None:
+        # The system reports an error when the command has ended.
+        with contextlib.suppress(OSError):
+            while not self._is_closing.is_set():
+                if select.select([self._leader], [], [], 0.05)[0]:
+                    self.seen += os.read(self._leader, 65536)
 
 
 @contextmanager
@@ -212,6 +233,10 @@ def in_terminal(*arguments: str, lines: int = 24, **environment: str) -> Iterato
     try:
         with running(*arguments, stdin=follower, stdout=follower, stderr=follower, **variables) as process:
             os.close(follower)
-            yield Terminal(leader, process)
+            terminal = Terminal(leader, process)
+            try:
+                yield terminal
+            finally:
+                terminal.close()
     finally:
         os.close(leader)

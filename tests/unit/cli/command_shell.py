@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import io
 import json
+import re
 import threading
 import time
 from collections.abc import Callable, Coroutine
@@ -103,6 +104,21 @@ class Shell:
     def output(self, *arguments: str, stdin: str = "") -> str:
         """Run a command that must succeed without complaint; returns what it printed."""
         result = self(*arguments, stdin=stdin)
+        assert (result.code, result.err) == (0, ""), result
+        return result.out
+
+    def observed(self, pattern: str, *arguments: str, before: Callable[[], object] = lambda: None) -> str:
+        """Run a command that listens for a while; on a busy machine for longer, until it prints a pattern.
+
+        `before` is called before each try.
+        """
+        result = None
+        for seconds in ("0.5", "5", "50"):
+            before()
+            result = self(*arguments, "--duration", seconds)
+            if re.search(pattern, result.out, re.DOTALL):
+                break
+        assert result is not None
         assert (result.code, result.err) == (0, ""), result
         return result.out
 

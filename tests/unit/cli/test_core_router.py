@@ -50,7 +50,8 @@ async def test_its_place_is_taken_once() -> None:
         await session.close()
 
 
-async def test_it_listens_only_where_it_is_reported() -> None:
+async def test_it_listens_only_where_it_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.ros2.zenoh.configuration.PROBE_TIMEOUT_S", 60.0)
     port = free_port()
     router = await start_command("core", "--ros2", "zenoh", "--zenoh-listen", f"tcp/127.0.0.1:{port}")
     try:

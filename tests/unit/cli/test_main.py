@@ -134,6 +134,8 @@ def test_completion_of_verbs_and_names(
     graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     graph.do(graph.node("setter").set_param("/blink_hz", 2))
+    # A busy machine answers late.
+    monkeypatch.setattr("rostether.cli.access.completions.TIMEOUT_S", 60.0)
 
     def complete(words: str) -> str:
         monkeypatch.setenv("_ROSTETHER_COMPLETE", "bash_complete")

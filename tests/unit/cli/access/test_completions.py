@@ -15,6 +15,11 @@ CONTEXT = click.Context(click.Command("any"))
 PARAMETER = click.Argument(["any"])
 
 
+@pytest.fixture(autouse=True)
+def _on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(completions, "TIMEOUT_S", 60.0)
+
+
 @pytest.fixture
 def board(graph: LiveGraph) -> None:
     async def answer(_request: bytes) -> bytes:

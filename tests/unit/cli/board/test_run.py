@@ -20,7 +20,18 @@ RUN = ("board", "run")
 
 
 def run_to_end(*arguments: str, words: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*OURS, *RUN, *arguments], input=words, capture_output=True, text=True, timeout=120)
+    result = subprocess.run(
+        [*OURS, *RUN, *arguments], input=words, capture_output=True, text=True, timeout=120
+    )
+    result.stderr = without_wait(result.stderr)
+    return result
+
+
+def without_wait(errors: str) -> str:
+    """Return the lines of stderr without that on a long preparation, as on a busy machine."""
+    return "".join(
+        line for line in errors.splitlines(keepends=True) if not line.startswith("preparing a simulated ")
+    )
 
 
 def test_it_lists_what_it_runs_and_ends_on_request() -> None:
@@ -75,7 +86,7 @@ def test_signals_end_it_quietly(tmp_path: Path, sign: signal.Signals, code: int)
         process.send_signal(sign)
         assert process.wait(60) == code
         assert process.stderr is not None
-        assert process.stderr.read() == ""
+        assert without_wait(process.stderr.read()) == ""
     assert not link.is_symlink()
 
 

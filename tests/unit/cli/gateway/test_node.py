@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import asyncio
+
 import click
 import pytest
 
@@ -51,7 +53,9 @@ async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_no_obstacle() 
                     assert await third.process.wait() == 1
                 async with rostether.join("/asking", master=master.uri) as graph:
                     gateways = {"/rosapi", f"/rosbridge_websocket_{port}", "/lab/web"}
-                    assert gateways <= set((await graph.call("/rosapi/nodes", "rosapi/Nodes")).nodes)
+                    async with asyncio.timeout(60):
+                        while not gateways <= set((await graph.call("/rosapi/nodes", "rosapi/Nodes")).nodes):
+                            await asyncio.sleep(0.02)
             first.process.kill()
             await first.process.wait()
         async with started("rosbridge", port, *to_master) as again:

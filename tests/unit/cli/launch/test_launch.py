@@ -15,6 +15,7 @@ import click
 import pytest
 import yaml
 
+from children import is_running
 from interop.ros1_peers import free_port
 from programs import running
 from rostether.cli.launch.launch import complete_launch
@@ -22,7 +23,7 @@ from rostether.cli.main import main
 from unit.cli.command_shell import LiveGraph
 
 LIMIT_S = 60.0
-STAY = '#!/bin/sh\necho $$ > "$ROS_HOME/$1.pid"\necho "hello from $1"\nexec sleep 100\n'
+STAY = '#!/bin/sh\necho "hello from $1"\necho $$ > "$ROS_HOME/$1.pid"\nexec sleep 100\n'
 DISPLAY = """<launch>
   <arg name="rate" default="10" doc="how often"/>
   <arg name="port"/>
@@ -213,8 +214,7 @@ def pid_of(name: str, folder: Path) -> int:
 
 def wait_gone(pid: int) -> None:
     deadline_s = time.monotonic() + LIMIT_S
-    stat = Path(f"/proc/{pid}/stat")
-    while stat.exists() and " Z " not in stat.read_text():
+    while is_running(pid):
         assert time.monotonic() < deadline_s, f"process {pid} is still there"
         time.sleep(0.02)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import sys
 
@@ -31,8 +32,10 @@ async def announce_forever(port: int) -> None:
         except OSError:
             await asyncio.sleep(0.02)
             continue
-        while await reader.read(1024):
-            writer.write(encode_frame(ids.PUBLISHER, info.encode()))
+        # The command closes a connection while an announcement is on its way.
+        with contextlib.suppress(ConnectionError):
+            while await reader.read(1024):
+                writer.write(encode_frame(ids.PUBLISHER, info.encode()))
         writer.close()
 
 

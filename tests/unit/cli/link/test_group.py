@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from contract.graphs import snapshot_when
 from interop.ros1_peers import free_port
 from programs import started
 from rostether.cli.bag.figures import MEGABYTE
@@ -75,9 +76,10 @@ async def test_recorded_killed_and_played_again(tmp_path: Path) -> None:
     chunks = [each for each in Capture(file).entries() if isinstance(each, Chunk)]
     assert {each.from_device for each in chunks} == {True, False}
     assert recorded_hellos(file) >= 5
-    async with master() as environ:
+    async with master() as environ, join("looker", environ=environ) as graph:
         # A replay does not wait for who comes late.
         receiving = asyncio.create_task(receive(environ, "/chatter", 3))
+        await snapshot_when(graph.raw, lambda found: "/chatter" in found.topics)
         async with started("link", "replay", str(file), "--name", "ghost", **environ) as play:
             await receiving
             text = await play.finish()

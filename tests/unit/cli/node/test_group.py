@@ -21,6 +21,11 @@ def ignore(_payloads: Sequence[bytes]) -> None:
     pass
 
 
+@pytest.fixture(autouse=True)
+def _on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.cli.node.ros1_ping.ros1_calls.NODE_TIMEOUT_S", 60.0)
+
+
 @pytest.fixture
 def talker(graph: LiveGraph) -> str:
     """Publish, subscribe to a topic without publishers, and offer a service; returns the node's URI."""

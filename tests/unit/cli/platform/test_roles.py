@@ -72,16 +72,15 @@ async def test_a_topic_over_multicast_and_back(
     ):
         await receiver.wait_for("receiving arduino_control/ArduinoControl from 239.255.82.83:")
         await bridge.wait_for("sending /arduino_control to 239.255.82.83:")
-        speeds: list[float] = []
         async with asyncio.timeout(60):
             publishing = asyncio.ensure_future(repeat(control, dir=90.0, speed=0.5))
             async for command in graph.messages("/robot_3/control"):
-                speeds.append(command.speed)
-                publishing.cancel()
-                # The topic is silent now: the robot is stopped.
-                if command.speed == 0:
+                # Once the topic is silent, the robot is stopped; on a busy machine, it may be before.
+                assert command.speed in (0.5, 0.0)
+                if command.speed:
+                    publishing.cancel()
+                elif publishing.cancelled():
                     break
-        assert speeds[0] == 0.5
 
 
 async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:

@@ -14,14 +14,16 @@ from unit.cli.ros2.zenoh_world import ZenohWorld
 
 def test_the_demo_is_in_both_ros(graph: LiveGraph, world: ZenohWorld, shell: Shell) -> None:
     with running(
-        "demo", "--board", "python", "--join", "--seconds", "60", ROS_MASTER_URI=graph.uri
+        "demo", "--board", "python", "--join", "--seconds", "170", ROS_MASTER_URI=graph.uri
     ) as process:
         lines = read_until(process, "virtual board ready")
         assert any("Joining ROS 2 domain 0 over zenoh" in line for line in lines)
         assert any("topic echo --ros2 zenoh /ultrasound" in line for line in lines)
         text = shell("topic", "echo", "--once", "/ultrasound").out
         assert "  frame_id: ultrasound\nradiation_type: 0\n" in text
-        assert "/set_led" in shell.output("service", "list").splitlines()
+        while "/set_led" not in shell.output("service", "list").splitlines():
+            # Nodes hear of a service a moment after it is there.
+            assert process.poll() is None
         call = shell.output("service", "call", "/set_led", "std_srvs/srv/SetBool", "{data: true}")
         assert "success=True" in call
         assert "header" in shell("topic", "echo", "--ros1", "-n", "1", "/ultrasound").out

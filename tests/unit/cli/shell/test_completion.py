@@ -66,7 +66,9 @@ def test_bash_completes_verbs_and_names(graph: LiveGraph) -> None:
     environment = {"ROS_MASTER_URI": graph.uri}
     assert completed("rostether no", environment) == ["node"]
     assert completed('rostether node ""', environment)[:2] == ["list", "info"]
-    assert completed("rostether node info ta", environment) == ["/talker"]
+    # On a busy machine the master may answer after the longest wait.
+    tries = (completed("rostether node info ta", environment) for _ in range(10))
+    assert next(filter(None, tries)) == ["/talker"]
     assert completed("rostether srv show std_srvs/Set", environment) == ["std_srvs/SetBool"]
 
 

@@ -214,12 +214,17 @@ def test_ctrl_c_after_a_part_of_a_command_ends_the_next_part(monkeypatch: pytest
     monkeypatch.setattr(interrupts, "_interrupted", False)
     before = signal.getsignal(signal.SIGINT)
     threads: list[asyncio.Future[None]] = []
+    parts: list[asyncio.Task[Any]] = []
 
     def interrupt() -> None:
-        time.sleep(0.05)
+        while not parts[0].done():
+            time.sleep(0.001)
         os.kill(os.getpid(), signal.SIGINT)
 
     async def leave_a_thread() -> str:
+        task = asyncio.current_task()
+        assert task is not None
+        parts.append(task)
         # The loop waits for it when the coroutine has ended.
         threads.append(asyncio.get_running_loop().run_in_executor(None, interrupt))
         return "done"
@@ -258,20 +263,20 @@ async def test_a_service_is_ready_alive_and_stops(
 ) -> None:
     # The system keeps ten datagrams for a slow reader.
     monkeypatch.setenv("WATCHDOG_USEC", "60000")
+    received: list[bytes] = []
 
     async def main() -> str:
         # Children must not report in its place.
         assert "NOTIFY_SOCKET" not in os.environ
-        await asyncio.sleep(0.1)
+        while received.count(b"WATCHDOG=1") < 2:
+            received.append(await asyncio.to_thread(manager.recv, 100))
         return "done"
 
     assert await reporting(main()) == "done"
     manager.setblocking(False)
-    received: list[bytes] = []
-    while not received or received[-1] != b"STOPPING=1":
+    while received[-1] != b"STOPPING=1":
         received.append(manager.recv(100))
     assert received[0] == b"READY=1"
-    assert received.count(b"WATCHDOG=1") >= 2
 
 
 async def test_a_loop_that_is_held_sends_nothing(
