@@ -1,2 +1,2 @@
-// Sketches for the established library include this beside <ros.h>, which has all of it.
+// Sketches for the established library include this file in addition to <ros.h>, which contains everything.
 #include "ros.h"

@@ -1,4 +1,4 @@
-// Everything a sketch needs of ROS: `ros::NodeHandle`, publishers, subscribers, services, time.
+// Everything that a sketch needs for ROS: `ros::NodeHandle`, publishers, subscribers, services, time.
 #ifndef ROS_H_
 #define ROS_H_
 

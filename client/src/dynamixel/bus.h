@@ -95,14 +95,14 @@ class Bus {
   }
 
  private:
-  // A line that never pauses must not stop the program: these limits are above what any driver keeps, and
-  // above an echoed request, its answer and some noise.
+  // Limits for a line that never pauses: more than any driver buffers, and more than an echoed request, its answer
+  // and some noise.
   static const uint16_t MOST_WAITING_BYTES = 4096;
   static const size_t MOST_ANSWER_BYTES = 4 * PACKET_BYTES;
 
   bool send() {
     if (!writer_.finish()) return false;
-    // A late answer to an earlier request must not count as the answer to this one.
+    // A late answer to an earlier request is not the answer to this one.
     for (uint16_t left = MOST_WAITING_BYTES; left > 0 && port_.read() >= 0; --left) {
     }
     reader_.restart();
@@ -125,7 +125,7 @@ class Bus {
       if (left-- == 0) return DAMAGED;
       heard_us = port_.microseconds();
       if (!reader_.push(static_cast<uint8_t>(byte))) continue;
-      // On one wire, the request itself may be heard too.
+      // On a bus with one wire, the request itself may also be received.
       if (reader_.instruction() != STATUS || reader_.id() != id || reader_.size() == 0) continue;
       error_ = reader_.parameters()[0];
       if (error_ & ~ALERT) return REFUSED;

@@ -49,7 +49,7 @@ inline uint16_t addToCrc(uint16_t crc, uint8_t byte) {
   return crc;
 }
 
-// Notices the fd that byte stuffing adds.
+// Detects the fd that byte stuffing adds.
 class Stuffing {
  public:
   Stuffing() : matched_(0) {}
@@ -125,7 +125,7 @@ class PacketReader {
  public:
   PacketReader() : damaged_(0) { restart(); }
 
-  // Forgets a packet that has not ended.
+  // Discards a packet that has not ended.
   void restart() { position_ = 0; }
 
   // True if a packet without damage ends with this byte. It lasts until the next call.

@@ -1,7 +1,7 @@
 // ros::ActionServer: a long task with feedback and a result, which can be canceled.
 //
-// The five topics of actionlib: goal and cancel are received; feedback, result and status are sent. Programs with actionlib use it as any
-// action, and with `rostether serve --ros2` it is an action of ROS 2 too.
+// It uses the five topics of actionlib: goal and cancel are received; feedback, result and status are sent. Programs
+// with actionlib can call the action. With `rostether serve --ros2` it is also an action of ROS 2.
 #ifndef ROS_ACTION_SERVER_H_
 #define ROS_ACTION_SERVER_H_
 
@@ -13,9 +13,10 @@
 
 namespace ros {
 
-// Action is the generated class of the definition: actionlib_tutorials::FibonacciAction. The callback, a function or a member
-// function of an Object, begins a goal; the sketch works on it in loop(), and ends it by setSucceeded, setAborted or setPreempted.
-// One goal at a time: a new goal ends the one before as preempted. ID_BYTES hold the goal's id with its final zero.
+// Action is the generated class of the definition: actionlib_tutorials::FibonacciAction. The callback, a function or
+// a member function of an Object, starts a goal. The sketch works on the goal in loop(), and ends it with
+// setSucceeded, setAborted or setPreempted. There is one goal at a time: a new goal preempts the previous one.
+// ID_BYTES is the size of the goal's id, including its final zero.
 template <class Action, class Object = void, uint8_t ID_BYTES = 80>
 class ActionServer : public ActionServerBase_ {
  public:
@@ -31,10 +32,10 @@ class ActionServer : public ActionServerBase_ {
   ActionServer(const char* action, CallbackT callback, Object* object)
       : ActionServerBase_(action, &drive, id_text_), callback_(callback, object) {}
 
-  // Publishes how far the goal in progress is. As Publisher::publish; 0 if there is no goal.
+  // Publishes feedback of the goal in progress. Returns the same as Publisher::publish; 0 if there is no goal.
   int publishFeedback(const Feedback& feedback) { return reachWithGoal() ? send(FEEDBACK, goal_, status_, feedback, "") : 0; }
 
-  // Ends the goal in progress with its result. As Publisher::publish; 0 if there is no goal.
+  // Ends the goal in progress with its result. Returns the same as Publisher::publish; 0 if there is no goal.
   int setSucceeded(const Result& result = Result(), const char* text = "") { return end(Status::SUCCEEDED, result, text); }
   int setAborted(const Result& result = Result(), const char* text = "") { return end(Status::ABORTED, result, text); }
   int setPreempted(const Result& result = Result(), const char* text = "") { return end(Status::PREEMPTED, result, text); }
@@ -51,7 +52,7 @@ class ActionServer : public ActionServerBase_ {
     announceStatus(self, node);
   }
 
-  // A separate function, so that an announcement has no goal on the stack.
+  // A separate function, so that an announcement needs no goal on the stack.
   ROS_NOINLINE void receive(NodeHandleBase_& node, Reader& reader) {
     GoalID id;
     readGoalStart(reader, id);

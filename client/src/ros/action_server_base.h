@@ -1,4 +1,5 @@
-// The part of an action server that is the same for all actions: the goal in progress, its status, and what is sent of it.
+// The part of an action server that is the same for all actions: the goal in progress, its status, and the messages
+// about it.
 #ifndef ROS_ACTION_SERVER_BASE_H_
 #define ROS_ACTION_SERVER_BASE_H_
 
@@ -13,15 +14,15 @@
 
 namespace ros {
 
-// Messages are read and written field by field: objects that are filled, copied and walked would need twice the flash on an AVR.
+// Messages are read and written field by field: message objects would need twice the flash on an AVR.
 class ActionServerBase_ : public Endpoint {
  public:
   // Whether a goal is in progress.
   bool isActive() const { return status_ == Status::ACTIVE || status_ == Status::PREEMPTING; }
-  // Whether the client has canceled the goal in progress: end it by setPreempted.
+  // Whether the client has canceled the goal in progress; then end it with setPreempted.
   bool isPreemptRequested() const { return status_ == Status::PREEMPTING; }
 
-  // Publishes the status five times a second, as clients expect it: call it in loop().
+  // Publishes the status five times a second, as clients expect. Call it in loop().
   void spinOnce() {
     if (nh_ && static_cast<uint16_t>(nh_->time()) - published_ms_ >= STATUS_PERIOD_MS) publishStatus();
   }
@@ -33,7 +34,7 @@ class ActionServerBase_ : public Endpoint {
  protected:
   typedef actionlib_msgs::GoalID GoalID;
   typedef actionlib_msgs::GoalStatus Status;
-  // What it publishes has the ids behind the goals'.
+  // The ids of its publishers follow the id of the goal topic.
   enum Place { GOAL, FEEDBACK, RESULT, STATUS };
 
   ActionServerBase_(const char* action, Driver driver, char* id_text)
@@ -41,7 +42,7 @@ class ActionServerBase_ : public Endpoint {
     goal_.id = id_text;
   }
 
-  // As NodeHandleBase_::announce, for a topic whose name is the action's and a suffix in flash.
+  // Like NodeHandleBase_::announce, for a topic whose name is the name of the action and a suffix in flash.
   template <class Names>
   static ROS_APART void announce(const Endpoint& endpoint, NodeHandleBase_& node, uint8_t role, Place place, const char* suffix,
                                  Names names) {
@@ -60,7 +61,7 @@ class ActionServerBase_ : public Endpoint {
     announce(endpoint, node, ID_PUBLISHER, STATUS, status, WireFormat<actionlib_msgs::GoalStatusArray>::names());
   }
 
-  // What a goal has before its content: a header, which a goal has no use for, and its id.
+  // The start of a goal message: a header, which is not used, and the id of the goal.
   static ROS_APART void readGoalStart(Reader& reader, GoalID& id) {
     uint8_t seq_and_stamp[12];
     reader.value(seq_and_stamp);
@@ -68,13 +69,13 @@ class ActionServerBase_ : public Endpoint {
     readId(reader, id);
   }
 
-  // Whether a goal is in progress, also after what a host that was away has sent.
+  // Whether a goal is in progress, after messages from a host that was disconnected are handled.
   bool reachWithGoal() {
     nh_->reach();
     return isActive();
   }
 
-  // Begins a goal whose id fits into the text for it.
+  // Starts a goal whose id fits into its buffer.
   ROS_APART void start(const GoalID& id) {
     strcpy(id_text_, id.id);
     goal_.stamp = id.stamp;
@@ -82,8 +83,8 @@ class ActionServerBase_ : public Endpoint {
     publishStatus();
   }
 
-  // Writes a message up to its content: the header and the status of a goal. Returns the bytes of the frame; 0 or -1, as
-  // Publisher::publish, if there is none.
+  // Writes a message up to its content: the header and the status of a goal. Returns the bytes of the frame; 0 or -1,
+  // like Publisher::publish, if there is no frame.
   ROS_APART int begin(Place place, const GoalID& goal, uint8_t status, const char* text, size_t content_bytes) {
     NodeHandleBase_& node = *nh_;
     if (!node.connected()) return 0;
@@ -115,9 +116,9 @@ class ActionServerBase_ : public Endpoint {
 
  private:
   friend class NodeHandleBase_;
-  // Empty names and texts included.
+  // Including empty names and strings.
   static const uint8_t HEADER_BYTES = 16, STATUS_BYTES = 17;
-  // No goal is ever pending here: each is begun or rejected at once.
+  // No goal is pending here: each is started or rejected at once.
   static const uint8_t NO_GOAL = Status::PENDING;
   static const uint16_t STATUS_PERIOD_MS = 200;
 
@@ -142,7 +143,7 @@ class ActionServerBase_ : public Endpoint {
     reader.string(id.id);
   }
 
-  // Empty: all goals. A time: also the goals up to then.
+  // An empty id cancels all goals. A time also cancels the goals up to that time.
   void cancel(const GoalID& asked) {
     if (status_ != Status::ACTIVE) return;
     if (!*asked.id || strcmp(asked.id, id_text_) != 0) {

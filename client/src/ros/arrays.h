@@ -1,4 +1,4 @@
-// The form of arrays of variable length in generated messages: a length and a pointer.
+// Arrays of variable length in generated messages: a length and a pointer.
 #ifndef ROS_ARRAYS_H_
 #define ROS_ARRAYS_H_
 
@@ -16,20 +16,20 @@ typedef uint16_t array_length;  // no array can be longer than the address space
 typedef uint32_t array_length;
 #endif
 
-// The length of an array that a message sends. Sketches exist that set a length without elements.
+// The length of an array in a message to send. Some sketches set a length without elements.
 inline array_length presentLength(const void* array, array_length length) { return array ? length : 0; }
 
-// Elements of received arrays lie in the receive buffer, which aligns to four bytes only.
+// Elements of received arrays stay in the receive buffer, which is aligned only to four bytes.
 typedef int64_t unaligned_int64 __attribute__((aligned(4)));
 typedef uint64_t unaligned_uint64 __attribute__((aligned(4)));
 
-// The elements of a float64[]. The established library has float* here on Arduino boards and double*
-// on others; sketches of both kinds assign their arrays to it unchanged.
+// The elements of a float64[]. The established library uses float* on Arduino boards and double* on others; sketches
+// of both kinds can assign their arrays unchanged.
 #if __SIZEOF_DOUBLE__ == 4
 
 // A double is a float here: this is the float* of the established library.
 class Float64Pointer {
-  // An array of the sketch may be one of double, which is another type for the compiler.
+  // A sketch may have an array of double, which is another type for the compiler.
   typedef float Element __attribute__((__may_alias__));
 
  public:
@@ -49,11 +49,12 @@ class Float64Pointer {
 
 #else
 
-// One element of a float64[]: reads and writes through to wherever it is stored, float or double.
+// One element of a float64[]: reads and writes its memory, which is float or double.
 class Float64Reference {
  public:
   Float64Reference(void* address, bool narrow) : address_(address), narrow_(narrow) {}
-  // From integers, which `~` is for. Without it, `constrain(array[0], -1, 1)` had the limits' type, and lost the fraction.
+  // Only for integers (`~` needs one). Without this constructor, `constrain(array[0], -1, 1)` would have the type of
+  // the limits, and lose the fraction.
   template <class Integer, int = sizeof(~Integer())>
   Float64Reference(Integer) = delete;
 
@@ -101,7 +102,7 @@ class Float64Pointer {
   constexpr Float64Pointer(Float* address) : address_(address), narrow_(true) {}
 
   Float64Reference operator[](size_t index) { return Float64Reference(at(index), narrow_); }
-  // A plain value in a message that came in: what a macro such as `constrain` makes of it has its type.
+  // A plain value in a received message: the result of a macro such as `constrain` has this type.
   double operator[](size_t index) const { return Float64Reference(at(index), narrow_); }
   Float64Reference operator*() { return (*this)[0]; }
   double operator*() const { return (*this)[0]; }

@@ -9,7 +9,7 @@
 
 namespace ros {
 
-// Sink in memory that is known to be large enough.
+// A sink in memory that is large enough.
 class BufferWriter {
  public:
   explicit BufferWriter(unsigned char* buffer) : start_(buffer), next_(buffer) {}

@@ -1,4 +1,4 @@
-// The host's time, kept between its answers with the board's milliseconds.
+// The host's time; between the host's answers, the board's milliseconds are added.
 #ifndef ROS_CLOCK_H_
 #define ROS_CLOCK_H_
 
@@ -10,7 +10,7 @@
 
 namespace ros {
 
-// Time's members without its constructor, so that a clock may lie in memory that is zeroed at once.
+// The members of Time without its constructor, so that a clock can be in memory that is set to zero.
 struct Moment {
   uint32_t sec;
   uint32_t nsec;
@@ -20,8 +20,8 @@ class Clock {
  public:
   // Time at `now_ms`. Moves the reference along, so that the millisecond counter may overflow after 49 days.
   //
-  // It never goes back: after an answer below the time last returned, it stands still until the host has caught
-  // up. Only a host whose clock itself was set back, by more than MAX_HOLD_S, is followed back.
+  // It never goes back: after an answer below the last returned time, it stops until the host's time is later. It
+  // follows the host back only if the host's clock was set back by more than MAX_HOLD_S.
   ROS_APART const Moment& at(uint32_t now_ms) {
     uint32_t elapsed_ms = now_ms - moment_ms_;
     moment_ms_ = now_ms;
@@ -30,12 +30,12 @@ class Clock {
       sec += elapsed_ms / 1000;
       elapsed_ms %= 1000;
     }
-    // A million a millisecond, by factors of 16 bits: a single step of an AVR's multiplier.
+    // A million per millisecond, in factors of 16 bits, which are single steps of an AVR's multiplier.
     uint32_t nsec = moment_.nsec + (static_cast<uint32_t>(static_cast<uint16_t>(elapsed_ms)) * uint16_t(15625) << 6);
     normalizeSecNSec(sec, nsec);
     moment_.sec = sec;
     moment_.nsec = nsec;
-    // Negative differences wrap to billions.
+    // Negative differences wrap to large numbers.
     const uint32_t behind_s = returned_.sec - sec;
     if (behind_s >= MAX_HOLD_S || (behind_s == 0 && nsec >= returned_.nsec)) returned_ = moment_;
     return returned_;
@@ -48,15 +48,15 @@ class Clock {
     moment_ms_ = then_ms;
   }
 
-  // Takes over the host's time of the moment `then_ms`, 8 bytes as on the wire. `at` computes the time from
-  // it, so a sketch that never asks for the time does not contain that code.
+  // Stores the host's time at the moment `then_ms`, 8 bytes as on the wire. `at` computes the time from it, so a
+  // sketch that does not use the time does not contain that code.
   void follow(const uint8_t* host, uint32_t then_ms) {
     memcpy(&moment_, host, 8);
     moment_ms_ = then_ms;
   }
 
  private:
-  // Longer than any round trip, and short enough for a clock to stop.
+  // Longer than any round trip, and short enough for a stopped clock.
   static const uint32_t MAX_HOLD_S = 10;
 
   Moment moment_;

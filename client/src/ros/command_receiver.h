@@ -1,6 +1,7 @@
-// A robot's end of framed commands, without network or clock: obeys one sender at a time, and knows when to stop.
+// The receiver of framed commands in a robot, without network or clock: obeys one sender at a time, and detects when
+// to stop.
 //
-// A command, and the status that answers it, in a datagram each. Numbers are little-endian:
+// A command is one datagram, and so is the status that answers it. Numbers are little-endian:
 //
 //   bytes   command                                             status
 //   0-2     "rC", version 1                                     "rS", version 1
@@ -31,7 +32,7 @@ class CommandReceiver {
   enum { HEADER_BYTES = 28, FRAME_BYTES = HEADER_BYTES + SipHash::TAG_BYTES };
   enum { STATUS_BYTES = 32 + 6 + SipHash::TAG_BYTES };
 
-  // Robot 1 of group 0. `kind` is that of its type of command.
+  // Starts as robot 1 of group 0. `kind` is the kind of its type of command.
   CommandReceiver(const FleetKey& key, uint32_t kind) {
     memset(static_cast<void*>(this), 0, sizeof *this);
     key_ = &key;
@@ -47,7 +48,8 @@ class CommandReceiver {
   void setSignal(int8_t dbm) { status_.signal_dbm = dbm; }
   bool isMoving() const { return state_ == MOVING; }
 
-  // True once when the sender has been silent for its time to live: the robot must stop. Ask at least twice a minute.
+  // Whether the robot must stop because the sender was silent for its time to live: true once. Call it at least twice
+  // a minute.
   bool expired(uint16_t now_ms) {
     if (state_ == FREE || static_cast<int16_t>(now_ms - deadline_ms_) < 0) return false;
     const bool was_moving = isMoving();
@@ -59,7 +61,7 @@ class CommandReceiver {
   // stop; give the address of the sender to `setHolder`.
   uint8_t receive(uint8_t* frame, uint16_t size, uint16_t now_ms) {
     if (!isForMe(frame, size)) return NOTHING;
-    // The sender's entry, or the one that it gets, and the age of the frame there.
+    // The entry of the sender, or a new one for it, and the age of the frame.
     Sender* sender = &own_;
     const uint8_t age = compare(frame, sender);
     uint8_t its_age = age;
@@ -72,7 +74,7 @@ class CommandReceiver {
     const uint8_t flags = frame[3];
     uint8_t refusal = NONE;
     if (flags & QUERY) refusal = QUERIED;
-    // A sender that started earlier is not obeyed again: the frame may be a record.
+    // A sender that started earlier is not obeyed again: the frame may be a replayed one.
     else if (age == EARLIER) refusal = OLDER;
     else if (flags & STOP_ALL) refusal = NONE;
     else if (age == LATER && state_ != FREE) refusal = HELD;
@@ -109,7 +111,7 @@ class CommandReceiver {
     status_.port = port;
   }
 
-  // Turns the last datagram's bytes into the status for its sender, of STATUS_BYTES.
+  // Changes the last datagram into the status for its sender, which has STATUS_BYTES.
   void answer(uint8_t* frame) const {
     frame[1] = 'S';
     frame[3] = state_;
@@ -126,15 +128,15 @@ class CommandReceiver {
   enum Age { COPY, NEXT, EARLIER, LATER };
   // Epoch and sequence, as they are in a frame.
   enum { PLACE = 8, EPOCH_BYTES = 8, SEQUENCE_BYTES = 4 };
-  // The longest time that a robot moves after it has lost its sender.
+  // The longest time that a robot keeps moving after it loses its sender.
   static const uint16_t LONGEST_TTL_MS = 1000;
-  // Between statuses, after commands and after queries and stops, which may get lost.
+  // The time between statuses: after commands, and after queries and stops, which may be lost.
   static const uint16_t DRIVING_MS = 1000, QUICK_MS = 250;
 
   struct Sender {
-    // Of the newest frame: a record of it or of earlier ones has no effect.
+    // The place of the newest frame: a replay of it, or of an earlier one, has no effect.
     uint8_t place[EPOCH_BYTES + SEQUENCE_BYTES];
-    // The number of frames, and the sequence before the first.
+    // The number of received frames, and the sequence before the first one.
     uint32_t received;
     uint32_t before;
     // The time of the last status.
@@ -187,7 +189,8 @@ class CommandReceiver {
     memcpy(frame + 24, &lost, sizeof lost);
   }
 
-  // A frame with a valid tag, for this robot. The tag also shows a wrong length or a missing part.
+  // Whether a frame is for this robot and has a valid tag. A wrong length or a missing part also makes the tag
+  // invalid.
   bool isForMe(uint8_t* frame, uint16_t size) const {
     if (size < FRAME_BYTES || frame[1] != 'C' || frame[2] != 1) return false;
     uint16_t ttl_ms;
@@ -208,7 +211,7 @@ class CommandReceiver {
   uint8_t groups_[4];
   uint32_t kind_;
   Status status_;
-  // The newest of the others, and the last of those before it, which are only answered.
+  // The newest other sender, and the previous one; both only get answers.
   Sender others_[2];
 };
 

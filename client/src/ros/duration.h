@@ -5,7 +5,7 @@
 
 namespace ros {
 
-// Brings nsec into [0, 1e9) and carries the rest into sec.
+// Moves the rest of nsec outside [0, 1e9) to sec.
 inline void normalizeSecNSecSigned(int32_t& sec, int32_t& nsec) {
   while (nsec < 0) {
     nsec += 1000000000L;
@@ -17,8 +17,8 @@ inline void normalizeSecNSecSigned(int32_t& sec, int32_t& nsec) {
   }
 }
 
-// A span of time, also negative: sec + nsec * 1e-9 with 0 <= nsec < 1e9.
-// Wire: int32 sec, int32 nsec (ROS message definition "duration").
+// A duration, which may be negative: sec + nsec * 1e-9 with 0 <= nsec < 1e9. Wire: int32 sec, int32 nsec (ROS message
+// definition "duration").
 class Duration {
  public:
   int32_t sec;

@@ -9,14 +9,15 @@ namespace ros {
 
 class NodeHandleBase_;
 
-// One publisher, subscriber or service of a sketch, a link in its node handle's chain.
+// One publisher, subscriber or service of a sketch, in the linked list of its node handle.
 //
-// What differs by message type is behind one function, the driver: with a reader it takes a message that came
-// in on `id_`, without one it announces the endpoint to the host. One pointer is all that an AVR keeps of it in RAM.
+// The code that depends on the message type is in one function, the driver: with a reader, it handles a message
+// received on `id_`; without a reader, it announces the endpoint to the host. An AVR keeps only one pointer for it in
+// RAM.
 class Endpoint {
  public:
   const char* topic_;
-  // The id on which it receives, or for a publisher sends. A service sends on the next one.
+  // The id on which it receives; a publisher sends on it. A service sends on the next id.
   uint16_t id_;
 
  protected:

@@ -9,7 +9,7 @@ namespace ros {
 template <class M>
 class Message;
 
-// The wire and all known boards are little endian: most values are sent as they are in memory.
+// The wire format and all known boards are little endian: most values are sent as they are in memory.
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "ros_lib needs a little-endian processor"
 #endif

@@ -22,12 +22,12 @@
 #define ROS_COPY_FLASH(to, from, count) memcpy(to, from, count)
 #endif
 
-// Arduino's F("...") has this type on every board; on other systems nothing has it.
+// The type of Arduino's F("...") on every board; other systems do not define it.
 class __FlashStringHelper;
 
 namespace ros {
 
-// Address of a NUL-terminated text in program memory: not to be read as a plain pointer on an AVR.
+// The address of a NUL-terminated text in program memory, which an AVR cannot read through a plain pointer.
 struct FlashText {
   const char* address;
 };

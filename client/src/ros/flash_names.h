@@ -13,7 +13,7 @@ class FlashNames {
  public:
   constexpr FlashNames(const char* both, uint8_t type_length) : both_(both), type_length_(type_length) {}
 
-  // Bytes of the two as strings on the wire.
+  // The bytes of both as strings on the wire.
   size_t length() const { return static_cast<size_t>(4 + afterPrefix()); }
   void write(FrameWriter& writer) const {
     writer.count(type_length_);

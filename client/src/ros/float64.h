@@ -1,10 +1,10 @@
-// The eight bytes of a float64 <-> the four of an AVR's double, exactly as IEEE 754 asks.
+// Converts between the eight bytes of a float64 and the four bytes of an AVR's double, exactly as IEEE 754 requires.
 //
 //   float   s eeeeeeee    mmmmmmm mmmmmmmm mmmmmmmm                  bias 127
 //   float64 s eeeeeeeeeee mmmm mmmmmmmm mmmmmmmm mmm.. (29 bits more)  bias 1023
 //
-// Widening is always exact. Narrowing rounds to nearest, ties to even, into subnormals and to infinity
-// where it must; a NaN stays a NaN with its sign. Written byte by byte: an AVR has no barrel shifter.
+// Widening is always exact. Narrowing rounds to nearest, ties to even, also to subnormals and to infinity; a NaN
+// stays a NaN with its sign. It works byte by byte, because an AVR has no barrel shifter.
 #ifndef ROS_FLOAT64_H_
 #define ROS_FLOAT64_H_
 
@@ -54,7 +54,7 @@ inline float narrowFloat(const uint8_t* bytes) {
   f[2] = static_cast<uint8_t>((bytes[5] >> 5 | bytes[6] << 3) & 0x7f);
   f[3] = 0;
   memcpy(&bits, f, 4);
-  // The rest: bit 7 is half a unit in the last place, the others show whether there is more.
+  // The remaining bits: bit 7 is half a unit in the last place, the others show whether there is more.
   uint8_t rest = static_cast<uint8_t>(bytes[3] << 3);
   if (bytes[2] | bytes[1] | bytes[0]) rest |= 1;
   if (exponent == 2047) {

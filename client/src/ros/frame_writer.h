@@ -13,10 +13,11 @@
 
 namespace ros {
 
-// Sink that sends a message as a frame: its length is known beforehand, its bytes stream through a small
-// chunk, its checksum is summed up on the way. No buffer for the whole of it.
+// A sink that sends a message as a frame: the length is known before, and the bytes are summed up and sent through a
+// small chunk, so that no buffer for the whole message is needed.
 //
-// A node sends one frame at a time, so there is one chunk: on the stack it would need room besides the calls of the line.
+// A node sends one frame at a time, so there is one chunk. On the stack, it would need memory in addition to the
+// calls of the line.
 class FrameWriter : protected NodeState {
  public:
   using NodeState::CHUNK_BYTES;
@@ -56,7 +57,7 @@ class FrameWriter : protected NodeState {
   ROS_APART void count(size_t length) {
     uint8_t* to = to_;
     to_ = to + 4;
-    // Nothing but zeros for a processor whose addresses have 16 bits.
+    // Always zero on a processor with addresses of 16 bits.
     const uint16_t upper = static_cast<uint16_t>(static_cast<uint32_t>(length) >> 16);
     const uint8_t bytes[] = {static_cast<uint8_t>(length), static_cast<uint8_t>(length >> 8), static_cast<uint8_t>(upper),
                              static_cast<uint8_t>(upper >> 8)};
@@ -102,7 +103,7 @@ class FrameWriter : protected NodeState {
   ~FrameWriter() {}
 
  private:
-  // There is always room for a count: a flush before it would need more instructions than one after it.
+  // There is always room for a count: a flush before a count would need more instructions than one after it.
   static const uint8_t LEAST_ROOM_BYTES = 4;
 
   // A separate function, so that an AVR has the right register for `to`.
@@ -140,7 +141,7 @@ class FrameWriter : protected NodeState {
       if (room_ < LEAST_ROOM_BYTES) flush();
     }
   }
-  // In node_handle_base.h: no table of virtual functions for this class, which an AVR would keep in RAM.
+  // Defined in node_handle_base.h: a table of virtual functions for this class would need RAM on an AVR.
   void flush();
 };
 

@@ -3,16 +3,16 @@
 #define ROS_INLINING_H_
 
 #define ROS_NOINLINE __attribute__((noinline))
-// A separate function that knows its object only as `this`. With the object's address built in, as GCC does where there is
-// only one, each access takes an AVR four bytes of code instead of two.
+// A separate function that accesses its object only through `this`. GCC may insert the address of an only object;
+// then each access needs four bytes of code on an AVR instead of two.
 #if defined(__GNUC__) && !defined(__clang__)
 #define ROS_APART __attribute__((noinline, noclone))
 #else
 #define ROS_APART __attribute__((noinline))
 #endif
-// Hides from the compiler where a pointer points to. Like ROS_APART, but also for functions that are inlined into others.
+// Hides the target of a pointer from the compiler: like ROS_APART, but also for functions that are inlined.
 #define ROS_CONCEAL(pointer) asm("" : "+r"(pointer))
-// Everything that the function calls, and is not ROS_NOINLINE, becomes part of it.
+// All functions that this function calls are inlined, except ROS_NOINLINE ones.
 #define ROS_FLATTEN __attribute__((flatten))
 
 #endif

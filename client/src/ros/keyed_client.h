@@ -1,4 +1,5 @@
-// A network client that proves to the host that it has a key, before the first byte of ROS; and checks the host's proof.
+// A network client that proves to the host that it has a key before it sends rosserial data, and checks the host's
+// proof.
 //
 //   #define ROSSERIAL_ARDUINO_TCP
 //   #include <Ethernet.h>
@@ -11,7 +12,8 @@
 //
 // The host:  rostether serve "tcp://:11411?psk=board.key"
 //
-// It refuses strangers, but does not encrypt. If the board supports TLS, a TLS client can be the inner one.
+// It refuses programs without the key, but does not encrypt. If the board supports TLS, a TLS client can be the inner
+// one.
 #ifndef ROS_KEYED_CLIENT_H_
 #define ROS_KEYED_CLIENT_H_
 
@@ -38,8 +40,9 @@ class KeyedClient : public NetworkClient {
 
   KeyedClient() : chance_(0), refusal_(NONE) {}
 
-  // The text of the key file, which is not copied. `chance` is a value that an attacker cannot know, such as the noise of an
-  // open analog input: without it, somebody who can make a board start at a chosen microsecond could play the host again.
+  // The text of the key file, which is not copied. `chance` is a value that an attacker cannot know, such as the
+  // noise of an open analog input. Without it, an attacker who can start a board at a chosen microsecond could replay
+  // the host's part.
   void setKey(const char* key, uint32_t chance = 0) { set(KeyText(key), chance); }
   void setKey(const __FlashStringHelper* key, uint32_t chance = 0) { set(KeyText(key), chance); }
 

@@ -9,7 +9,7 @@
 
 namespace ros {
 
-// Archive that measures a message: for types without strings and arrays the sum is a constant.
+// An archive that measures a message; for types without strings and arrays, the sum is a constant.
 class LengthCounter {
  public:
   constexpr LengthCounter() : length_(0) {}

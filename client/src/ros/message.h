@@ -1,8 +1,8 @@
 // The headers of every generated message.
 //
-// A generated class lists its fields once, in `_fields` (no field of a definition can be called so; several
-// are called `fields`); the archives below walk that list to measure a message, to write it and to read it.
-// No virtual functions: an AVR would keep each class's table in RAM.
+// A generated class lists its fields once, in `_fields` (a name that no field can have). The archives below visit
+// that list to measure a message, to write it and to read it. There are no virtual functions, because an AVR would
+// keep each class's table in RAM.
 #ifndef ROS_MESSAGE_H_
 #define ROS_MESSAGE_H_
 
@@ -20,7 +20,7 @@
 #include "ros/time.h"
 #include "ros/writer.h"
 
-// Name and md5sum of a message: getType and getMD5 for the sketch, and the same texts in flash for the wire.
+// The name and md5sum of a message: getType and getMD5 for sketches, and the same texts in flash for announcements.
 #define ROS_MESSAGE_TYPE(type, md5)                \
   static const char* getType() { return type; }    \
   static constexpr const char* getMD5() { return md5; } \
@@ -31,11 +31,11 @@
 
 namespace ros {
 
-// Base of the generated message M. Works without a node handle, for any buffer (a raw UDP packet, a file).
+// The base of the generated message M. It works without a node handle, with any buffer (a raw UDP packet, a file).
 template <class M>
 class Message {
  public:
-  // Bytes that serialize writes.
+  // The number of bytes that serialize writes.
   size_t serializedLength() const {
     LengthCounter counter;
     M::_fields(counter, self());
@@ -51,14 +51,14 @@ class Message {
     return static_cast<int>(sink.length());
   }
 
-  // The same, or -1 and nothing written if the message does not fit into `capacity` bytes.
+  // The same, but returns -1 and writes nothing if the message does not fit into `capacity` bytes.
   int serialize(unsigned char* buffer, size_t capacity) const {
     return serializedLength() <= capacity ? serialize(buffer) : -1;
   }
 
-  // Reads a message of exactly `length` bytes; returns `length`, or -1 if the bytes are not such a message.
-  // Strings and arrays then point into `buffer`, whose bytes are rearranged for it. Arrays of strings and
-  // of messages need memory besides, which is taken from the buffer's end: [length, capacity).
+  // Reads a message of exactly `length` bytes; returns `length`, or -1 if the bytes are not such a message. Strings
+  // and arrays then point into `buffer`, where bytes are moved. Arrays of strings and of messages need more memory,
+  // which is the end of the buffer: [length, capacity).
   int deserialize(unsigned char* buffer, size_t length, size_t capacity) {
     Reader reader(buffer, length, buffer + length, buffer + capacity);
     M::_fields(reader, self());
@@ -66,8 +66,9 @@ class Message {
   }
   int deserialize(unsigned char* buffer, size_t length) { return deserialize(buffer, length, length); }
 
-  // Reads a message from bytes that are known to be one, and returns how many it took, or -1. Prefer the forms above: this one
-  // cannot see where the buffer ends. Except on an AVR, arrays of strings and of messages are kept on the heap.
+  // Reads a message from bytes that are known to be one, and returns their number, or -1. Prefer the functions above:
+  // this one does not know where the buffer ends. Except on an AVR, arrays of strings and of messages are stored on
+  // the heap.
   int deserialize(unsigned char* buffer) {
     Reader reader(buffer);
     M::_fields(reader, self());

@@ -1,7 +1,7 @@
-// Messages with headers of an older generator, or written by hand: virtual functions and no bounds.
+// Message headers of an older generator, or written by hand: with virtual functions and without bounds.
 //
-// Sketches that bring such headers along compile and work as before. Generate them again where possible: what these read is only
-// checked after they have read it, and what they write goes through a buffer on the stack.
+// Sketches with such headers still compile and work. Generate the headers again if possible: these functions are only
+// checked after they have read a message, and they write through a buffer on the stack.
 #ifndef ROS_MSG_H_
 #define ROS_MSG_H_
 
@@ -29,7 +29,7 @@ class Msg {
     return 8;
   }
 
-  // Little-endian bytes of an integer, and back.
+  // Converts an integer to little-endian bytes, and back.
   template <class Bytes, class Value>
   static void varToArr(Bytes bytes, const Value value) {
     for (size_t i = 0; i < sizeof value; ++i) bytes[i] = static_cast<unsigned char>(value >> (8 * i));
@@ -41,7 +41,8 @@ class Msg {
   }
 
  protected:
-  // Not virtual: no code deletes a message through this, and an AVR would link the heap for it.
+  // Not virtual: no code deletes a message through this class, and a virtual destructor would link the heap on an
+  // AVR.
   ~Msg() {}
 };
 

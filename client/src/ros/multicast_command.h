@@ -1,4 +1,5 @@
-// Commands for one robot of many, from a multicast group, as sent by rostether's multicast bridge and `fleet drive`.
+// Commands for one robot of a fleet, from a multicast group, as sent by rostether's multicast bridge and `fleet
+// drive`.
 //
 //   #include <Ethernet.h>
 //   #include <EthernetUdp.h>
@@ -32,7 +33,7 @@
 
 namespace ros {
 
-// What begins the MD5 sum of a type of message, as in a frame.
+// The first four bytes of the MD5 sum of a message type, as in a frame.
 struct CommandKind {
   constexpr explicit CommandKind(const char* md5) : value(word(md5, 4)) {}
   const uint32_t value;
@@ -51,11 +52,11 @@ class MulticastCommand {
   typedef void (*Drive)(const M&);
   typedef void (*Halt)();
 
-  // The key stays where it is, in program memory. Without one, a fleet's key is all zeros: tags show damage, but no forgery.
+  // The key is not copied from program memory. The default key is all zeros: then tags detect damage, but no forgery.
   MulticastCommand(Drive drive, Halt halt, const FleetKey& key = FleetKey::none())
       : drive_(drive), halt_(halt), receiver_(key, KIND) {}
 
-  // Which commands are for this robot: those to its id, and those to groups in the mask. Robot 1 of group 0 by default.
+  // The id of this robot, and the mask of its groups. It obeys commands to either. Robot 1 of group 0 by default.
   void setRobot(uint32_t id, uint32_t groups = 1) { receiver_.setRobot(id, groups); }
 
   // The strength of the radio's signal in dBm, which statuses report.
@@ -77,7 +78,7 @@ class MulticastCommand {
   bool isMoving() const { return receiver_.isMoving(); }
 
  private:
-  // More of them wait for the next loop.
+  // The limit for one call; more datagrams wait for the next call.
   static const uint8_t MOST_DATAGRAMS = 8;
   static const size_t COMMAND_BYTES = CommandReceiver::FRAME_BYTES + PAYLOAD_BYTES;
   static const size_t STATUS_BYTES = CommandReceiver::STATUS_BYTES;
@@ -95,7 +96,7 @@ class MulticastCommand {
   }
 
   ROS_APART bool take(uint16_t now_ms) {
-    // Aligned for the messages that stay in it.
+    // Aligned for the message, which is read in place.
     union {
       uint32_t aligned;
       uint8_t bytes[BUFFER_BYTES];

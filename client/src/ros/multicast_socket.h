@@ -28,8 +28,9 @@ struct AnswersApart<EthernetUDP> {
 template <bool apart>
 struct AnswersApartTag {};
 
-// Network chips stop receiving a group after some time, and switches forget its members: a socket that receives nothing is
-// opened again each second, any other once a minute. Classes without multicast receive by unicast only.
+// Network chips stop receiving a group after some time, and switches forget its members. So a socket that receives
+// nothing is opened again every second, and any other socket every minute. Classes without multicast receive only
+// unicast.
 template <class NetworkUdp>
 class MulticastSocket {
  public:
@@ -47,7 +48,8 @@ class MulticastSocket {
   }
   NetworkUdp& udp() { return udp_; }
 
-  // Reads a datagram that is too long for the buffer. An ESP32 would otherwise receive no other; an AVR's chips drop the rest.
+  // Reads a datagram that is too long for the buffer. Otherwise, an ESP32 would receive no more datagrams; the chips
+  // of AVR boards drop the rest.
   void skip(uint8_t* buffer, uint16_t buffer_bytes, size_t size) {
 #if defined(__AVR__)
     (void)buffer, (void)buffer_bytes, (void)size;
@@ -90,7 +92,7 @@ class MulticastSocket {
     return 0;
   }
 
-  // From the group's port, which the sender then may use for unicast.
+  // Answers from the group's port, so that the sender can use this port for unicast.
   void answerBy(AnswersApartTag<true>, const uint8_t* bytes, size_t size) {
     NetworkUdp apart;
     if (apart.begin(port_)) send(apart, bytes, size);

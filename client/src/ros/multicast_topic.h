@@ -1,5 +1,5 @@
 // The messages of a topic from a multicast group, in bare datagrams, as sent by rostether's multicast bridge without
-// `_framed`, and the reference's bridge always.
+// `_framed`, and always by the reference's bridge.
 //
 //   ros::MulticastTopic<arduino_control::ArduinoControl, EthernetUDP> commands(&drive, &halt);
 //   ...
@@ -53,11 +53,11 @@ class MulticastTopic {
   bool isMoving() const { return moving_; }
 
  private:
-  // More of them wait for the next loop.
+  // The limit for one call; more datagrams wait for the next call.
   static const uint8_t MOST_DATAGRAMS = 8;
 
   bool take(uint16_t now_ms) {
-    // Aligned for the messages that stay in it.
+    // Aligned for the message, which is read in place.
     union {
       uint32_t aligned;
       uint8_t bytes[PAYLOAD_BYTES];

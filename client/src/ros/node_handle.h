@@ -14,20 +14,20 @@
 
 namespace ros {
 
-// A node on some Hardware: a class with `void init()`, `int read()` (a byte, or less than 0 if there is none),
-// `void write(uint8_t* bytes, int count)` and `unsigned long time()` (ms).
+// A node on a Hardware: a class with `void init()`, `int read()` (a byte, or less than 0 if there is none), `void
+// write(uint8_t* bytes, int count)` and `unsigned long time()` (ms).
 //
-// With a Hardware that also has `int writable()`, the bytes that write accepts at once, the node never waits: while its
-// transmitter is full, the node continues to read. One that connects again by itself has `bool relinked()`: whether the
-// link was lost or replaced since the last call. It lets no byte in or out between the change and that call, after
-// which the node introduces itself again.
+// If the Hardware also has `int writable()`, the number of bytes that write accepts at once, the node never waits:
+// while the transmitter is full, it continues to read. A Hardware that reconnects by itself has `bool relinked()`:
+// whether the link was lost or replaced since the last call. Between this change and the call, it must not send or
+// receive bytes; then the node introduces itself again.
 //
-// INPUT_SIZE is the longest message that can be received. There are as many publishers and subscribers as the sketch has,
-// and messages go out without a buffer: the other sizes have no effect.
+// INPUT_SIZE is the longest message that can be received. The number of publishers and subscribers is not limited,
+// and messages are sent without a buffer: the other sizes have no effect.
 template <class Hardware, int MAX_SUBSCRIBERS = 25, int MAX_PUBLISHERS = 25, int INPUT_SIZE = 512, int OUTPUT_SIZE = 512>
 class NodeHandle_ : public NodeHandleBase_ {
  public:
-  // A time and an empty TopicInfo request must fit, whatever the sketch sets.
+  // A time and an empty TopicInfo request must always fit.
   static const uint16_t INPUT_BYTES = INPUT_SIZE < 16 ? 16 : INPUT_SIZE;
   static_assert(INPUT_SIZE <= 0xffff - FRAME_OVERHEAD_BYTES, "no frame is longer than 65535 bytes");
 
@@ -82,7 +82,8 @@ class NodeHandle_ : public NodeHandleBase_ {
     return false;
   }
 
-  // Handles received bytes: separate from spinOnce, which mostly finds none, and is faster without the registers for this.
+  // Handles received bytes. Separate from spinOnce, which usually finds none, and is faster without the registers for
+  // this function.
   ROS_NOINLINE int8_t spinOn() {
     const uint16_t began_ms = milliseconds();
     for (;;) {
@@ -107,7 +108,7 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   bool transmit(uint8_t* bytes, uint16_t count) override { return transmit(hardware_, bytes, count, 0); }
 
-  // Reads on while the transmitter is full.
+  // Continues to read while the transmitter is full.
   template <class H>
   auto transmit(H& hardware, uint8_t* bytes, uint16_t count, int) -> decltype(hardware.writable(), bool()) {
     uint16_t began_ms = milliseconds();
@@ -140,7 +141,7 @@ class NodeHandle_ : public NodeHandleBase_ {
 
   uint16_t milliseconds() { return static_cast<uint16_t>(hardware_.time()); }
 
-  // The data of the last message is kept as long as the sketch may read it.
+  // The data of the last message stays valid while the sketch may read it.
   ROS_APART void receive() {
     while (!window_.held() && window_.room()) {
       const int byte = hardware_.read();

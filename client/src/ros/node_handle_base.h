@@ -1,4 +1,4 @@
-// The node's half of the protocol, whatever the hardware: endpoints, negotiation, time, logs.
+// The node's part of the protocol, independent of the hardware: endpoints, negotiation, time, logs.
 #ifndef ROS_NODE_HANDLE_BASE_H_
 #define ROS_NODE_HANDLE_BASE_H_
 
@@ -30,14 +30,14 @@ class ActionServer;
 
 class NodeHandleBase_ : public FrameWriter {
  public:
-  // Hands bytes to the line. False once the line has stopped taking them; the rest of the frame is then lost.
+  // Sends bytes. Returns false once the line accepts no more bytes; then the rest of the frame is lost.
   virtual bool transmit(uint8_t* bytes, uint16_t count) = 0;
 
-  // Reads what came in and runs the callbacks for it. SPIN_OK; SPIN_ERR when the host asked for the topics;
-  // SPIN_TIMEOUT when it ended with bytes left because its time was over.
+  // Handles the received bytes and runs callbacks. Returns SPIN_OK; SPIN_ERR if the host asked for the topics;
+  // SPIN_TIMEOUT if the time limit ended it before all bytes were handled.
   virtual int spinOnce() = 0;
 
-  // Whether a host is connected and has this node's topics.
+  // Whether a host is connected and knows this node's topics.
   bool connected() const { return connected_; }
 
   // The longest time in ms for which spinOnce reads a line that never pauses; 0 for the default.
@@ -45,7 +45,7 @@ class NodeHandleBase_ : public FrameWriter {
     spin_timeout_ms_ = timeout_ms == 0 ? SPIN_TIMEOUT_MS : timeout_ms > 0xffff ? 0xffff : static_cast<uint16_t>(timeout_ms);
   }
 
-  // Beginnings of frames that did not become a message (noise, damage, misfits), and messages that did not get out.
+  // The number of frames that were dropped (noise, damage, wrong length), and of messages that could not be sent.
   uint16_t dropped() const { return window_.dropped(); }
 
   // The host's time; before its first answer, the time since the board started.
@@ -89,7 +89,7 @@ class NodeHandleBase_ : public FrameWriter {
     requested_ms_ = shortTime();
     awaiting_time_ = true;
     begin(ID_TIME, 8);
-    // A Time, which the host ignores.
+    // A Time that the host ignores.
     count(0);
     count(0);
     finish();
@@ -118,9 +118,9 @@ class NodeHandleBase_ : public FrameWriter {
     finish();
   }
 
-  // Values of the host's parameter server. False, and a warning in the host's log, without `length` values of
-  // that type within `timeout_ms`. The text forms copy: into as many buffers, which the caller knows to be large
-  // enough, or into one whose size is known.
+  // Gets values from the host's parameter server. Returns false, and logs a warning on the host, if there are not
+  // `length` values of that type, or no answer within `timeout_ms`. The text forms copy into buffers, which must be
+  // large enough, or into one buffer whose size is known.
   bool getParam(const char* name, int* values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, float* values, int length = 1, int timeout_ms = 1000);
   bool getParam(const char* name, bool* values, int length = 1, int timeout_ms = 1000);
@@ -142,8 +142,9 @@ class NodeHandleBase_ : public FrameWriter {
   // The longest message that can be received.
   uint16_t largestMessage() const { return window_.largestPayload(); }
 
-  // For drivers: whether the host is connected. After a reset its answer may wait in the line: a sketch that publishes, spins and sleeps
-  // for a second must not sleep another one before its first message.
+  // For drivers: whether the host is connected. Received bytes are handled first: after a reset, the host's answer
+  // may be waiting, and a sketch that publishes, spins and sleeps for a second must not sleep again before its first
+  // message.
   bool reach() {
     if (!connected_) spinOnce();
     return connected_;
@@ -156,7 +157,8 @@ class NodeHandleBase_ : public FrameWriter {
     return true;
   }
 
-  // For drivers: whether the message read is one, and all of it; if so, what it points to is kept until they return.
+  // For drivers: whether the reader has read exactly one message. If so, its data stays valid until the driver
+  // returns.
   bool accept(const Reader& reader) {
     if (!reader.complete()) {
       window_.countDropped();
@@ -166,12 +168,13 @@ class NodeHandleBase_ : public FrameWriter {
     return true;
   }
 
-  // For drivers: announces an endpoint, or one half of a service. `role` is the announcement's topic id.
+  // For drivers: announces an endpoint, or the request or response of a service. `role` is the topic id of the
+  // announcement.
   template <class Names>
   ROS_APART void announce(const Endpoint& endpoint, uint8_t role, Names names) {
     begin(role, static_cast<uint16_t>(2 + 4 + strlen(endpoint.topic_) + names.length() + 4));
     uint16_t id = endpoint.id_;
-    // Messages to the host are streamed: only the frame's length field bounds them.
+    // Messages to the host are streamed, so only the length field of a frame limits them.
     uint16_t largest = 0xffff;
     if (role & 1) {
       largest = window_.largestPayload();
@@ -186,11 +189,11 @@ class NodeHandleBase_ : public FrameWriter {
     finish();
   }
 
-  // For drivers: ends the spinOnce in progress, so that the data of the message stays valid until the next one.
+  // For drivers: ends the spinOnce in progress, so that the message's data stays valid until the next one.
   void pauseReading() { window_.hold(); }
 
-  // An endpoint for the duration of one exchange, on an id that it chooses; after the others, so that of two on one
-  // id the older is answered first.
+  // An endpoint for one exchange, on an id that it chooses. It is after the other endpoints in the list: of two on
+  // one id, the older is answered first.
   class Visit {
    public:
     Visit(NodeHandleBase_& node, Endpoint& endpoint) : node_(node), endpoint_(endpoint) { *node.linkTo(nullptr) = &endpoint; }
@@ -203,7 +206,7 @@ class NodeHandleBase_ : public FrameWriter {
     Endpoint& endpoint_;
   };
 
-  // Milliseconds of the board's own clock.
+  // The board's clock in milliseconds.
   virtual uint32_t time() = 0;
 
  protected:
@@ -217,7 +220,7 @@ class NodeHandleBase_ : public FrameWriter {
     contactAgain();
   }
 
-  // Expects another host at the other end, and introduces the node to it at once.
+  // Prepares for another host, and introduces the node to it at once.
   void contactAgain() {
     connected_ = false;
     unanswered_ = 0;
@@ -225,11 +228,11 @@ class NodeHandleBase_ : public FrameWriter {
     requested_ms_ = static_cast<uint16_t>(shortTime() - SYNC_PERIOD_MS);
   }
 
-  // Milliseconds modulo 65536: enough for times of seconds, and half the work for a processor of 8 bits.
+  // Milliseconds modulo 65536: enough for a few seconds, and half the work for a processor of 8 bits.
   uint16_t shortTime() { return static_cast<uint16_t>(time()); }
   static uint16_t since(uint16_t then_ms, uint16_t now_ms) { return static_cast<uint16_t>(now_ms - then_ms); }
 
-  // Handles what `examine` found among the bytes that came in; false to read no more in this spinOnce.
+  // Handles the result of `examine`; returns false to read no more bytes in this spinOnce.
   bool handle(uint8_t found) {
     if (found == ReceiveWindow::WHOLE_FRAME) {
       if (depth_ == MAX_NESTED_SPINS) return false;
@@ -240,12 +243,12 @@ class NodeHandleBase_ : public FrameWriter {
     return !window_.held();
   }
   bool isOverdue(uint16_t began_ms, uint16_t now_ms) const { return since(began_ms, now_ms) > spin_timeout_ms_; }
-  // Whether a frame was begun and its rest was lost.
+  // Whether a frame has started and its rest was lost.
   bool isTorn(uint16_t now_ms) const { return !window_.empty() && since(received_ms_, now_ms) >= GAP_MS; }
 
-  // Answers the host's requests. Repeated requests get one answer: a sketch that sleeps finds all its
-  // requests at once, and an answer to each would look like one reset after the other. Without a request, asks for the
-  // time; a host that answers and does not ask for the topics is there, and has not seen that the board was reset.
+  // Answers the host's requests. Repeated requests get one answer: a sketch that sleeps finds several requests at
+  // once, and an answer to each would look like several resets. Without a request, it asks for the time; a host that
+  // answers but does not request the topics has not noticed that the board was reset.
   ROS_APART int8_t keepInTouch(uint16_t now_ms) {
     uint8_t due = due_;
     due_ = NOTHING_DUE;
@@ -275,16 +278,16 @@ class NodeHandleBase_ : public FrameWriter {
   // One bit each.
   enum Due { NOTHING_DUE = 0, PROBED = 1, INTRODUCTION_DUE = 2, ANSWER_DUE = 4 };
 
-  // With SYNC_PERIOD_MS: after 11 s without an answer, the host counts as disconnected.
+  // Together with SYNC_PERIOD_MS: after 11 s without an answer, the host has disconnected.
   static const uint8_t MAX_UNANSWERED = 4;
-  // A gap of this length within a frame means that the rest was lost: longer than a network's hiccups, short enough
-  // that after a wrong length the board soon receives again.
+  // After a gap of this length inside a frame, its rest was lost. Longer than pauses of a network, and short enough
+  // that the board soon receives again after a wrong length.
   static const uint16_t GAP_MS = 200;
-  // A host that looks for boards sends wrong version bytes, and noise has them; one answer is enough for a burst.
+  // A host that searches for boards sends wrong version bytes, and so does noise; one answer is enough for a burst.
   static const uint8_t ANSWER_PAUSE_MS = 20;
-  // Nested callbacks that wait in a spinOnce: more of them would need all of an Uno's stack.
+  // The limit of nested callbacks that wait in a spinOnce; more would need all of an Uno's stack.
   static const uint8_t MAX_NESTED_SPINS = 3;
-  // The time for which received bytes are handled in one call; a line that never pauses must not block loop().
+  // The time limit for one call; a line that never pauses must not block loop().
   static const uint16_t SPIN_TIMEOUT_MS = 1000;
 
   static FlashText flashText(const __FlashStringHelper* text) {
@@ -292,7 +295,7 @@ class NodeHandleBase_ : public FrameWriter {
     return flash;
   }
 
-  // The pointer to an endpoint in the list, or the one at its end.
+  // The pointer to an endpoint in the list, or the last pointer.
   Endpoint** linkTo(const Endpoint* wanted) {
     Endpoint** link = &endpoints_;
     while (*link != wanted) link = &(*link)->next_;

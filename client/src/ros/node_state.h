@@ -15,12 +15,13 @@ namespace ros {
 
 class Endpoint;
 
-// The state of a node. Without constructors, so that one loop zeroes it all: they would cost an AVR 80 bytes of code.
-// The most used fields are first: an AVR reaches 63 bytes from an object's start with short instructions.
+// The state of a node. It has no constructors, so that one loop can set it to zero: constructors would need 80 bytes
+// of code on an AVR. The most used fields come first, because an AVR reaches the first 63 bytes of an object with
+// short instructions.
 struct NodeState {
 // The largest chunk that is written at once. On a network, each becomes a packet, and most frames should fit into one.
 #if defined(ROS_SMALL_MEMORY)
-  // The window lends the room of a chunk: that much is left for chunks where it cannot, for a double and a count.
+  // The receive window lends memory for a chunk. If it cannot, this is enough for a double and a count.
   typedef uint8_t chunk_length;
   static const chunk_length SPARE_BYTES = 12;
 #if defined(ROSSERIAL_ARDUINO_TCP) || defined(ROSSERIAL_ARDUINO_UDP)

@@ -15,11 +15,12 @@ namespace ros {
 class ParameterRequest : public Endpoint {
  public:
   enum List { INT_LIST, FLOAT_LIST, TEXT_LIST };
-  // Stores one element of the list, a number's four bytes or a text. A function for each kind of values: a
-  // program contains only those that it uses.
+  // Stores one element of the list: four bytes of a number, or a string. There is one function for each kind of
+  // value, so a program contains only those that it uses.
   typedef void (*Store)(void* values, size_t index, const uint8_t* element);
 
-  // Asks for `name`; whether the parameter is a list of as many elements as wanted, and they have been stored.
+  // Requests `name`. Returns whether the parameter is a list with the wanted number of elements, which are then
+  // stored.
   static ROS_APART bool ask(NodeHandleBase_& node, const char* name, List list, Store store, void* values, size_t length,
                             int timeout_ms) {
     return ParameterRequest(name, list, store, values, length).ask(node, static_cast<unsigned int>(timeout_ms));
@@ -80,7 +81,7 @@ class ParameterRequest : public Endpoint {
     const uint8_t* numbers = nullptr;
     bool fits = false;
     for (uint8_t list = INT_LIST; list <= TEXT_LIST; ++list) {
-      // The elements of each list take four bytes at least.
+      // Each element of a list takes at least four bytes.
       size_t count = reader.listLength(4);
       if (list == list_) fits = count == length_;
       if (list != TEXT_LIST) {

@@ -16,8 +16,8 @@ class Publisher : public Endpoint {
         msg_(static_cast<typename WireFormat<M>::Class*>(message)),
         nh_(nullptr) {}
 
-  // Bytes sent; 0 if the topic is not advertised or there is no host; -1 if the message is of another type than the
-  // topic, too long for a frame, or the line did not accept it.
+  // Returns the number of bytes sent; 0 if the topic is not advertised or no host is connected; -1 if the message has
+  // another type than the topic, is too long for a frame, or was not accepted by the line.
   template <class M>
   int publish(const M* message) {
     if (!nh_) return 0;

@@ -1,8 +1,8 @@
-// Archive that reads a message from its bytes, and never beyond them.
+// An archive that reads a message from its bytes, and never beyond them.
 //
-// Nothing is copied that can stay: a string moves down by one byte over its own length prefix to make room
-// for its NUL, an array of numbers stays where it is (moved down by up to three bytes where the processor
-// wants its words aligned). Arrays of strings and of messages need room besides, the arena.
+// Data stays in the buffer if possible: a string moves down by one byte over its length prefix to make room for its
+// NUL, and an array of numbers stays (or moves down by up to three bytes if the processor needs aligned words).
+// Arrays of strings and of messages need additional memory, the arena.
 #ifndef ROS_READER_H_
 #define ROS_READER_H_
 
@@ -23,9 +23,9 @@ namespace ros {
 class Reader {
  public:
   Reader() = default;
-  // Reads `length` bytes; the arena [arena, arena_end) is used up from its end downwards.
+  // Reads `length` bytes; the arena [arena, arena_end) is used from its end downwards.
   Reader(uint8_t* buffer, size_t length, uint8_t* arena, uint8_t* arena_end) { open(buffer, length, arena, arena_end); }
-  // Trusts the bytes, and keeps what needs an arena on the heap (on an AVR it refuses that instead).
+  // Trusts the bytes, and uses the heap instead of an arena (on an AVR it refuses such arrays).
   explicit Reader(uint8_t* buffer)
       : next_(buffer), remaining_(SIZE_MAX / 2), arena_(nullptr), arena_end_(nullptr), ok_(true), heap_(true) {}
 
@@ -76,7 +76,7 @@ class Reader {
     M::_fields(*this, part);
   }
 
-  // A message that reads for itself, without bounds: whether it read too far is known afterwards.
+  // A message with its own read function, without bounds; whether it has read too far is only known afterwards.
   template <class M>
   void unbounded(M& message) {
     const int consumed = message.deserialize(next_);
@@ -108,7 +108,7 @@ class Reader {
     count = static_cast<array_length>(length);
     double* start = reinterpret_cast<double*>(next_);
     if (sizeof(double) != 8) {
-      // Four bytes replace eight, so the part already written never reaches the part still to be read.
+      // Four bytes replace eight, so the written part never reaches the part that is not yet read.
       for (size_t i = 0; i < length; ++i) {
         const double element = loadFloat64(next_ + i * 8);
         memcpy(next_ + i * sizeof element, &element, sizeof element);
@@ -117,8 +117,8 @@ class Reader {
     array = start;
     advance(length * 8);
   }
-  // Elements that the prefix of an array announces, or 0 with ok() false if the bytes left are too few for them. Each takes at
-  // least `element_bytes`.
+  // The number of elements in the prefix of an array; 0, with ok() false, if too few bytes are left for them. Each
+  // element takes at least `element_bytes`.
   size_t listLength(size_t element_bytes) {
     const size_t length = prefix();
     if (length > remaining_ / element_bytes) {
@@ -127,7 +127,7 @@ class Reader {
     }
     return length;
   }
-  // Passes over bytes that are there, aligned or not.
+  // Skips bytes that are available, aligned or not.
   const uint8_t* skip(size_t bytes) {
     const uint8_t* start = next_;
     advance(bytes);
@@ -158,7 +158,7 @@ class Reader {
     advance(count);
   }
 
-  // The four bytes before a string or an array; 0 with ok() false if that is more than the bytes left.
+  // The length before a string or an array; 0, with ok() false, if it is larger than the number of bytes left.
   ROS_APART size_t prefix() {
     uint32_t length = 0;
     value(length);
@@ -171,7 +171,7 @@ class Reader {
   size_t sequenceLength(size_t size, BlockKind) { return listLength(size); }
   size_t sequenceLength(size_t, Float64Kind) { return listLength(8); }
   size_t sequenceLength(size_t, StringKind) { return listLength(4); }
-  // A message may be empty on the wire; `allocate` bounds how many there are.
+  // A message may have no bytes on the wire; `allocate` limits the number of messages.
   size_t sequenceLength(size_t, MessageKind) {
     uint32_t length = 0;
     value(length);
@@ -179,7 +179,7 @@ class Reader {
     return ok_ ? static_cast<size_t>(length) : 0;
   }
 
-  // Elements of `size` bytes, left where they are or moved down onto the end of their own prefix.
+  // Elements of `size` bytes: they stay, or move down to the end of their prefix.
   uint8_t* settle(size_t length, size_t size) {
     uint8_t* start = next_;
 #if !defined(__AVR__)
@@ -260,7 +260,7 @@ class Reader {
     for (size_t i = 0; i < length; ++i) message(array[i]);
   }
 
-  // A bool must be 0 or 1: the bytes of an array are corrected in place.
+  // A bool must be 0 or 1; the bytes of an array are corrected in place.
   template <class T>
   void normalize(T*, size_t) {}
   void normalize(bool* array, size_t length) {

@@ -1,13 +1,13 @@
-// The received bytes that are still needed, and the frame at their front.
+// The received bytes that are still needed, with the next frame at their start.
 //
 //     start     base        begin                 end             limit      capacity
 //       | frames in callbacks | candidate | backlog |  room to read  | arrays of the frames
 //                             |                                      | in callbacks
 //
-// Bytes are appended at `end`. A frame is only ever judged as a whole: if its length, its checksum or the
-// time it takes is wrong, one byte is dropped and the rest is judged again, so that a good frame behind or
-// inside a bad one is found. While a callback runs its frame stays below `base`; a spinOnce inside the
-// callback (a parameter or service call) reads on above.
+// Bytes are appended at `end`. A frame is only accepted as a whole: if its length, its checksum or its duration is
+// wrong, one byte is dropped and the rest is examined again, so that a valid frame after or inside an invalid one is
+// found. While a callback runs, its frame stays below `base`; a spinOnce inside the callback (a parameter or service
+// call) reads above it.
 #ifndef ROS_RECEIVE_WINDOW_H_
 #define ROS_RECEIVE_WINDOW_H_
 
@@ -20,7 +20,7 @@
 
 namespace ros {
 
-// Accepts no bytes before it is opened: all zero until then.
+// It accepts no bytes before it is opened: all its members are zero until then.
 class ReceiveWindow {
  public:
   void open(uint8_t* bytes, uint16_t capacity) {
@@ -49,7 +49,7 @@ class ReceiveWindow {
     end_ = end;
     return received;
   }
-  // For bytes beyond what is wanted, to be kept for later.
+  // Whether there is room for bytes that are read before they are needed.
   bool room() { return end_ != limit_ || compact(); }
   void appendBacklog(uint8_t byte) {
     append(byte);
@@ -69,7 +69,7 @@ class ReceiveWindow {
       if (wanted <= have()) {
         if (wanted) return WHOLE_FRAME;
       } else {
-        // Inside a callback there may be less room than the frame needs, and the awaited response follows after it.
+        // Inside a callback, there may be too little room for the frame, and the awaited response follows after it.
         if (wanted > space()) compact();
         if (wanted <= space()) {
           goal_ = begin_ + wanted;
@@ -83,7 +83,7 @@ class ReceiveWindow {
     return found;
   }
 
-  // Whether the bytes dropped since the last call had the beginning of a frame of another protocol version.
+  // Whether the bytes dropped since the last call contained the start of a frame of another protocol version.
   bool tookForeign() {
     const bool foreign = is_foreign_;
     is_foreign_ = false;
@@ -94,22 +94,22 @@ class ReceiveWindow {
   ROS_NOINLINE void drop() {
     if (*begin_++ == FRAME_SYNC) countDropped();
   }
-  // Gives up the unfinished frame at the front.
+  // Drops the incomplete frame at the front.
   void giveUp() {
     drop();
     goal_ = end_;
   }
-  // Forgets all bytes: they belong to another link.
+  // Drops all bytes: they belong to another link.
   void forget() {
     begin_ = end_ = goal_ = base_;
     if (space() >= FIRST_LOOK_BYTES) goal_ += FIRST_LOOK_BYTES;
   }
   ROS_NOINLINE void countDropped() { ++dropped_; }
-  // Frames that were begun and not taken, since the start (modulo 65536).
+  // The number of frames that started and were dropped (modulo 65536).
   uint16_t dropped() const { return dropped_; }
 
-  // Lends room at the limit for bytes that go out, at most `wanted` and no more than half of what there is, so that what
-  // comes in meanwhile finds room as well. 0 if there is too little, or if the last message may lie there.
+  // Lends memory at the limit for bytes to send: at most `wanted` and at most half of the free memory, so that bytes
+  // can still be received. Returns 0 if there is too little, or if the last message may be there.
   uint16_t lend(uint16_t wanted) {
     uint16_t room = static_cast<uint16_t>(limit_ - end_) / 2;
     if (room < LEAST_LENT_BYTES || held_) return 0;
@@ -123,16 +123,16 @@ class ReceiveWindow {
   // Keeps the arena of the frame's arrays until the frame is released.
   void keepArena(uint8_t* arena_end) { limit_ = arena_end; }
 
-  // Keeps the last frame's bytes in place until `release`, also after its callback.
+  // Keeps the bytes of the last frame in place until `release`, also after its callback.
   void hold() { held_ = true; }
   void release() { held_ = false; }
   bool held() const { return held_; }
 
-  // Removes the frame at the front from the window during the object's lifetime.
+  // Takes the frame at the front out of the window; the destructor frees its bytes.
   class Taken {
    public:
     explicit Taken(ReceiveWindow& window) : window_(window), base_(window.base_), limit_(window.limit_) {
-      // Bytes that arrive while its callback transmits need room, also when other frames were before this one.
+      // Bytes that arrive while the callback sends need room, also if other frames were before this one.
       if (window.begin_ - window.base_ > window.limit_ - window.end_) window.compact();
       frame_ = window.begin_;
       window.begin_ += length() + FRAME_OVERHEAD_BYTES;
@@ -149,7 +149,7 @@ class ReceiveWindow {
     uint16_t id() const { return word(frame_ + 5); }
     uint16_t length() const { return word(frame_ + 2); }
     uint8_t* payload() const { return frame_ + FRAME_HEADER_BYTES; }
-    // The bytes of its message, with the room to read as arena.
+    // Opens the reader for the message, with the free memory as arena.
     void read(Reader& reader) const { reader.open(payload(), length(), window_.end_, window_.limit_); }
 
    private:
@@ -168,8 +168,8 @@ class ReceiveWindow {
   uint16_t have() const { return static_cast<uint16_t>(end_ - begin_); }
   uint16_t space() const { return static_cast<uint16_t>(limit_ - begin_); }
 
-  // The number of bytes that a frame with this beginning needs to be checked further; at most the available
-  // ones if it is complete and undamaged; 0 if it is not a frame.
+  // Returns the number of bytes that are needed to check this frame further; at most the available number if it is
+  // complete and undamaged; 0 if it is not a frame.
   ROS_APART uint16_t judge() {
     const uint8_t* frame = begin_;
     if (frame[0] != FRAME_SYNC) return 0;

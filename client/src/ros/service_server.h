@@ -6,7 +6,7 @@
 
 namespace ros {
 
-// Answers the calls of a service: the callback fills in the response, which is sent when it returns.
+// Answers calls of a service: the callback fills in the response, which is sent when the callback returns.
 template <class Request, class Response, class Object = void>
 class ServiceServer : public Endpoint {
  public:
@@ -24,7 +24,7 @@ class ServiceServer : public Endpoint {
     node.announce(self, ID_SERVICE_SERVER, WireFormat<Response>::names());
     node.announce(self, ID_SERVICE_SERVER + 1, WireFormat<Request>::names());
   }
-  // A separate function, so that an announcement has no messages on the stack.
+  // A separate function, so that an announcement needs no messages on the stack.
   ROS_NOINLINE void answer(NodeHandleBase_& node, Reader& reader) {
     Request request;
     WireFormat<Request>::read(reader, request);

@@ -34,7 +34,7 @@ class Sha256 {
     while (*text) add(static_cast<uint8_t>(*text++));
   }
 
-  // Ends it: nothing more can be added.
+  // Computes the result; nothing can be added after this.
   void finish(uint8_t (&digest)[DIGEST_BYTES]) {
     // The length has 64 bits, of which 32 are used.
     const uint32_t bits = bytes_ * 8;
@@ -129,7 +129,7 @@ class HmacSha256 {
 
   Sha256& text() { return hash_; }
 
-  // Ends it: nothing more can be added.
+  // Computes the result; nothing can be added after this.
   void finish(uint8_t (&digest)[Sha256::DIGEST_BYTES]) {
     hash_.finish(digest);
     hash_ = Sha256();

@@ -1,6 +1,7 @@
 // SipHash-2-4 (Aumasson and Bernstein, 2012): a tag of 8 bytes that only holders of the key can make.
 //
-// In assembly for AVRs, which have no cheap way to add and turn words of 64 bits: a compiler makes twice as much code.
+// In assembly for AVRs, which have no short instructions to add and rotate words of 64 bits: a compiler makes twice
+// as much code.
 #ifndef ROS_SIPHASH_H_
 #define ROS_SIPHASH_H_
 
@@ -36,7 +37,7 @@ class FleetKey {
 
  private:
   static constexpr uint8_t at(const char* hex, uint8_t i) {
-    // Each word with its last byte first.
+    // The bytes of each word in reverse order.
     return static_cast<uint8_t>("uespemosmodnarodarenegylsetybdet"[i] ^ (digit(hex[i % 16 * 2]) << 4 | digit(hex[i % 16 * 2 + 1])));
   }
   static constexpr uint8_t digit(char c) {
@@ -45,7 +46,7 @@ class FleetKey {
                                 : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                                        : not_a_hexadecimal_digit());
   }
-  // Never called: it makes the compiler's error message.
+  // Never called; the name appears in the compiler's error message.
   static int not_a_hexadecimal_digit();
 };
 
@@ -53,8 +54,8 @@ class SipHash {
  public:
   static const uint8_t TAG_BYTES = 8;
 
-  // Combines the 8 bytes behind `length` bytes with the tag of these bytes (XOR): zeros become the tag, and the tag becomes
-  // zeros. Returns 0 if they are zeros now. Takes the same time for all bytes.
+  // Combines the 8 bytes after `length` bytes with the tag of these bytes (XOR): zeros become the tag, and the tag
+  // becomes zeros. Returns 0 if they are zeros now. The time does not depend on the values.
 #if defined(__AVR__)
   ROS_APART static uint8_t combine(const FleetKey* key, uint8_t* bytes, uint16_t length) {
     // v0 to v3, and what is behind the bytes, where the last word of the message is built. Static, as a frame takes code.

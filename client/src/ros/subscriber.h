@@ -20,7 +20,7 @@ class Subscriber : public Endpoint {
 
   int getEndpointType() const { return ID_SUBSCRIBER; }
 
-  // Runs the callback for a message whose bytes are known to be one, as a test does (see Message::deserialize).
+  // Runs the callback for a message whose bytes are known to be valid, for tests (see Message::deserialize).
   void callback(unsigned char* data) {
     M message;
     Reader reader(data);
@@ -33,7 +33,7 @@ class Subscriber : public Endpoint {
     if (reader) return static_cast<Subscriber&>(self).receive(node, *reader);
     node.announce(self, ID_SUBSCRIBER, WireFormat<M>::names());
   }
-  // A separate function, so that an announcement has no message on the stack.
+  // A separate function, so that an announcement needs no message on the stack.
   ROS_NOINLINE void receive(NodeHandleBase_& node, Reader& reader) {
     M message;
     WireFormat<M>::read(reader, message);

@@ -7,7 +7,7 @@
 
 namespace ros {
 
-// Brings nsec below 1e9 and carries the rest into sec.
+// Moves the rest of nsec above 1e9 to sec.
 inline void normalizeSecNSec(uint32_t& sec, uint32_t& nsec) {
   while (nsec >= 1000000000UL) {
     nsec -= 1000000000UL;
@@ -15,8 +15,8 @@ inline void normalizeSecNSec(uint32_t& sec, uint32_t& nsec) {
   }
 }
 
-// A moment: sec + nsec * 1e-9 since 1970, with nsec < 1e9.
-// Wire: uint32 sec, uint32 nsec (ROS message definition "time").
+// A time: sec + nsec * 1e-9 since 1970, with nsec < 1e9. Wire: uint32 sec, uint32 nsec (ROS message definition
+// "time").
 class Time {
  public:
   uint32_t sec;
@@ -27,7 +27,7 @@ class Time {
 
   double toSec() const { return static_cast<double>(sec) + 1e-9 * static_cast<double>(nsec); }
 
-  // A double of four bytes (AVR) holds a moment of today to about two minutes: prefer sec and nsec there.
+  // A double of four bytes (AVR) has a resolution of about two minutes for today's time: prefer sec and nsec there.
   Time& fromSec(double seconds) {
     sec = static_cast<uint32_t>(seconds);
     nsec = static_cast<uint32_t>((seconds - static_cast<double>(sec)) * 1e9 + 0.5);

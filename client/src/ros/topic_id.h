@@ -20,7 +20,7 @@ enum TopicId {
 
 const uint8_t FRAME_SYNC = 0xff;
 const uint8_t FRAME_VERSION = 0xfe;
-// sync, version, length (2), its checksum, topic id (2), and after the payload its checksum.
+// Sync, version, length (2), length checksum, topic id (2), and the checksum after the payload.
 const uint8_t FRAME_HEADER_BYTES = 7;
 const uint8_t FRAME_OVERHEAD_BYTES = 8;
 

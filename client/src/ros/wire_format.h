@@ -1,5 +1,5 @@
-// How a node measures, writes, reads and names a message: generated ones by their fields, older ones by their
-// virtual functions, and any other class by functions of the same names.
+// Defines how a node measures, writes, reads and names a message: generated ones by their fields, older ones by their
+// virtual functions, and any other class by functions with the same names.
 #ifndef ROS_WIRE_FORMAT_H_
 #define ROS_WIRE_FORMAT_H_
 
@@ -20,13 +20,13 @@ namespace ros {
 
 template <class M, bool generated = IsMessage<M>::value>
 struct WireFormat {
-  // All messages of one of these are sent and read alike.
+  // All messages of one of these classes are sent and read in the same way.
   typedef M Class;
 
   static FlashNames names() { return M::flashNames(); }
   static FlashNames names(const M*) { return names(); }
 
-  // The serialized form, which is kept while its length and its bytes are needed.
+  // The serialized form, which is stored while its length and its bytes are needed.
   class Written {
    public:
     explicit Written(const M& message) : message_(message) {}
@@ -48,7 +48,8 @@ struct WireFormat {
   static void read(Reader& reader, M& message) { M::_fields(reader, message); }
 };
 
-// The type as which a message with its own `serialize` and `deserialize` is handled: Msg for all classes derived from it, else its own.
+// The class that handles a message with its own `serialize` and `deserialize`: Msg for all classes derived from it,
+// otherwise the class itself.
 template <bool is_msg, class M>
 struct OwnForm {
   typedef Msg Class;

@@ -10,12 +10,12 @@
 
 namespace ros {
 
-// Archive that writes a message as ROS 1 serialization.
+// An archive that writes a message as ROS 1 serialization.
 //
-// Fields that lie one after the other in memory, and in the same form as on the wire, are written as one run. Where
-// they lie is known to the compiler, so a function that writes a message is ROS_FLATTEN: nothing of the search for runs
-// is left in it, only a call for each of them. GCC 5 compares a field's address with another field's end at compile time,
-// but not with a sum of an address and a length.
+// Fields that are adjacent in memory, and have the same form on the wire, are written as one run. The compiler knows
+// where they are, so a function that writes a message is ROS_FLATTEN: the search for runs disappears, and only one
+// call per run is left. GCC 5 compares a field's address with another field's end at compile time, but not with a sum
+// of an address and a length.
 //
 // Sink has `void put(const void* bytes, size_t count)`, `void widen(const void* floats, size_t bytes)` for the doubles
 // of an AVR, `void count(size_t)` and `void string(const char*)`.
@@ -58,7 +58,7 @@ class Writer {
   void sequence64(const unaligned_int64* array, array_length length) { words(array, length); }
   void sequence64(const unaligned_uint64* array, array_length length) { words(array, length); }
 
-  // Writes the last run: to be called at the end.
+  // Writes the last run; call it at the end.
   void finish() {
     if (run_bytes_ && is_narrow_) sink_.widen(run_, run_bytes_);
     if (run_bytes_ && !is_narrow_) sink_.put(run_, run_bytes_);

@@ -6,7 +6,7 @@
 
 namespace tf {
 
-// Orientation after a turn of `yaw` radians about the z axis.
+// The orientation after a rotation of `yaw` radians about the z axis.
 inline geometry_msgs::Quaternion createQuaternionFromYaw(double yaw) {
   geometry_msgs::Quaternion q;
   q.z = sin(yaw * 0.5);
@@ -14,7 +14,7 @@ inline geometry_msgs::Quaternion createQuaternionFromYaw(double yaw) {
   return q;
 }
 
-// Orientation after roll, pitch and yaw, in radians, about the fixed axes x, y and z (REP 103).
+// The orientation after rotations of roll, pitch and yaw, in radians, about the fixed axes x, y and z (REP 103).
 inline geometry_msgs::Quaternion createQuaternionFromRPY(double roll, double pitch, double yaw) {
   const double cr = cos(roll * 0.5), sr = sin(roll * 0.5);
   const double cp = cos(pitch * 0.5), sp = sin(pitch * 0.5);

@@ -7,14 +7,14 @@
 
 namespace tf {
 
-// Publishes transforms between coordinate frames to /tf, one a message.
+// Publishes transforms between coordinate frames to /tf, one per message.
 class TransformBroadcaster {
  public:
   TransformBroadcaster() : publisher_("/tf", &message_) {}
 
   void init(ros::NodeHandleBase_& node) { node.advertise(publisher_); }
 
-  // As Publisher::publish.
+  // Returns the same as Publisher::publish.
   int sendTransform(geometry_msgs::TransformStamped& transform) {
     message_.transforms_length = 1;
     message_.transforms = &transform;

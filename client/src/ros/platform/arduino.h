@@ -1,4 +1,4 @@
-// Any Arduino serial port: hardware UART, USB, SoftwareSerial, a Stream of one's own.
+// Any Arduino serial port: hardware UART, USB, SoftwareSerial, or another Stream.
 //
 // The port is `Serial`, unless the sketch says otherwise before <ros.h>: USE_TEENSY_HW_SERIAL and USE_STM32_HW_SERIAL
 // choose Serial1; boards whose USB is their Serial (Leonardo, Micro, Zero, MKR) use Serial1 unless USE_USBCON is

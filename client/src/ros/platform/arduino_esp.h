@@ -7,7 +7,7 @@
 
 namespace ros {
 
-// The network, behind virtual functions: a sketch that never calls setConnection has none of its code.
+// The network, through virtual functions: a sketch that does not call setConnection contains none of its code.
 class Network {
  public:
   virtual void setConnection(const IPAddress& server, int port) = 0;

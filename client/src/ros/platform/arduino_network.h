@@ -15,7 +15,7 @@
 #include <WiFiS3.h>
 #define ROS_NETWORK WiFi
 #elif defined(ESP32) || defined(ARDUINO_RASPBERRY_PI_PICO_W) || defined(ROSSERIAL_ARDUINO_WIFI)
-// Boards with a Wi-Fi library of another name (WiFiNINA, WiFi101): the sketch includes it before.
+// On boards with another Wi-Fi library (WiFiNINA, WiFi101), the sketch includes that library first.
 #if !defined(WiFi_h) && !defined(WIFI_H)
 #include <WiFi.h>
 #endif

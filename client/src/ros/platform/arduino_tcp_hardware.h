@@ -1,4 +1,5 @@
-// A TCP connection to the host over any class with Arduino's Client interface, made again whenever it is lost.
+// A TCP connection to the host over any class with Arduino's Client interface; it reconnects whenever the link is
+// lost.
 #ifndef ROS_PLATFORM_ARDUINO_TCP_HARDWARE_H_
 #define ROS_PLATFORM_ARDUINO_TCP_HARDWARE_H_
 
@@ -19,7 +20,7 @@ class ArduinoTcpHardware {
   NetworkClient& client() { return client_; }
   bool connected() { return link_.isConnected(); }
 
-  // Connects for the first time, for as long as the client tries; later spins go on trying.
+  // Connects for the first time, with the time limit of the client; later spins try again.
   void init() {
     client_.stop();
     link_.reset();
@@ -70,7 +71,7 @@ class ArduinoTcpHardware {
     }
   }
 
-  // On boards where small packets would otherwise wait for each other.
+  // For boards that would otherwise delay small packets.
   template <class C>
   static auto sendAtOnce(C& client, int) -> decltype(client.setNoDelay(true), void()) {
     client.setNoDelay(true);

@@ -1,4 +1,4 @@
-// Arduino boards on a network, over UDP: a frame a datagram, nothing to connect.
+// Arduino boards on a network, over UDP: one frame per datagram, without a connection.
 //
 //   #define ROSSERIAL_ARDUINO_UDP
 //   #include <Ethernet.h>
@@ -40,7 +40,7 @@ class ArduinoUdpHardware {
     while (unread_ <= 0) {
       unread_ = udp_.parsePacket();
       if (unread_ <= 0) return -1;
-      // Any program may send to this port; packets of others than the host are dropped.
+      // Any program may send to this port; packets from others than the host are dropped.
       if (!(udp_.remoteIP() == server_) || udp_.remotePort() != port_) unread_ = 0;
     }
     const int byte = udp_.read();

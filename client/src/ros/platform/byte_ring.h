@@ -5,8 +5,8 @@
 
 namespace ros {
 
-// Bytes between a program and an interrupt: one of them writes, the other reads, and neither needs a lock.
-// Empty when all zero, as static memory is: a constructor would have to run before the first interrupt.
+// A ring buffer between a program and an interrupt: one writes, the other reads, without a lock. It is empty if all
+// bytes are zero, like static memory: a constructor would have to run before the first interrupt.
 template <uint16_t SIZE>
 class ByteRing {
  public:
@@ -15,7 +15,7 @@ class ByteRing {
   uint16_t count() const { return static_cast<uint16_t>(head_ - tail_) & (SIZE - 1); }
   uint16_t room() const { return static_cast<uint16_t>(SIZE - 1 - count()); }
 
-  // Drops the byte if there is no room: its frame's checksum shows the loss.
+  // Drops the byte if the ring is full; the checksum of its frame then shows the loss.
   void put(uint8_t byte) {
     if (!room()) return;
     bytes_[head_] = byte;

@@ -1,6 +1,6 @@
 // Mbed boards, over a UART: USBTX and USBRX (the debugger's port), or MBEDTX and MBEDRX if the build defines them.
 //
-// A class of the program names others:
+// A class of the program can use other pins:
 //   class Port : public MbedHardware {
 //    public:
 //     Port() : MbedHardware(p13, p14, 115200) {}
@@ -73,7 +73,7 @@ class MbedHardware {
   void write(uint8_t* bytes, int count) {
     for (int i = 0; i < count; ++i) port_.putc(bytes[i]);
   }
-  // The timer counts 71 minutes of microseconds; its turns are followed.
+  // The timer overflows after 71 minutes of microseconds; its overflows are counted.
   unsigned long time() {
     const uint32_t now_us = static_cast<uint32_t>(timer_.read_us());
     rest_us_ += now_us - seen_us_;

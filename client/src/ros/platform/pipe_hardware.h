@@ -12,7 +12,8 @@ namespace ros {
 
 enum PipeState { PIPE_FAILED, PIPE_PENDING, PIPE_OPEN };
 
-// The hardware of a program under an operating system: bytes through a Pipe, which is opened again whenever it breaks; never blocking.
+// The hardware of a program on an operating system: bytes through a Pipe, which is opened again whenever it breaks.
+// It never blocks.
 //
 // A Pipe has
 //   PipeState open(uint32_t wait_ms)        begins or goes on opening, for about so long
@@ -57,7 +58,7 @@ class PipeHardware {
     return input_[next_++];
   }
 
-  // Bytes that the system does not accept yet are kept; without a link, bytes are dropped.
+  // Bytes that the system does not accept yet are buffered; without a link, bytes are dropped.
   void write(const uint8_t* bytes, int count) {
     if (!link_.isOpen() || count <= 0) return;
     size_t length = static_cast<size_t>(count);
@@ -81,10 +82,10 @@ class PipeHardware {
   unsigned long time() { return Pipe::milliseconds() - began_ms_; }
 
  private:
-  // initNode waits for the host; a spinOnce that connects again must not hold up the program.
+  // initNode waits for the host, but a spinOnce that reconnects must not delay the program.
   static const uint32_t FIRST_WAIT_MS = 1000;
   static const uint32_t LATER_WAIT_MS = 5;
-  // The node looks for bytes received in the meantime.
+  // The node checks for received bytes after this time.
   static const uint32_t FULL_WAIT_MS = 5;
 
   void attempt(uint32_t wait_ms) {

@@ -1,5 +1,5 @@
-// Which platform this is, and its `ros::NodeHandle`. A program with a Hardware class of its own on a system that none of
-// these fit defines ROS_NO_PLATFORM before <ros.h>, and writes ros::NodeHandle_<ThatClass>.
+// Selects the platform and its `ros::NodeHandle`. A program with its own Hardware class for another system defines
+// ROS_NO_PLATFORM before <ros.h>, and uses ros::NodeHandle_<ThatClass>.
 #ifndef ROS_PLATFORM_PLATFORM_H_
 #define ROS_PLATFORM_PLATFORM_H_
 
@@ -40,7 +40,7 @@
 #endif
 
 #if defined(ROS_HARDWARE)
-// The longest message that can be received, by the available memory.
+// The longest message that can be received; depends on the memory.
 #if !defined(ROS_INPUT_SIZE)
 #if defined(__AVR_ATmega8__) || defined(__AVR_ATmega168__) || defined(__AVR_ATmega168P__)
 #define ROS_INPUT_SIZE 150

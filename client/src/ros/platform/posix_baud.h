@@ -61,7 +61,7 @@ inline bool setPosixBaud(int fd, struct termios& line, long baud) {
 
 #else
 
-// Elsewhere a speed is its number.
+// On other systems, the constant of a speed is its number.
 inline bool setPosixBaud(int fd, struct termios& line, long baud) {
   return baud > 0 && cfsetispeed(&line, static_cast<speed_t>(baud)) == 0 &&
          cfsetospeed(&line, static_cast<speed_t>(baud)) == 0 && tcsetattr(fd, TCSANOW, &line) == 0;

@@ -23,7 +23,7 @@ struct PosixSockets {
   static void start() {}
   static uint32_t milliseconds() { return posixMilliseconds(); }
 
-  // A socket that is about to connect, or NONE.
+  // A socket that is connecting, or NONE.
   static int connect(const struct sockaddr* address, int length) {
     const int handle = socket(address->sa_family, SOCK_STREAM, 0);
     if (handle < 0) return NONE;
@@ -50,7 +50,7 @@ struct PosixSockets {
     errno = error;
     return error == 0 ? PIPE_OPEN : PIPE_FAILED;
   }
-  // Why the latest socket did not connect.
+  // The reason why the last socket did not connect.
   static const char* reason() { return strerror(errno); }
 
   static int read(int handle, uint8_t* bytes, size_t size) {
@@ -82,7 +82,7 @@ struct PosixSockets {
 
 }  // namespace ros
 
-// For programs that only ever connect over TCP: ros::NodeHandle_<PosixTcp>.
+// For programs that only connect over TCP: ros::NodeHandle_<PosixTcp>.
 class PosixTcp : public ros::PipeHardware<ros::TcpPipe<ros::PosixSockets> > {
  public:
   explicit PosixTcp(const char* address = "localhost") : PipeHardware(ros::TcpPipe<ros::PosixSockets>()) {

@@ -51,7 +51,7 @@ class TtyPipe {
     line.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS);
 #endif
     line.c_cflag |= CS8 | CLOCAL | CREAD;
-    // So that an empty read means a port that has disappeared, not one that is quiet.
+    // Then an empty read means that the port has disappeared, not that it is quiet.
     line.c_cc[VMIN] = 1;
     line.c_cc[VTIME] = 0;
     if (!setPosixBaud(fd_, line, baud_)) {
@@ -93,7 +93,7 @@ class TtyPipe {
 
 }  // namespace ros
 
-// For programs that only ever use a serial port: ros::NodeHandle_<PosixTty>.
+// For programs that only use a serial port: ros::NodeHandle_<PosixTty>.
 class PosixTty : public ros::PipeHardware<ros::TtyPipe> {
  public:
   explicit PosixTty(const char* path = "/dev/ttyUSB0", long baud = 57600) : PipeHardware(ros::TtyPipe()) {

@@ -5,19 +5,19 @@
 
 namespace ros {
 
-// Decides when a hardware connects again by itself, and reports it to the node.
+// Decides when a hardware reconnects, and reports it to the node.
 class Reconnection {
  public:
   constexpr Reconnection() : tried_ms_(0), pause_ms_(0), connected_(false), changed_(false) {}
 
-  // Whether bytes may go in and out: connected, and the node knows.
+  // Whether bytes may be sent and received: the link is connected, and the node knows.
   bool isOpen() const { return connected_ && !changed_; }
   bool isConnected() const { return connected_; }
 
   bool isDue(uint32_t now_ms) const { return !connected_ && now_ms - tried_ms_ >= pause_ms_; }
 
-  // An attempt began at `began_ms` and failed by `now_ms`. Pauses double, and are at least as long as the attempt took:
-  // one that blocks leaves the sketch half of the time.
+  // An attempt started at `began_ms` and failed at `now_ms`. Pauses double, and are at least as long as the attempt:
+  // an attempt that blocks leaves half of the time to the sketch.
   void failed(uint32_t began_ms, uint32_t now_ms) {
     const uint32_t took_ms = now_ms - began_ms;
     tried_ms_ = now_ms;
@@ -29,14 +29,15 @@ class Reconnection {
     connected_ = changed_ = true;
     pause_ms_ = 0;
   }
-  // The first attempt to connect again follows after the shortest pause: a host that closes rarely returns at once.
+  // The first attempt to reconnect follows after the shortest pause: a host that closes the link rarely returns at
+  // once.
   void lost(uint32_t now_ms) {
     connected_ = false;
     changed_ = true;
     tried_ms_ = now_ms;
     pause_ms_ = FIRST_PAUSE_MS;
   }
-  // Starts over: due at once.
+  // Resets the pauses; an attempt is due at once.
   void reset() {
     connected_ = changed_ = false;
     pause_ms_ = 0;
@@ -51,7 +52,7 @@ class Reconnection {
 
  private:
   static const uint16_t FIRST_PAUSE_MS = 100;
-  // A host that was restarted is seen within a second.
+  // A restarted host is found within a second.
   static const uint16_t LONGEST_PAUSE_MS = 500;
   static const uint16_t LONGEST_WAIT_MS = 20000;
 

@@ -1,11 +1,11 @@
-// A serial port of any class. Arduino's ports are all Streams, but a Stream has no `begin`, and not every
-// port reports its room.
+// A serial port of any class. All ports of Arduino are Streams, but a Stream has no `begin`, and not every port
+// reports its free buffer space.
 #ifndef ROS_PLATFORM_SERIAL_PORT_H_
 #define ROS_PLATFORM_SERIAL_PORT_H_
 
 namespace ros {
 
-// Whether availableForWrite, of this type, is only what Print answers for ports that do not know: always 0.
+// Whether availableForWrite, of this type, is the default of Print, which always returns 0.
 template <class Method>
 struct IsOfPrint {
   static const bool value = false;
@@ -19,7 +19,7 @@ struct IsOfPrint<Result (Print::*)() const> {
   static const bool value = true;
 };
 
-// Points to a port, as `Class*` does, but also to one of another class.
+// Points to a port like `Class*`, but also to a port of another class.
 template <class Class>
 class SerialPort {
  public:
@@ -29,7 +29,7 @@ class SerialPort {
     sawOtherClass() = true;
   }
 
-  // For what only `Class` has; not if the port is of another.
+  // For members that only `Class` has; not for a port of another class.
   Class* operator->() const { return &port(); }
 
   void begin(unsigned long baud) {
@@ -41,13 +41,13 @@ class SerialPort {
   }
   int read() { return stream_->read(); }
   void write(const uint8_t* bytes, int count) { write<Class>(bytes, static_cast<size_t>(count), 0); }
-  // Bytes that write accepts at once; any number if the port does not report it: then write waits.
+  // The number of bytes that write accepts at once. If the port does not report it, any number: then write waits.
   int writable() { return isOther() ? control_(stream_, 0) : room(port(), 0); }
 
  private:
   static const int ANY_ROOM = 0x7fff;
 
-  // In a program whose ports are all of `Class` nothing sets this, and the compiler leaves out the checks of it.
+  // If all ports of a program are of `Class`, nothing sets this, and the compiler removes the checks.
   static bool& sawOtherClass() {
     static bool saw = false;
     return saw;
@@ -55,7 +55,7 @@ class SerialPort {
   bool isOther() const { return sawOtherClass() && control_; }
   Class& port() const { return static_cast<Class&>(*stream_); }
 
-  // Begins at `baud`, or returns the room if that is 0.
+  // Opens the port at `baud`; returns the free buffer space if `baud` is 0.
   template <class Port>
   static int control(Stream* stream, unsigned long baud) {
     if (!baud) return room(static_cast<Port&>(*stream), 0);
@@ -80,7 +80,7 @@ class SerialPort {
   }
 
 #if defined(__AVR__)
-  // A port that inherits Print's write of many bytes, which calls `write` for each one: writes them directly.
+  // For a port that inherits Print's write of many bytes, which calls `write` for each byte: calls it directly.
   template <class Port, size_t (Print::*)(const uint8_t*, size_t) = &Port::write>
   void write(const uint8_t* bytes, size_t count, int) {
     for (; count; --count) stream_->write(*bytes++);

@@ -32,7 +32,7 @@ class STM32Hardware {
     receive();
   }
 
-  // After the HAL has taken a byte without DMA; and after an error, which ends reception in either mode.
+  // Called after the HAL has received a byte without DMA, and after an error, which ends reception in both modes.
   void reset_rbuf() {
     if (!huart->hdmarx && huart->ErrorCode == HAL_UART_ERROR_NONE) rhead = (rhead + 1) & (rbuflen - 1);
     if (huart->RxState == HAL_UART_STATE_READY) {
@@ -62,7 +62,7 @@ class STM32Hardware {
     flush();
   }
 
-  // Sends on what was written, up to the buffer's end, when the UART has done what it had before.
+  // Sends the buffered bytes, up to the end of the buffer, when the UART is ready.
   void flush() {
     const uint32_t were_masked = __get_PRIMASK();
     __disable_irq();

@@ -12,7 +12,7 @@ namespace ros {
 
 // A TCP connection to "host", "host:port" or "[address]:port", by the system's socket calls (Sockets), for PipeHardware.
 //
-// A name is looked up once, for as long as it can be: a look-up blocks, a spinOnce should not.
+// A name is looked up only once if possible: a look-up blocks, and spinOnce should not block.
 template <class Sockets>
 class TcpPipe {
  public:
@@ -35,7 +35,7 @@ class TcpPipe {
       current_ = 0;
       begin();
     }
-    // Of the addresses of a name, the next when one refuses.
+    // Tries the next address of a name if one refuses.
     for (;;) {
       if (socket_ != Sockets::NONE) {
         const PipeState state = Sockets::connected(socket_, wait_ms);

@@ -59,7 +59,7 @@ class TivaCHardware {
                             UART_CONFIG_WLEN_8 | UART_CONFIG_STOP_ONE | UART_CONFIG_PAR_NONE);
     MAP_UARTFIFOEnable(UART0_BASE);
     UARTIntRegister(UART0_BASE, &onUart);
-    // RT: received bytes that wait below the FIFO's limit.
+    // RT: for received bytes that wait below the FIFO's limit.
     MAP_UARTIntEnable(UART0_BASE, UART_INT_RX | UART_INT_RT | UART_INT_TX);
     MAP_IntEnable(INT_UART0);
     MAP_IntMasterEnable();
@@ -98,7 +98,7 @@ class TivaCHardware {
   }
 
  private:
-  // One for the program: interrupt handlers have no object.
+  // One object for the program: interrupt handlers have no object.
   struct State {
     ros::ByteRing<RX_BUFFER_SIZE> received;
     ros::ByteRing<TX_BUFFER_SIZE> unsent;

@@ -23,7 +23,7 @@ class ComPipe {
   ComPipe& operator=(const ComPipe&) = delete;
 
   void setName(const char* name) {
-    // From COM10 on only the long form is understood.
+    // From COM10 on, Windows requires the long form.
     snprintf(name_, sizeof name_, "%s%s", *name == '\\' ? "" : "\\\\.\\", name);
   }
   void setBaud(long baud) { baud_ = baud; }
@@ -93,7 +93,7 @@ class ComPipe {
 
 }  // namespace ros
 
-// For programs that only ever use a serial port: ros::NodeHandle_<WindowsCom>.
+// For programs that only use a serial port: ros::NodeHandle_<WindowsCom>.
 class WindowsCom : public ros::PipeHardware<ros::ComPipe> {
  public:
   explicit WindowsCom(const char* name = "COM1", long baud = 57600) : PipeHardware(ros::ComPipe()) {

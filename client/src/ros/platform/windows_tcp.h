@@ -25,7 +25,7 @@ struct WindowsSockets {
   }
   static uint32_t milliseconds() { return GetTickCount(); }
 
-  // A socket that is about to connect, or NONE.
+  // A socket that is connecting, or NONE.
   static SOCKET connect(const struct sockaddr* address, int length) {
     const SOCKET handle = socket(address->sa_family, SOCK_STREAM, IPPROTO_TCP);
     if (handle == INVALID_SOCKET) return NONE;
@@ -82,7 +82,7 @@ struct WindowsSockets {
 
 }  // namespace ros
 
-// For programs that only ever connect over TCP: ros::NodeHandle_<WindowsSocket>.
+// For programs that only connect over TCP: ros::NodeHandle_<WindowsSocket>.
 class WindowsSocket : public ros::PipeHardware<ros::TcpPipe<ros::WindowsSockets> > {
  public:
   explicit WindowsSocket(const char* address = "localhost") : PipeHardware(ros::TcpPipe<ros::WindowsSockets>()) {
