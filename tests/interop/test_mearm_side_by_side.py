@@ -22,7 +22,7 @@ from waiting import until
 STORE = TypeStore(Registry([EXAMPLE]))
 SEQ_AND_STAMP_BYTES = 12
 TOPICS = {"/joint_states": "sensor_msgs/JointState", "/servo_pose_server": "mearm_model/ServoAngles"}
-# Definitions differ in comments, which ours leave out; the md5sum says that all else is the same.
+# Definitions differ in comments, which ours omit; the md5sum says that all else is the same.
 SAID = ("md5sum", "type", "latching")
 
 

@@ -81,7 +81,7 @@ def input_buffer_bytes(readable: Mapping[str, str]) -> int:
 def find_endpoints(
     elf: ElfFile, readable: Mapping[str, str], registry: Registry, sources: Sequence[Path]
 ) -> list[Endpoint]:
-    """Return a sketch's topics and services; those whose type cannot be determined are left out."""
+    """Return a sketch's topics and services; those whose type cannot be determined are omitted."""
     variables = elf.variables
     finder = _Finder(elf, readable, variables, "".join(_read(sources)))
     found = []

@@ -88,7 +88,7 @@ class JointJoin:
                 self._seen = MarkedNodes.find(snapshots)
                 for name in self._seen.relays.keys() - self._relays:
                     joint.log(
-                        Level.INFO, f"{name} is a relay between the same graphs: its copies are left out"
+                        Level.INFO, f"{name} is a relay between the same graphs: its copies are not relayed"
                     )
                 self._update()
                 await asyncio.sleep(POLL_INTERVAL_S)

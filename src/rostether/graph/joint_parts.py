@@ -1,7 +1,7 @@
 """Opens one handle (a publisher, a subscriber, a service, a watch) in each of several graphs.
 
 A graph that refuses it for now (its master does not answer) is asked again; one that refuses it permanently
-(it does not know the type) is left out. Neither disturbs the others.
+(it does not know the type) is omitted. Neither disturbs the others.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def _resvg_package() -> Any:
 
 
 def _check_fonts(resvg: Any) -> None:
-    # Without a font, resvg leaves out all text without an error.
+    # Without a font, resvg omits all text without an error.
     blank, letter = Scene(20, 20), Scene(20, 20)
     letter.text(2, 16, "M", 16, (0, 0, 0))
     if resvg.svg_to_bytes(svg_string=svg(blank)) == resvg.svg_to_bytes(svg_string=svg(letter)):

@@ -49,7 +49,7 @@ def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
         text = read_toml_text(path)
     except FileNotFoundError:
         if is_required:
-            raise ConfigError(f"{path}: no such file; create it, or leave out --config") from None
+            raise ConfigError(f"{path}: no such file; create it, or omit --config") from None
         return DeviceBook()
     return parse_devices_toml(text, file=str(path))
 

@@ -1,10 +1,10 @@
 """A relay between two graphs: chosen topics, services and actions of each are in the other too.
 
 A topic is carried to the other graph as long as somebody besides the relay publishes it, in both directions
-at once where both are chosen: the relay's subscribers leave out what the relay itself publishes, so that
+at once where both are chosen: the relay's subscribers omit what the relay itself publishes, so that
 nothing comes back. A service is offered in the graph that does not have it as long as the other one has it.
 
-Nodes that are in both graphs themselves (`graph.joint_marks`) are left out: boards, which need no relay, and
+Nodes that are in both graphs themselves (`graph.joint_marks`) are skipped: boards, which need no relay, and
 other relays, whose messages come from the other graph. Of several relays, one carries a topic or service: the
 first one keeps it. If two begin at once, the older one has it, because the younger one waits a moment.
 """
@@ -130,9 +130,11 @@ class Relay:
         self._gone &= {name for snapshot in self._seen.values() for name in snapshot.nodes}
         relays = {name: mark for name, mark in marked.relays.items() if name not in own | self._gone}
         for name in sorted(relays.keys() - self._marked.relays.keys()):
-            self._report(Level.INFO, f"the relay {name} is between the same graphs: its copies are left out")
+            self._report(
+                Level.INFO, f"the relay {name} is between the same graphs: its copies are not relayed"
+            )
         for name in sorted(marked.joint - self._marked.joint):
-            self._report(Level.INFO, f"{name} is in both graphs by itself: what it publishes is left out")
+            self._report(Level.INFO, f"{name} is in both graphs by itself: what it publishes is not relayed")
         self._marked = MarkedNodes(relays, marked.joint)
         replace_names(self._skip_nodes, self._marked.names | self._gone)
 

@@ -25,7 +25,7 @@ _COUNT_INTERVAL_S = 0.01
 
 
 class TopicRelay:
-    """Relays a topic until it is closed; messages of `skip_nodes` are left out.
+    """Relays a topic until it is closed; messages of `skip_nodes` are omitted.
 
     Messages that arrive before the subscribers on the other side are connected wait here, and then, because
     the subscription pauses, in the source graph's queues.

@@ -1,4 +1,4 @@
-"""Links of a URDF: shapes, materials and masses. An invalid one is reported and left out."""
+"""Links of a URDF: shapes, materials and masses. An invalid one is reported and omitted."""
 
 from __future__ import annotations
 

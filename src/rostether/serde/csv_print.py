@@ -1,6 +1,6 @@
 """Messages as rows of numbers, as `rostopic echo -p` prints them.
 
-As in ROS Noetic, uint8[] and char[] of a message are left out, and strings are not quoted.
+As in ROS Noetic, uint8[] and char[] of a message are omitted, and strings are not quoted.
 Lists of lists, which two slices in a field path select, are printed, while rostopic leaves them out.
 """
 

@@ -72,7 +72,7 @@ def _inside(member: Member, index: int | slice | None, *, last: bool) -> Struct 
     node = member.node
     if not isinstance(node, Array):
         if index is not None:
-            raise ConfigError(f"field {member.name!r} is a {member.type}, not an array; leave out the [ ]")
+            raise ConfigError(f"field {member.name!r} is a {member.type}, not an array; omit the [ ]")
         return node if isinstance(node, Struct) else None
     if index is None and not last:
         raise ConfigError(f"field {member.name!r} is an array; select elements, e.g. {member.name}[0]")

@@ -33,7 +33,7 @@ def parse_values(codec: Codec, arguments: str | Sequence[str], *, now: Callable[
 
 
 def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iterator[Message]:
-    """Yield the message of each YAML document (`---` between them), empty ones left out."""
+    """Yield the message of each YAML document (`---` between them), empty ones omitted."""
     for document in load_documents(text):
         yield fill_message(codec, document, now=now)
 
@@ -45,7 +45,7 @@ def load_arguments(arguments: str | Sequence[str]) -> list[Any]:
 
 
 def load_documents(text: str) -> Iterator[list[Any]]:
-    """Yield the YAML values of each document, empty ones left out. Raises SerializationError."""
+    """Yield the YAML values of each document, empty ones omitted. Raises SerializationError."""
     try:
         for document in load_all(text):
             if document is not None:

@@ -115,9 +115,7 @@ class ConnectorHello:
         if not self._expected:
             match = _GREETING.fullmatch(line)
             if match is None:
-                raise RemoteProtocolError(
-                    "it requires no pre-shared key; leave out psk=, or also set it there"
-                )
+                raise RemoteProtocolError("it requires no pre-shared key; omit psk=, or also set it there")
             theirs = match[1].decode()
             self._expected = _proof(self._key, "listener", theirs, self._nonce)
             answer = f"{_WORD} {self._nonce} {_proof(self._key, 'connector', theirs, self._nonce)}\n"

@@ -163,8 +163,8 @@ def test_what_is_left_out_while_recording_is_reported_once_and_counted(
     assert process.returncode == 0, err
     assert "2 messages, " in out
     first, last = err.splitlines()
-    assert first.startswith("WARNING: /chat: messages that do not fit their type are left out: ")
-    assert last == "WARNING: /chat: left out 2 messages that do not fit their type"
+    assert first.startswith("WARNING: /chat: messages that do not fit their type are skipped: ")
+    assert last == "WARNING: /chat: skipped 2 messages that do not fit their type"
     assert _count(tmp_path / name) == 2
 
 

@@ -64,7 +64,7 @@ def test_type_of_the_last_field() -> None:
             "field 'x' has no fields, so 'linear/x/y' cannot continue with 'y'",
         ),
         ("geometry_msgs/Twist", "linear[0]", "field 'linear' is a geometry_msgs/Vector3, not an array"),
-        ("std_msgs/String", "data[0]", "field 'data' is a string, not an array; leave out the [ ]"),
+        ("std_msgs/String", "data[0]", "field 'data' is a string, not an array; omit the [ ]"),
         ("tf2_msgs/TFMessage", "transforms/header", "is an array; select elements, e.g. transforms[0]"),
         ("std_msgs/Empty", "x", "std_msgs/Empty has no field 'x'; it has no fields"),
         ("std_msgs/String", "", "std_msgs/String has no field ''; it has data"),

@@ -1,4 +1,4 @@
-// The messages that a phone publishes; constants are left out. Source: sensor_msgs of ROS 1.
+// The messages that a phone publishes; constants are omitted. Source: sensor_msgs of ROS 1.
 import { parseDefinition } from "../wire/definition.ts";
 import type { StructNode } from "../wire/schema.ts";
 

@@ -22,7 +22,7 @@ export const NO_LAYOUT: Layout = { order: [], hidden: [], widths: {}, added: [] 
 // Links and storage may hold anything.
 const MAX_ITEMS = 200;
 
-/** Reads a layout of a link or of the storage; invalid parts are left out. */
+/** Reads a layout of a link or of the storage; invalid parts are omitted. */
 export function readLayout(value: Settings | undefined): Layout {
   if (!value) return NO_LAYOUT;
   const widths: Record<string, Width> = {};

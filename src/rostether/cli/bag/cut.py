@@ -68,7 +68,7 @@ def bag_cut(
 
     cutting = Cutting(find_recordings(sources))
     for why in cutting.unreadable.values():
-        warn(f"left out: {why}")
+        warn(f"skipped: {why}")
     first_ns, last_ns = cutting.span_ns
     start_ns = moment_ns(start, last_ns)
     if second := second_moment(start, start_ns):

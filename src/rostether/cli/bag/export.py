@@ -169,7 +169,7 @@ class _Place:
             path.unlink(missing_ok=True)
 
     def report(self, tables: list[ExportedTable]) -> None:
-        """Report the written files; exits with 1 if messages were left out."""
+        """Report the written files; exits with 1 if messages were omitted."""
         for table in tables:
             if not self._is_stdout:
                 rows = f"{table.row_count} rows, {len(table.columns) + 2} columns"

@@ -251,7 +251,7 @@ async def _record(
                 total = f"{recorder.progress.message_count} messages, {size_text(recorder.size_bytes)}"
                 report(f"{total} in {', '.join(written)}")
                 for topic, count in unfit.counts.items():
-                    warn(f"WARNING: {topic}: left out {count} messages that do not fit their type")
+                    warn(f"WARNING: {topic}: skipped {count} messages that do not fit their type")
                 if not recorder.progress.message_count and not unfit.counts:
                     warn(
                         "WARNING: no messages were received; `rostether topic list -v` shows which topics "

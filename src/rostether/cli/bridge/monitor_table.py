@@ -54,7 +54,7 @@ _STATE_WIDTH = 11
 
 
 def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
-    """Return the lines of the table, at most `height`: topics are left out first, then boards."""
+    """Return the lines of the table, at most `height`: topics are omitted first, then boards."""
     width = max(width, MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))
     columns = _fitting(_COLUMNS + (_TOTALS if width >= _WIDE else ()), width)

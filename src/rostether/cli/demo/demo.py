@@ -101,7 +101,7 @@ def demo(options: DemoOptions, graph: GraphOptions) -> None:
     virtual_board.
     """
     if options.join and options.port is not None:
-        raise click.UsageError("--join uses the master that runs; leave out --port")
+        raise click.UsageError("--join uses the master that runs; omit --port")
     # The user's settings for real boards must not make the demo fail.
     devices = read_devices(options.config, ()) if options.config is not None else None
     run(_demo(read_environment(graph), options, devices), is_service=True)

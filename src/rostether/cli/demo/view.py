@@ -33,7 +33,7 @@ MAX_LINES = 100
 
 
 KEYS = "Keys: l LED, arrows obstacle, q quit"
-# Columns that a narrower terminal leaves out, in characters; the curve stays in all of them.
+# Columns that a narrower terminal omits, in characters; the curve stays in all of them.
 _TYPE_FROM_WIDTH = 100
 _RATE_FROM_WIDTH = 50
 _COUNT_FROM_WIDTH = 76

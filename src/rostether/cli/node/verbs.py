@@ -65,7 +65,7 @@ def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, gra
     """Ping a node once a second until Ctrl-C; the exit code is 1 if it does not answer."""
     nodes = nodes_of(graph)
     if ping_all and (name or count):
-        raise click.UsageError("with --all, leave out the node's name and -c")
+        raise click.UsageError("with --all, omit the node's name and -c")
     if name is None and not ping_all:
         raise click.UsageError(
             "give a node; `rostether node list` shows the running nodes; --all pings them all"
@@ -83,7 +83,7 @@ def kill(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
     """Ask nodes to shut down; without a name, choose one from a list."""
     nodes = nodes_of(graph)
     if kill_all and names:
-        raise click.UsageError("with --all, leave out the names")
+        raise click.UsageError("with --all, omit the names")
     nodes.kill(names, kill_all=kill_all)
 
 

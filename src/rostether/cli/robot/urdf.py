@@ -63,7 +63,7 @@ def check(file: Path, mappings: tuple[str, ...]) -> None:
         write_line(f"{'    ' * min(depth, MAX_INDENTED)}child({place}):  {escape_line(joint.child)}")
         waiting += [(depth + 1, below, each) for below, each in _numbered_backward(model, joint.child)]
     for problem in model.problems:
-        warn(f"left out: {escape_line(problem)}")
+        warn(f"skipped: {escape_line(problem)}")
 
 
 @click.command("tree", cls=Verb, examples="rostether urdf tree robot.urdf")

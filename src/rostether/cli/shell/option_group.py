@@ -139,7 +139,7 @@ def ignored_options(*names: str, **flags: str) -> Callable[[Function], Function]
 
 
 class OptionalValueOption(click.Option):
-    """An option whose value may be left out.
+    """An option whose value may be omitted.
 
     Args:
         alone: The value of the option when none is given. is_value: Returns whether the next word of the

@@ -152,7 +152,7 @@ def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop
         if uvloop is None:
             return None
         raise ConfigError(
-            f"uvloop is not installed; run: {install_command('uvloop')}; or leave out --uvloop"
+            f"uvloop is not installed; run: {install_command('uvloop')}; or omit --uvloop"
         ) from None
     factory: Callable[[], asyncio.AbstractEventLoop] = implementation.new_event_loop
     return factory

@@ -17,7 +17,7 @@ CLEAR_SCREEN = "\033[2J\033[;H"
 
 
 class EchoPrinter(ABC):
-    """Prints messages in one style and counts them; `received_count` includes those the filter leaves out."""
+    """Prints messages in one style and counts them; `received_count` includes those the filter omits."""
 
     def __init__(self, topic: str, options: EchoOptions) -> None:
         self.options = options

@@ -61,7 +61,7 @@ class Ros2Topics(Ros2TopicListing):
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` leaves out the lines about that."""
+        """Join the graph and wait for the topics; `quiet` omits the lines about that."""
         from rostether.cli.topic.meter import ros2_meter
 
         return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)

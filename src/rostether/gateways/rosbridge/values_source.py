@@ -30,7 +30,7 @@ _MAX_FORMS: Final = 512
 class Leaves:
     """Converts the values that are not messages; `numbers` gets the element's `struct` format.
 
-    `omitted` are fields, as `package/Name.field`, that the form leaves out.
+    `omitted` are fields, as `package/Name.field`, that the form omits.
     """
 
     stamp: Callable[[Any], Any]

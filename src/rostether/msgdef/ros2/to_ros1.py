@@ -1,7 +1,7 @@
 """A ROS 2 definition in the form of ROS 1: the same fields, for the ROS 1 codec.
 
 `package/msg/Name` becomes `package/Name`, and `package/srv/Name_Request` becomes `package/NameRequest`. byte
-and char are uint8, as in ROS 2, and wstring is string; bounds and defaults are left out. builtin_interfaces'
+and char are uint8, as in ROS 2, and wstring is string; bounds and defaults are omitted. builtin_interfaces'
 Time and Duration are messages of two numbers, and std_msgs/Header has no seq.
 """
 

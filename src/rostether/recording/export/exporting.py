@@ -26,7 +26,7 @@ _CELL_BYTES = 8
 class ExportedTable:
     """One topic with messages of one type; `number` distinguishes the tables of a topic with several types.
 
-    `unfit_count` is the number of messages left out because they do not fit their type; `why` is the reason
+    `unfit_count` is the number of messages omitted because they do not fit their type; `why` is the reason
     for the first one.
     """
 
@@ -58,7 +58,7 @@ class Export:
         type_name: str = "",
         report: Callable[[str], None],
     ) -> None:
-        """Select topics; `report` gets a line for each topic left out.
+        """Select topics; `report` gets a line for each topic omitted.
 
         Raises ConfigError. With `type_name`, only topics of this type are selected.
         """
@@ -79,7 +79,7 @@ class Export:
                 errors.append(ConfigError(f"{topic}: {error}"))
                 continue
             except RostetherError as error:
-                report(f"{topic}: its definition of {type_name} is broken and it is left out: {error}")
+                report(f"{topic}: its definition of {type_name} is broken; the topic is skipped: {error}")
                 continue
             number = sum(table.topic == topic for table in self.tables)
             table = ExportedTable(topic, type_name, number, tuple(connections), columns)

@@ -34,7 +34,7 @@ class Ros2Channels:
 
     As in rosbag2, all publishers of a topic share one channel, with the quality of service of the first
     publisher. `types` are the types of the recorded graph, else those of the environment. Messages that do
-    not fit their type are left out, and counted by `unfit`.
+    not fit their type are omitted, and counted by `unfit`.
     """
 
     def __init__(self, types: Ros2Types | None = None, unfit: UnfitMessages | None = None) -> None:
@@ -63,7 +63,7 @@ class Ros2Channels:
         return channel
 
     def converted(self, channel: Channel, payloads: Sequence[bytes]) -> list[bytes]:
-        """Return messages as CDR, counted; those that do not fit their type are left out."""
+        """Return messages as CDR, counted; those that do not fit their type are omitted."""
         try:
             converted = list(map(channel.to_cdr, payloads))
         except SerializationError:
@@ -115,5 +115,5 @@ class UnfitMessages:
     def add(self, topic: str, why: str) -> None:
         """Count one message."""
         if topic not in self.counts:
-            self._report(f"WARNING: {topic}: messages that do not fit their type are left out: {why}")
+            self._report(f"WARNING: {topic}: messages that do not fit their type are skipped: {why}")
         self.counts[topic] = self.counts.get(topic, 0) + 1

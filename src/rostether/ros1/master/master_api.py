@@ -203,7 +203,7 @@ class MasterApi:
         prefix = space if not space or space.endswith("/") else f"{space}/"
         types = self.registrations.topic_types
         topics = self.registrations.keys(Kind.PUBLISHER)
-        # None for a topic that is left out, so that long tables are written in slices.
+        # None for a topic that is omitted, so that long tables are written in slices.
         found = ((each, types.get(each, ANY_TYPE)) if each.startswith(prefix) else None for each in topics)
         return 1, "current topics", found
 

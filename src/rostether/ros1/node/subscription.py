@@ -81,7 +81,7 @@ class Subscription:
     def add_publishers(self, uris: Sequence[str]) -> None:
         """Connect to new publishers.
 
-        What the answer to a registration leaves out is not gone: it may be older than the last update, or
+        What the answer to a registration omits is not gone: it may be older than the last update, or
         from a master that has just restarted and knows few of us.
         """
         for uri in uris:
@@ -157,7 +157,7 @@ class Subscription:
             call_contained(self._what, self._on_messages, payloads)
 
     def _leaving_out(self, node_name: str, on_messages: OnMessages) -> OnMessages:
-        # A publisher that is left out stays connected: it would be asked repeatedly.
+        # A publisher that is omitted stays connected: it would be asked repeatedly.
         def deliver_wanted(payloads: Sequence[bytes]) -> None:
             if node_name not in self._skip_nodes:
                 on_messages(payloads)

@@ -32,7 +32,7 @@ _IDL_NAMES = {
 
 @dataclass(frozen=True, slots=True)
 class TextStyle:
-    """The parts that `ros2 topic echo` can leave out."""
+    """The parts that `ros2 topic echo` can omit."""
 
     truncate_length: int | None = DEFAULT_TRUNCATE_LENGTH
     no_arrays: bool = False

@@ -84,7 +84,7 @@ def test_demos_side_by_side_have_masters_of_their_own(shell: Shell) -> None:
         }
         assert len(masters) == 2
         assert f"uses port {port} already" in shell.failure(*PYTHON_DEMO, "--port", str(port))
-        assert "leave out --port" in shell("demo", "--join", "--port", "1").err
+        assert "omit --port" in shell("demo", "--join", "--port", "1").err
 
 
 class Switch:

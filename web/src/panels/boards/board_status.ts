@@ -34,7 +34,7 @@ export interface BoardStatus {
   findings: Finding[];
 }
 
-/** Returns the boards' statuses in a DiagnosticArray; other nodes' statuses are left out. */
+/** Returns the boards' statuses in a DiagnosticArray; other nodes' statuses are omitted. */
 export function boardStatuses(array: Message): BoardStatus[] {
   const found: BoardStatus[] = [];
   for (const each of (array.status ?? []) as Message[]) {

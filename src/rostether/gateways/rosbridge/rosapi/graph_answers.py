@@ -108,7 +108,7 @@ class GraphAnswers:
         return [each.name for each in self._services(await self._graph.snapshot())]
 
     async def services_for_type(self, type_name: str) -> list[str]:
-        """Return the services of a type; servers that do not answer are left out."""
+        """Return the services of a type; servers that do not answer are omitted."""
         wanted = short_type(type_name)
         services = self._services(await self._graph.snapshot())
         types = await self._types_of(services)
