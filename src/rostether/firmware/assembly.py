@@ -28,7 +28,7 @@ from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import SOURCE_SUFFIXES, Sketch
 from rostether.firmware.toolchain import AvrToolchain
 
-# Each round adds a library; more rounds mean that libraries include each other in a circle.
+# Each round adds a library; more rounds mean that libraries include each other in a cycle.
 MAX_ROUNDS = 50
 
 

@@ -9,7 +9,7 @@ import re
 import shlex
 from collections.abc import Mapping
 
-# Real recipes are nested three levels deep; keys that refer to each other in a circle must not loop forever.
+# Real recipes are nested three levels deep; keys that refer to each other in a cycle must not loop forever.
 MAX_EXPANSIONS = 64
 
 _PLACEHOLDER = re.compile(r"\{([\w.\-]+)\}")

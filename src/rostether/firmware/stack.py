@@ -68,13 +68,13 @@ class _Search:
     """Searches the deepest path that enters no function twice.
 
     This restriction matters only for functions that can reach each other, so results are cached for each
-    function with the functions of its own circle above it.
+    function with the functions of its own cycle above it.
     """
 
     def __init__(self, graph: CallGraph) -> None:
         self._graph = graph
         self._known: dict[tuple[int, frozenset[int]], _Path] = {}
-        self._circles: dict[int, frozenset[int]] = {}
+        self._cycles: dict[int, frozenset[int]] = {}
         self._closed: dict[int, _Path] = {}
         self._open: dict[int, list[tuple[int, int]]] = {}
         self.gave_up = False
@@ -88,7 +88,7 @@ class _Search:
         return _Path(best.depth_bytes + self._graph.return_bytes, best.entries)
 
     def _path(self, entry: int, above: frozenset[int]) -> _Path:
-        key = (entry, above & self._circle(entry))
+        key = (entry, above & self._cycle(entry))
         if key in self._known:
             return self._known[key]
         best = self._closed_path(entry)
@@ -105,11 +105,11 @@ class _Search:
         return best
 
     def _closed_path(self, entry: int) -> _Path:
-        """Return the deepest path through functions outside circles, which does not depend on those above."""
+        """Return the deepest path through functions that are in no cycle; it does not depend on the callers."""
         if entry not in self._closed:
             best = _Path(self._graph.walk(entry).depth_bytes, (entry,))
             for target, depth in self._graph.calls(entry).items():
-                if not self._circle(target):
+                if not self._cycle(target):
                     below = self._path(target, frozenset())
                     if depth + below.depth_bytes >= best.depth_bytes:
                         best = _Path(depth + below.depth_bytes, (entry, *below.entries))
@@ -117,13 +117,13 @@ class _Search:
         return self._closed[entry]
 
     def _open_calls(self, entry: int) -> list[tuple[int, int]]:
-        """Return the calls into circles, without those that two other calls dominate.
+        """Return the calls into cycles, without those that two other calls dominate.
 
         A sketch with many topics has many similar callbacks.
         """
         if entry not in self._open:
             calls = [
-                (target, depth) for target, depth in self._graph.calls(entry).items() if self._circle(target)
+                (target, depth) for target, depth in self._graph.calls(entry).items() if self._cycle(target)
             ]
             # The deepest first, so that the order decides between equals.
             calls.sort(key=lambda call: (-call[1], -self._closed_path(call[0]).depth_bytes, call[0]))
@@ -145,18 +145,18 @@ class _Search:
         return all(
             each in calls and depth + calls[each] >= other_depth + below
             for each, below in self._graph.calls(other_target).items()
-            if self._circle(each)
+            if self._cycle(each)
         )
 
-    def _circle(self, entry: int) -> frozenset[int]:
+    def _cycle(self, entry: int) -> frozenset[int]:
         """Return the functions that a function can reach, and that can reach it."""
-        if entry not in self._circles:
-            self._circles[entry] = frozenset(
+        if entry not in self._cycles:
+            self._cycles[entry] = frozenset(
                 each
                 for each in self._graph.reachable([entry])
                 if entry in self._graph.reachable(self._graph.calls(each))
             )
-        return self._circles[entry]
+        return self._cycles[entry]
 
 
 def _unknown(graph: CallGraph, elf: ElfFile) -> list[str]:

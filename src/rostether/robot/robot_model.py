@@ -126,7 +126,7 @@ def mimic_chain(
 ) -> tuple[float, float, str]:
     """Return factor, offset and name of the joint at the end of a chain of mimicking joints.
 
-    Joints in `given` end the chain. Raises RobotModelError for a circle.
+    Joints in `given` end the chain. Raises RobotModelError for a cycle.
     """
     factor, offset, passed = 1.0, 0.0, [name]
     mimic = mimics.get(name)
@@ -134,7 +134,7 @@ def mimic_chain(
         offset += factor * mimic.offset
         factor *= mimic.multiplier
         if mimic.joint in passed:
-            raise RobotModelError(f"joints mimic each other in a circle: {', '.join([*passed, mimic.joint])}")
+            raise RobotModelError(f"joints mimic each other in a cycle: {', '.join([*passed, mimic.joint])}")
         passed.append(mimic.joint)
         mimic = None if mimic.joint in given else mimics.get(mimic.joint)
     return factor, offset, passed[-1]

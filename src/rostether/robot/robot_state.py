@@ -46,7 +46,7 @@ class RobotStateSettings:
 class RobotState:
     """Turns a robot's joint states into transforms; `problem` describes the problem with the last state.
 
-    Raises RobotModelError if joints mimic each other in a circle.
+    Raises RobotModelError if joints mimic each other in a cycle.
     """
 
     def __init__(self, model: RobotModel, settings: RobotStateSettings | None = None) -> None:
@@ -157,7 +157,7 @@ def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
 def with_mimics(model: RobotModel, positions: Mapping[str, float]) -> dict[str, float]:
     """Return the positions, with those of all joints that mimic them, directly or indirectly.
 
-    Raises RobotModelError if joints mimic each other in a circle.
+    Raises RobotModelError if joints mimic each other in a cycle.
     """
     complete = dict(positions)
     mimics = model.mimics

@@ -36,6 +36,6 @@ async def run_in_slices(steps: Iterator[None]) -> None:
 
 
 def run_at_once(steps: Iterator[None]) -> None:
-    """Run all `steps` without a turn for others."""
+    """Run all `steps` without yielding to other tasks."""
     for _ in steps:
         pass

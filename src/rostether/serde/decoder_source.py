@@ -1,6 +1,6 @@
 """Writes the Python source that decodes a type: fields of constant size fused into one unpacking.
 
-For std_msgs/Header it comes out as:
+For std_msgs/Header the result is:
 
     def decode(b):
         v0, v1, v2, v3 = unpack_0(b, 0)                # seq, stamp, the length of frame_id

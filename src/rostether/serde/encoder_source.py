@@ -1,6 +1,6 @@
 """Writes the Python source that encodes a type: fields of constant size fused into one packing.
 
-For std_msgs/Header it comes out as:
+For std_msgs/Header the result is:
 
     def encode(m):
         v0 = m.stamp

@@ -80,7 +80,7 @@ def _plain(value: Any) -> Any:
 
 
 class MessageClasses:
-    """The message classes of one type store, each made once; a subclass may choose what values are."""
+    """The message classes of one type store, each made once; a subclass may choose the classes of values."""
 
     base: type[Message] = Message
     time: Any = Time

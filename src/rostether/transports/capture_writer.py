@@ -220,12 +220,12 @@ class RecordedTransport:
             self._receiver.connection_lost(error)
 
     def pause_writing(self) -> None:
-        """Pass on that the inner transport's buffer is full."""
+        """Report that the inner transport's buffer is full."""
         if self._receiver is not None:
             self._receiver.pause_writing()
 
     def resume_writing(self) -> None:
-        """Pass on that the inner transport's buffer has room."""
+        """Report that the inner transport's buffer has room."""
         if self._receiver is not None:
             self._receiver.resume_writing()
 

@@ -155,12 +155,12 @@ class PeerTransport(Generic[PeerKey]):
         self.has_answered = entry.is_answer(bytes(self._unproven))
 
     def pause_writing(self) -> None:
-        """Pass on that the medium's write buffer is full."""
+        """Report that the medium's write buffer is full."""
         if self._receiver is not None and not self._lost:
             self._receiver.pause_writing()
 
     def resume_writing(self) -> None:
-        """Pass on that the medium's write buffer has drained."""
+        """Report that the medium's write buffer has drained."""
         if self._receiver is not None and not self._lost:
             self._receiver.resume_writing()
 

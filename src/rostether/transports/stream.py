@@ -169,13 +169,13 @@ class StreamTransport(asyncio.BaseProtocol):
         return False
 
     def pause_writing(self) -> None:
-        """Pass on that the write buffer is full."""
+        """Report that the write buffer is full."""
         self._writing_paused = True
         if self._receiver is not None:
             self._receiver.pause_writing()
 
     def resume_writing(self) -> None:
-        """Pass on that the write buffer has drained."""
+        """Report that the write buffer has drained."""
         self._writing_paused = False
         if self._receiver is not None:
             self._receiver.resume_writing()
