@@ -105,7 +105,7 @@ class _Search:
         return best
 
     def _closed_path(self, entry: int) -> _Path:
-        """Return the deepest path through functions that are in no cycle; it does not depend on the callers."""
+        """Return the deepest path through functions in no cycle; it does not depend on the callers."""
         if entry not in self._closed:
             best = _Path(self._graph.walk(entry).depth_bytes, (entry,))
             for target, depth in self._graph.calls(entry).items():

@@ -52,7 +52,7 @@ class JointStateValues:
 
 
 class JointStates:
-    """The joints of one robot; `free` are those that can be set. Raises RobotModelError for cycles of mimic joints."""
+    """The joints of one robot; `free` are those that can be set. Raises RobotModelError for a mimic cycle."""
 
     def __init__(self, model: RobotModel, settings: JointStateSettings | None = None) -> None:
         self.settings = settings = JointStateSettings() if settings is None else settings

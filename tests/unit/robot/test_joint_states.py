@@ -92,7 +92,7 @@ def test_positions_stay_within_limits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("leader", "said"), [("k", "circle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
+    ("leader", "said"), [("k", "cycle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
 )
 def test_following_no_program_is_refused(leader: str, said: str) -> None:
     text = robot(

@@ -123,7 +123,7 @@ def test_a_circle_of_mimics_is_refused_before_the_first_state() -> None:
         joint("j", "continuous", "a", "b", '<mimic joint="k"/>')
         + joint("k", "continuous", "b", "c", '<mimic joint="j"/>'),
     )
-    with pytest.raises(RobotModelError, match="circle"):
+    with pytest.raises(RobotModelError, match="cycle"):
         RobotState(parse_urdf(text))
 
 
@@ -173,5 +173,5 @@ def test_a_circle_of_mimics_is_refused() -> None:
             + joint("k", "continuous", "b", "c", '<mimic joint="j"/>'),
         )
     )
-    with pytest.raises(RobotModelError, match="circle: j, k, j"):
+    with pytest.raises(RobotModelError, match="cycle: j, k, j"):
         with_mimics(model, {})
