@@ -3,7 +3,7 @@ PYTHON ?= $(shell scripts/find-python)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo test test-fast coverage test-pythons test-fresh test-boot check check-web web bench fuzz soak soak-page docs clean
+.PHONY: help demo test test-fast coverage test-pythons test-fresh test-boot check check-python check-web web bench fuzz soak soak-page docs clean
 
 help:
 	@echo "make demo   watch a simulated board become a ROS node (no hardware, no ROS, no root)"
@@ -49,7 +49,9 @@ test-fresh:
 test-boot:
 	scripts/test-boot
 
-check: $(VENV)/.dev check-web
+check: check-web check-python
+
+check-python: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy

@@ -30,11 +30,15 @@ import pytest
 import warm_worker
 
 DEBIAN_PYTHON = "/usr/bin/python3"
-# Imported by most programs; they start no threads.
+# Imported by many programs; they start no threads.
 _LIBRARIES = {
     DEBIAN_PYTHON: "rospy,rosbag,rosmsg,rosnode,rosservice,rostopic,geometry_msgs.msg,nav_msgs.msg,"
     "sensor_msgs.msg,std_srvs.srv,argparse,logging.config",
-    sys.executable: "rostether.cli.main,rostether.cli.bridge.serve,rostether.cli.topic.ros1_echo,uuid",
+    sys.executable: "rostether.cli.main,rostether.cli.bridge.serve,rostether.cli.topic.ros1_echo,"
+    "rostether.cli.launch.launch_run,rostether.cli.dashboard.served,rostether.bridge.supervisor,"
+    "rostether.ros1.master.server,rostether.ros1.node.node,rostether.transports.serial,"
+    "rostether.gateways.websocket.server,rostether.simulation.simavr.simulated_board,"
+    "rostether.firmware.build,concurrent.futures.thread,sqlite3,uuid",
 }
 _INTERPRETER = Path(__file__).with_name("warm_interpreter.py")
 # The interpreter's command line is at least as long, so that a program's fits in its place.
