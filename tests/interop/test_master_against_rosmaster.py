@@ -26,6 +26,7 @@ from rostether.ros1.master.parameter_tree import ParameterTree
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
+from waiting import until
 
 NODES = ["/a", "/b", "/ns/c", "/ns/deep/d"]
 TOPICS = ["/t", "/u", "t", "~t", "ns/t", "/ns/t/", "//t"]
@@ -191,17 +192,6 @@ class Sequence:
             args[0] = self._random.choice([7, [], "relative", ""])
 
 
-async def settled(side: Side) -> None:
-    """Wait until a master has told its nodes everything: nothing new for a while."""
-    async with asyncio.timeout(60):
-        before, quiet = -1, 0
-        while quiet < 5:
-            await asyncio.sleep(0.1)
-            now = sum(len(node.told) for node in side.nodes)
-            quiet = quiet + 1 if now == before else 0
-            before = now
-
-
 @pytest.mark.parametrize("seed", range(effort(1, thorough=3)))
 async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], seed: int) -> None:
     ours, theirs = sides
@@ -260,24 +250,24 @@ async def test_nodes_end_up_knowing_the_truth(sides: tuple[Side, Side], seed: in
             if method == "subscribeParam":
                 watched.add((index, key))
                 side.nodes[index].receive("param", key, answer[2])
-    await asyncio.gather(*(settled(side) for side in sides))
     for side in sides:
         for index, key in watched:
             code, _, value = await side.call("getParam", ["/test", key])
-            assert view_of(side.nodes[index], key) == (without_empty(value) if code == 1 else {}), (
-                index,
-                key,
+            truth = without_empty(value) if code == 1 else {}
+            await until(
+                lambda node=side.nodes[index], key=key, truth=truth: view_of(node, key) == truth,  # type: ignore[misc]
+                f"node {index} to know {key} = {truth}",
             )
-    ours, theirs = (side.publishers_told() for side in sides)
-    assert ours == theirs
-    assert sum(map(len, ours)) > len(NODES)
+    ours, theirs = sides
+    await until(lambda: ours.publishers_told() == theirs.publishers_told())
+    assert sum(map(len, ours.publishers_told())) > len(NODES)
 
 
 async def test_a_replaced_node_is_shut_down_by_both(sides: tuple[Side, Side]) -> None:
     for side in sides:
         for uri in ("uri:0", "uri:4"):
             await side.call("registerSubscriber", ["/a", "/t", "std_msgs/String", uri])
-        await settled(side)
+        await until(lambda side=side: side.nodes[0].told)  # type: ignore[misc]
         reason = "[/a] Reason: new node registered with same name"
         assert side.nodes[0].told == [("shutdown", "", reason)]
         assert side.nodes[4].told == []

@@ -115,7 +115,7 @@ async def test_roscpp_nodes_find_each_other(peers: Ros1Peers) -> None:
     await peers.roscpp("talk", "/cpp", "5", "20")
     assert "message " in await listener.finish()
     await peers.roscpp("serve", "/lamp")
-    waiting = "import rospy; rospy.wait_for_service('/lamp', 10)"
+    waiting = "import rospy; rospy.wait_for_service('/lamp', 60)"
     await peers.run("python", "-c", waiting)
     caller = await peers.roscpp("call", "/lamp", "true", "1")
     await caller.finish()
@@ -167,7 +167,7 @@ async def test_a_node_that_was_killed_disappears_by_itself(peers: Ros1Peers) -> 
     gone = """
 import rosgraph, sys, time
 master = rosgraph.Master("/test")
-for _ in range(300):
+for _ in range(1200):
     if not any("/robot" in nodes for table in master.getSystemState() for _, nodes in table):
         sys.exit(0)
     time.sleep(0.05)

@@ -17,7 +17,7 @@ CALL = """
 import sys, rospy
 from std_srvs.srv import SetBool
 rospy.init_node("py_client", anonymous=True)
-rospy.wait_for_service(sys.argv[1], 20)
+rospy.wait_for_service(sys.argv[1], 60)
 proxy = rospy.ServiceProxy(sys.argv[1], SetBool, persistent=sys.argv[2] == "persistent")
 for value in (True, False, True):
     try:
@@ -99,7 +99,7 @@ async def test_service_client_to_rospy_server(stage: Stage) -> None:
     await stage.peers.rospy(SERVE, "/switch")
     for persistent in (True, False):
         client = node.service_client("/switch", SET_BOOL, persistent=persistent)
-        await client.wait_until_available(20.0)
+        await client.wait_until_available(60.0)
         for _ in range(3):
             assert await client.call(b"\x01", timeout_s=60) == b"\x01" + string("on it")
             with pytest.raises(ServiceCallError, match="only on"):
@@ -116,7 +116,7 @@ async def test_service_client_to_roscpp_server(stage: Stage) -> None:
     await stage.peers.roscpp("serve", "/switch")
     for persistent in (True, False):
         client = node.service_client("/switch", SET_BOOL, persistent=persistent)
-        await client.wait_until_available(20.0)
+        await client.wait_until_available(60.0)
         for _ in range(20):
             assert await client.call(b"\x01", timeout_s=60) == b"\x01" + string("on")
             assert await client.call(b"\x00", timeout_s=60) == b"\x00" + string("off")

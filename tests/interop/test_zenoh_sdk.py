@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from contract.graphs import Inbox, string
+from contract.graphs import Inbox, snapshot_when, string
 from contract.zenoh_graphs import open_router
 from interop.zenoh_peers import SdkPeer, missing_sdk, sdk_peer
 from rostether.errors import ServiceCallError, ServiceTimeoutError
@@ -193,7 +193,9 @@ async def test_each_sees_the_others_graph(node: Graph, session: ZenohSession, pe
     (publisher,) = info["publishers"]
     assert (publisher["node_namespace"].strip("/"), publisher["node_name"].strip("/")) == ("lab", "board")
     assert publisher["type_hash"] == session.types.message(STRING).type_hash
-    snapshot = await node.snapshot()
+    snapshot = await snapshot_when(
+        node, lambda seen: "/theirs" in seen.topics and seen.topics["/theirs"].publishers
+    )
     assert {"/lab/board", "/far/talker"} <= set(snapshot.nodes)
     assert snapshot.topics["/theirs"].publishers == ("/far/talker",)
     assert snapshot.topics["/theirs"].type == "std_msgs/msg/String"

@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from contract.graphs import TRUE
+from contract.graphs import TRUE, served
 from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from rostether.errors import ServiceTimeoutError, SessionError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import JoinGraph, ParamValue
@@ -92,7 +92,7 @@ async def test_a_failing_handler_leaves_the_caller_waiting_and_reports_the_reaso
     await node.advertise_service("/ours/refusing", store.registry.service_type("std_srvs/Trigger"), refuse)
     call = {"service": "/ours/refusing", "type": "std_srvs/srv/Trigger", "request": {}}
     assert await peer.ask("call", **call, timeout_s=0.3) is None
-    assert "no answer to a call of /ours/refusing: the board is away" in caplog.text
+    await until(lambda: "no answer to a call of /ours/refusing: the board is away" in caplog.text)
 
 
 async def test_a_burst_of_calls_is_answered_to_the_last(join: JoinGraph, store: TypeStore) -> None:
@@ -118,6 +118,7 @@ async def test_a_server_that_does_not_answer_times_out(
 
     set_bool = store.registry.service_type("std_srvs/SetBool")
     await node.advertise_service("/ours/hanging", set_bool, hang)
+    await served(other, "/ours/hanging")
     with pytest.raises(ServiceTimeoutError, match=r"/ours/hanging did not answer within 0.2 s"):
         await other.call_service("/ours/hanging", set_bool, TRUE, timeout_s=0.2)
 

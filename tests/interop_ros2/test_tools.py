@@ -53,13 +53,14 @@ async def test_listings(peer: RclpyPeer) -> None:
     await peer.ask("advertise", topic="/text", type="std_msgs/msg/String", quality="latched")
     await peer.ask("subscribe", topic="/numbers", type="std_msgs/msg/Int32")
     await peer.ask("serve", service="/enable", type="std_srvs/srv/Trigger", response={"success": True})
-    topics, nodes, node, info, services = await asyncio.gather(
-        tool("topic", "list", "-t"),
-        tool("node", "list"),
-        tool("node", "info", PEER_NAME),
-        tool("topic", "info", "-v", "/text"),
-        tool("service", "list", "-t"),
-    )
+    # On a busy machine a tool may end before it has discovered the peer.
+    for _ in range(5):
+        topics, nodes, services = await asyncio.gather(
+            tool("topic", "list", "-t"), tool("node", "list"), tool("service", "list", "-t")
+        )
+        if all(name in f"{topics}{nodes}{services}" for name in ("/text", "/numbers", "/enable", PEER_NAME)):
+            break
+    node, info = await asyncio.gather(tool("node", "info", PEER_NAME), tool("topic", "info", "-v", "/text"))
     assert "/text [std_msgs/msg/String]" in topics.splitlines()
     assert "/numbers [std_msgs/msg/Int32]" in topics.splitlines()
     assert nodes == f"{PEER_NAME}\n"

@@ -23,6 +23,7 @@ from rostether.msgdef.registry import Registry
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.service_probe import probe_type
 from rostether.serde.store import TypeStore
+from waiting import until
 
 STORE = TypeStore(Registry())
 STRING = STORE.codec("std_msgs/String")
@@ -93,6 +94,7 @@ async def test_foxglove_client_uses_the_graph(
             output = await web_peers.run(
                 "foxglove_client.mjs", f"ws://127.0.0.1:{gateway.port}", protocol, timeout_s=180
             )
+            await until(lambda: len(said) >= 2)
         await graph.close()
     check_found([json.loads(line) for line in output.splitlines()], said)
 

@@ -33,7 +33,7 @@ async def test_a_switch_calls_a_service(robot: Robot, browser: Browser) -> None:
     assert await browser.do("evaluate", page=page, script=state) == "mixed"
     await browser.do("click", page=page, selector=switch)
     await browser.wait_for(page, "document.querySelector('.controls-grid').innerText.includes('LED on')")
-    assert await browser.do("evaluate", page=page, script=state) == "true"
+    await browser.wait_for(page, f"{state} === 'true'")
 
 
 async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Browser) -> None:

@@ -48,7 +48,7 @@ async def test_meshes_are_drawn_and_sliders_move_them(tmp_path: Path, browser: B
 
 async def _wait_for_background(browser: Browser, page: int, path: Path, red: int) -> None:
     """Wait until the picture has this red above its ground."""
-    for _ in range(100):
+    for _ in range(600):
         await browser.do("screenshot", page=page, path=str(path))
         with Image.open(path) as picture:
             if picture.convert("RGB").crop((600, 120, 601, 121)).tobytes()[0] == red:
@@ -58,7 +58,7 @@ async def _wait_for_background(browser: Browser, page: int, path: Path, red: int
 
 async def _wait_for_colors(browser: Browser, page: int, path: Path) -> tuple[int, ...]:
     """Return how many pixels are the STL's gray, the Collada file's red and the OBJ file's green."""
-    for _ in range(100):
+    for _ in range(600):
         # A picture is the only witness of what is drawn.
         await browser.do("screenshot", page=page, path=str(path))
         counts = [0, 0, 0]

@@ -64,7 +64,7 @@ async def test_robots_and_their_sensors_are_shown(robot: Robot, browser: Browser
 
         # The registry is killed: the tree and the values stay, and a change is shown after the restart.
         await browser.do("fill", page=page, selector=".sensors input", text="")
-        await browser.wait_for(page, f"{ROWS} === 9")
+        await browser.wait_for(page, f"{ROWS} === 9 && {BATTERY} === 'Ready'")
         await registry.end(signal.SIGKILL)
         (battery,) = [each for each in sensors if each.description.id == "robot2/battery"]
         battery.set_state("alert", "low")

@@ -108,12 +108,12 @@ broadcaster = tf.TransformBroadcaster()
 static = tf2_ros.StaticTransformBroadcaster()
 static.sendTransform([transform("map", "odom", 1, 5, 0, 0, turn), transform("map", "dock", 1, 0, 1, 0)])
 stamp = rospy.Time.now()
-for _ in range(200):
+for _ in range(3000):
     broadcaster.sendTransform((1, 0, 0.5), quaternion_from_euler(0, 0, 0.7), stamp, "wheel", "odom")
     rospy.sleep(0.02)
     if listener.canTransform("map", "wheel", stamp):
         break
-listener.waitForTransform("/map", "/wheel", stamp, rospy.Duration(3))
+listener.waitForTransform("/map", "/wheel", stamp, rospy.Duration(60))
 print(show(listener.lookupTransform("/map", "/wheel", rospy.Time(0))))
 print(sorted(listener.getFrameStrings()), listener.frameExists("wheel"))
 attempt("listener", lambda: listener.lookupTransform("map", "nothing", rospy.Time(0)))

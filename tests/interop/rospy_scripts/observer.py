@@ -91,7 +91,7 @@ wait_until(lambda: last, "more messages")
 print("READY")
 sys.stdout.flush()
 wait_until(lambda: not any(registered()), "end of the registrations")
-end = time.time() + 3
+end = time.time() + 10
 while not said_goodbye() and time.time() < end:
     time.sleep(0.02)
 rospy.delete_param(node)  # a next talker must set its own
