@@ -10,6 +10,7 @@ from functools import partial
 
 import pytest
 
+from effort import effort
 from rostether.bridge.supervisor import Supervisor
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.simulation.xbee.air import AirConditions
@@ -111,7 +112,7 @@ def test_eight_boards_with_losses_and_repeats_none_starved(
     model: Model, is_short: bool, mac_mode: int | None
 ) -> None:
     # A board whose first packets got lost is called again after 2 s.
-    begin_s, measured_s, rate_hz = 14, 4, 5.0
+    begin_s, measured_s, rate_hz = 14, effort(4, 60), 5.0
 
     async def main() -> None:
         conditions = AirConditions(loss=0.05, repeat=0.02, delay_s=0.01)
