@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, settings
 
 from children import pytest_configure, pytest_runtest_teardown, pytest_sessionfinish  # noqa: F401 - hooks
 from effort import effort
+from frozen_objects import FROZEN_OBJECTS
 from interop.ros1_peers import MAX_WORKERS, missing_robot, missing_ros1, missing_roscpp
 from interop_web.web_peers import missing_web
 from rostether.errors import ConfigError
@@ -105,10 +106,12 @@ def pytest_xdist_auto_num_workers() -> int:
     return min(2 * processors + 4, MAX_WORKERS)
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish(session: pytest.Session) -> None:
     """Keep the tests that were collected out of each search for garbage, which would take 0.2 s."""
     gc.collect()
     gc.freeze()
+    # Tests of the bridge, which freezes as well, end this state.
+    session.config.stash[FROZEN_OBJECTS] = gc.get_freeze_count(), len(gc.get_objects())
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

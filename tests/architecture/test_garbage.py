@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-import gc
+import pytest
+
+from frozen_objects import FROZEN_OBJECTS
 
 
-def test_collected_tests_are_frozen() -> None:
-    assert gc.get_freeze_count() > len(gc.get_objects())
+def test_collected_tests_are_frozen(pytestconfig: pytest.Config) -> None:
+    frozen, others = pytestconfig.stash[FROZEN_OBJECTS]
+    assert frozen > others

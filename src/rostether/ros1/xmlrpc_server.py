@@ -16,7 +16,7 @@ from rostether.ros1.long_work import SLICE_S
 from rostether.ros1.xmlrpc_connection import ServerConnection
 from rostether.ros1.xmlrpc_methods import Dispatch, MethodTable
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, system_bind_errors
+from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
 
 # A client that reuses its connection does so within seconds; roscpp drops its own after 30 s.
 IDLE_TIMEOUT_S = 90.0
@@ -114,8 +114,7 @@ class XmlRpcServer:
             self._sweep = None
         self._is_closed = True
         servers, self._servers = self._servers, []
-        for server in servers:
-            server.close()
+        await close_servers(servers)
         for connection in list(self._connections):
             connection.close()
         if self._connections:
@@ -130,7 +129,6 @@ class XmlRpcServer:
             await server.wait_closed()
 
     def _accept(self) -> ServerConnection:
-        refuse_if_closed(is_closed=self._is_closed)
         return ServerConnection(
             self._methods.answer,
             self._forget,

@@ -7,7 +7,7 @@ import contextlib
 import errno
 import os
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection
 from weakref import WeakKeyDictionary
 
 from rostether.errors import TransportOpenError
@@ -144,11 +144,20 @@ def explain_reason(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 
-def refuse_if_closed(*, is_closed: bool) -> None:
-    """Raise ConnectionAbortedError in the protocol factory of a closed server.
+async def close_servers(servers: Collection[asyncio.Server]) -> None:
+    """Stop listening. Connections that were accepted just before still reach their protocols, which end them.
 
-    asyncio calls the factory also for a connection that it accepted just before the server closed. The
-    connection cannot get a transport then, and on Python 3.13 its destructor prints a TypeError.
+    asyncio gives a connection its transport one turn of the loop after it has accepted it. If the server is
+    closed in between, no transport can be made, and the socket is never closed.
     """
-    if is_closed:
-        raise ConnectionAbortedError("the server is closed")
+    loop = asyncio.get_running_loop()
+    for server in servers:
+        for listener in server.sockets:
+            # Windows' loop has no readers; it makes the transport at once.
+            with contextlib.suppress(NotImplementedError):
+                loop.remove_reader(listener.fileno())
+    try:
+        await asyncio.sleep(0)
+    finally:
+        for server in servers:
+            server.close()

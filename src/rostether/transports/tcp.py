@@ -18,11 +18,11 @@ from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn
 from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import (
     READ_BYTES,
+    close_servers,
     explain_bind_error,
     explain_connect_error,
     lengthen_backlog,
     read_buffer,
-    refuse_if_closed,
     system_bind_errors,
     tune_stream,
 )
@@ -189,7 +189,7 @@ class TcpListener:
             return
         server, self._server = self._server, None
         self._is_closed = True
-        server.close()
+        await close_servers([server])
         ending = list(self._transports)
         for transport in ending:
             transport.close()
@@ -200,7 +200,6 @@ class TcpListener:
         await server.wait_closed()
 
     def _make_protocol(self) -> _AcceptedTransport:
-        refuse_if_closed(is_closed=self._is_closed)
         return _AcceptedTransport(self)
 
     def _accepted(self, transport: TcpTransport) -> None:

@@ -214,7 +214,7 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         * 3,
         "damaged": (numbered(1)[:-1] + b"?") * 87_000,
     }
-    turns = 20
+    turns = 10
     quiet = (ids.PUBLISHER, topic_info("quiet", COUNT, topic_id=125, buffer_size=512))
     async with Bridge() as bridge, TcpBoard(bridge.port) as board, TcpBoard(bridge.port, quiet) as other:
         heard = await bridge.listen("/count")
@@ -234,11 +234,11 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         # At once by what it has to do; a busy machine lets it do so later.
         assert _cpu_s() - back_used_s < 2 * AT_ONCE_S
         assert time.monotonic() - back_s - late.total_s < 4 * AT_ONCE_S
-        # Two seconds, and twice as much again for a busy machine: judged header by header it took eight.
-        assert _cpu_s() - used_s < 6.0
+        # One second, and twice as much again for a busy machine: judged header by header it took four.
+        assert _cpu_s() - used_s < 3.0
         await asyncio.sleep(0.2)
         assert sorted(set(others)) == list(range(max(others) + 1))
-        assert max(others) > 20
+        assert max(others) > 10
 
 
 async def _flows_behind(board: Board, header: bytes, heard: list[int]) -> None:

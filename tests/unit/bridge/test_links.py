@@ -127,5 +127,5 @@ async def test_many_devices_at_once(site: Site) -> None:
         for number, publisher in enumerate(publishers):
             await until(partial(publisher.publish, data=str(number)), "a publication")
         await until(lambda: len(said) == 32, "a malformed message of each:")
-    assert {payload[4:] for payload in said} == {str(number).encode() for number in range(32)}
-    assert len(site.supervisor.boards()) == 32
+        assert {payload[4:] for payload in said} == {str(number).encode() for number in range(32)}
+        assert len(site.supervisor.boards()) == 32

@@ -412,7 +412,7 @@ async def test_closing_waits_for_no_hanging_graph_and_no_hanging_transport(
     loop = asyncio.get_running_loop()
     before = loop.time()
     await site.supervisor.close()
-    assert loop.time() - before < 10.0
+    assert loop.time() - before < 30.0
 
 
 async def test_closing_while_everything_waits(site: Site, tmp_path: Path) -> None:
@@ -444,7 +444,7 @@ async def test_a_view_shows_the_state_of_a_board(site: Site) -> None:
 async def test_who_connects_and_never_speaks_gives_the_place_back(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.bridge.supervisor.SPEECHLESS_S", 0.3)
+    monkeypatch.setattr("rostether.bridge.supervisor.SPEECHLESS_S", 1.0)
     await site.start("tcp://:11411")
     site.connect("tcp 192.168.1.7:40000")
     silent, theirs = memory_pair()

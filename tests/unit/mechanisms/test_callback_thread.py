@@ -12,7 +12,7 @@ from rostether.mechanisms.callback_thread import HIGH_WATER_ITEMS, LOW_WATER_ITE
 def wait_until(condition: Callable[[], bool]) -> None:
     """Wait until a condition holds."""
     done = threading.Event()
-    for _ in range(2000):
+    for _ in range(12_000):
         if condition():
             return
         done.wait(0.005)

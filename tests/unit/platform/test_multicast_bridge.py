@@ -70,17 +70,16 @@ async def test_a_thousand_messages_a_second_are_a_limit_and_no_busy_loop() -> No
     async with running(send_topic(node.raw, BridgeSettings(address=address), Lines())):
         publisher = await published(other)
         began_s = time.monotonic()
-        while time.monotonic() < began_s + 0.5:
+        while time.monotonic() < began_s + 0.5 or len(receiver.datagrams) <= 10:
             publisher.publish(speed=1.0)
             await asyncio.sleep(0)
         spent_s = time.monotonic() - began_s
-        await until(lambda: len(receiver.datagrams) > 10)
         assert len(receiver.datagrams) <= 1000 * spent_s + 10
         # Silence costs nothing.
         await asyncio.sleep(0.01)
-        cpu_s = time.process_time()
+        cpu_s = time.thread_time()
         await asyncio.sleep(0.5)
-        assert time.process_time() - cpu_s < 0.1
+        assert time.thread_time() - cpu_s < 0.1
     receiver.close()
 
 
@@ -118,7 +117,7 @@ async def test_framed_commands_are_repeated_and_end_with_a_stop() -> None:
     def frames() -> list[CommandFrame]:
         return [decode_frame(each, key) for each in receiver.datagrams]
 
-    settings = BridgeSettings(address=address, framed=framed, input_timeout_s=0.3)
+    settings = BridgeSettings(address=address, framed=framed, input_timeout_s=1.0)
     async with running(send_topic(node.raw, settings, Lines())):
         publisher = await published(other)
         publisher.publish(dir=-0.0, speed=1.0)

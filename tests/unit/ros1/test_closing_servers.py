@@ -17,8 +17,6 @@ from rostether.transports.tcp import TcpListener
 from rostether.transports.transport import Transport
 
 
-# asyncio leaves it to the socket's destructor to close a connection that gets no transport.
-@pytest.mark.filterwarnings("ignore:Exception ignored.*socket.socket:pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("turns", range(5))
 async def test_connections_that_arrive_while_it_closes_are_ended(turns: int) -> None:
     """asyncio needs a few turns of its loop from accepting a connection to its first callback."""

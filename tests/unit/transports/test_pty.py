@@ -80,9 +80,9 @@ async def test_boards_come_and_go_without_a_busy_loop(tmp_path: Path) -> None:
                 await seen.until_received(b"".join(bytes((turn,)) * 3 for turn in range(number + 1)))
                 await write_until_taken(transport, b"hello", board)
             await until(lambda: not transport._opened)
-            cpu_s = time.process_time()
+            cpu_s = time.thread_time()
             await asyncio.sleep(0.2)
-            assert time.process_time() - cpu_s < 0.05
+            assert time.thread_time() - cpu_s < 0.05
         assert not seen.losses
 
 
@@ -108,9 +108,9 @@ async def test_a_board_that_does_not_read_pauses_writing_and_costs_nothing(tmp_p
                 sent += chunk
                 transport.write(chunk)
             assert transport.write_buffer_bytes > 0
-            cpu_s = time.process_time()
+            cpu_s = time.thread_time()
             await asyncio.sleep(0.2)
-            assert time.process_time() - cpu_s < 0.05
+            assert time.thread_time() - cpu_s < 0.05
             assert await read(board, len(sent)) == sent
             await seen.until(lambda seen: seen.write_pauses == [True, False])
             assert transport.write_buffer_bytes == 0
@@ -125,9 +125,9 @@ async def test_a_full_terminal_whose_board_leaves_is_noticed(tmp_path: Path) -> 
         await until(lambda: not transport._opened)
         assert transport.write_buffer_bytes == 0
         assert seen.write_pauses == [True, False]
-        cpu_s = time.process_time()
+        cpu_s = time.thread_time()
         await asyncio.sleep(0.2)
-        assert time.process_time() - cpu_s < 0.05
+        assert time.thread_time() - cpu_s < 0.05
 
 
 async def test_pausing_blocks_the_board_and_loses_nothing(tmp_path: Path) -> None:

@@ -186,7 +186,7 @@ async def test_close_gives_up_on_a_board_that_does_not_read(board: Board) -> Non
     began_s = loop.time()
     transport.close()
     assert await seen.until_lost() is None
-    assert loop.time() - began_s < 10
+    assert loop.time() - began_s < 30
 
 
 @pytest.mark.parametrize(("reset", "hangs_up"), [(True, True), (False, False)])

@@ -197,7 +197,7 @@ async def test_close_gives_up_on_a_peer_that_does_not_read() -> None:
         began_s = loop.time()
         board.close()
         await board.wait_closed()
-        assert loop.time() - began_s < 10
+        assert loop.time() - began_s < 30
         assert board_seen.losses == [None]
 
 

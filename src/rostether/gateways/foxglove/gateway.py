@@ -153,7 +153,7 @@ class FoxgloveGateway:
     async def close(self) -> None:
         """Close all connections, and end everything on the graph."""
         self._is_closing = True
-        self._server.close()
+        await self._server.close()
         for task in (self._following, self._leaving):
             if task is not None:
                 task.cancel()
@@ -271,7 +271,7 @@ class FoxgloveGateway:
         reason = await self.graph.wait_closed()
         self._warn(f"its node was shut down: {reason}")
         self._is_closing = True
-        self._server.close()
+        await self._server.close()
         await self._server.hang_up()
         self._ended.set()
 

@@ -133,7 +133,7 @@ class RosbridgeServer:
         await self._close()
 
     async def _close(self) -> None:
-        self._server.close()
+        await self._server.close()
         await self._server.hang_up()
         if self._clients:
             await asyncio.wait(list(self._clients.values()))

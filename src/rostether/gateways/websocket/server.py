@@ -20,7 +20,7 @@ from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
 from rostether.gateways.websocket.settings import DEFAULT_HOST, ConnectionLimits, ServerSettings
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
-from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, system_bind_errors
+from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound
@@ -138,14 +138,12 @@ class WebSocketServer:
             port = self.port
 
     def _create_connection(self) -> Connection:
-        refuse_if_closed(is_closed=self._is_closed)
         return Connection(self)
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Accept no more connections; existing ones stay."""
         self._is_closed = True
-        for server in self._servers:
-            server.close()
+        await close_servers(self._servers)
 
     async def hang_up(self) -> None:
         """Close all connections, and abort those that do not answer in time."""

@@ -13,7 +13,7 @@ from rostether.ros1.environment import connect_host, is_loopback
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.tcpros_connection import HandshakeProtocol
 from rostether.tcpros.handshake import Purpose, purpose_of
-from rostether.transports.sockets import lengthen_backlog, refuse_if_closed, system_bind_errors
+from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
 
 # Connections whose header has not come yet: a burst of a whole graph starting, not a flood of strangers.
 MAX_HANDSHAKES = 256
@@ -77,8 +77,7 @@ class TcprosListener:
         self._is_closed = True
         self.port = 0
         servers, self._servers = self._servers, []
-        for server in servers:
-            server.close()
+        await close_servers(servers)
         for handshake in list(self._handshakes):
             handshake.abort()
         self._served.clear()
@@ -95,7 +94,6 @@ class TcprosListener:
             self.port = server.sockets[0].getsockname()[1]
 
     def _create_handshake(self) -> HandshakeProtocol:
-        refuse_if_closed(is_closed=self._is_closed)
         return HandshakeProtocol(
             self._accept, admit=self._admit, limits=self._limits, has_room=self._has_room
         )
