@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
@@ -102,6 +103,8 @@ def compile_expression(expression: str, names: frozenset[str], *, source: str) -
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         # A line number does not help in a text of one line.
         problem = error.msg if isinstance(error, SyntaxError) else error
+        if re.search(r"[^=!<>]=(?!=)", expression):
+            problem = "write == to compare"
         raise ConfigError(f"{source}: {expression!r} is not an expression ({problem})") from None
 
     def compute(scope: Scope) -> Any:

@@ -12,9 +12,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rostether.errors import RecordingError
+from rostether.errors import GraphError, RecordingError
 from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
+from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active
@@ -23,6 +24,12 @@ from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
 # A killed process loses at most this time; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5
+
+# How often a recorder looks for the first message on /clock: simulations publish it at 100 Hz or more.
+TIME_POLL_S = 0.01
+
+# The time for a publisher of a named topic to connect: DDS takes more than a second on a busy machine.
+CONNECT_S = 3.0
 
 
 @dataclass(slots=True)
@@ -93,9 +100,16 @@ class Recorder:
         """
         self._open()
         searching: asyncio.Task[None] | None = None
+        reporting: asyncio.Task[None] | None = None
         try:
+            if not self._graph.now().to_ns():
+                if on_started is not None:
+                    on_started()
+                on_started = None
+                await self._wait_for_time()
             for name in self._choice.names:
                 await self._subscribe(name)
+            reporting = asyncio.create_task(self._report_missing())
             if self._choice.is_searching:
                 if not self._found(await self._graph.snapshot()):
                     self._report("no such topic yet: waiting for it")
@@ -107,8 +121,9 @@ class Recorder:
                     await asyncio.wait_for(self._ended.wait(), FLUSH_PERIOD_S)
                 self._flush()
         finally:
-            if searching is not None:
-                searching.cancel()
+            for task in (searching, reporting):
+                if task is not None:
+                    task.cancel()
             writer = self._writer
             await asyncio.gather(*(each.close() for each in self._subscribers.values()))
             if writer is not None:
@@ -116,6 +131,28 @@ class Recorder:
             await asyncio.gather(*self._closings)
             if self._failure is not None:
                 raise self._failure
+
+    async def _wait_for_time(self) -> None:
+        """Wait for simulated time: without it, latched messages would have no time and be lost."""
+        self._report("WARNING: use_sim_time is set: waiting for the first message on /clock")
+        while not self._graph.now().to_ns():  # noqa: ASYNC110 - the port does not report it
+            await asyncio.sleep(TIME_POLL_S)
+        self._began_s = asyncio.get_running_loop().time()
+
+    async def _report_missing(self) -> None:
+        """Report the named topics that have no publisher after `CONNECT_S`."""
+        await asyncio.sleep(CONNECT_S)
+        try:
+            known = (await self._graph.snapshot()).topics
+        except GraphError:
+            return
+        published = [topic.name for topic in known.values() if topic.publishers]
+        for name in self._choice.names:
+            full = self._graph.resolve(name)
+            if name not in self._connections and full not in published:
+                hint = did_you_mean(full, published)
+                text = f"WARNING: topic [{full}] does not appear to be published yet"
+                self._report(f"{text}{hint and f'; {hint}'}")
 
     async def _search(self) -> None:
         async for snapshot in self._graph.changes():

@@ -15,7 +15,7 @@ from rostether.bounded_yaml import load, safe_loader
 from rostether.errors import ConfigError, RobotModelError
 from rostether.expression.python_expression import PythonEvaluator
 from rostether.extras import install_command
-from rostether.mechanisms.text import fold_line
+from rostether.mechanisms.text import did_you_mean, fold_line
 from rostether.robot.urdf import parse_robot_xml
 
 ASSIGNMENT = ":="
@@ -103,9 +103,10 @@ def _finding(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
     def find(name: str) -> str:
         folder = packages.get(name)
         if folder is None:
+            hint = did_you_mean(name, packages) or "`rostether pkg list` shows those found"
             raise RobotModelError(
                 f"$(find {name}): no package {name} on ROS_PACKAGE_PATH, in the workspace around this folder "
-                "or below it; `rostether pkg list` shows those found"
+                f"or below it; {hint}"
             )
         return str(folder)
 

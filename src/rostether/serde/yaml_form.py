@@ -41,6 +41,9 @@ def parse_documents(codec: Codec, text: str, *, now: Callable[[], Time]) -> Iter
 def load_arguments(arguments: str | Sequence[str]) -> list[Any]:
     """Return the YAML value of each argument. Raises SerializationError with the place of a mistake."""
     texts = [arguments] if isinstance(arguments, str) else arguments
+    if len(texts) > 1 and texts[0].endswith(":"):
+        # The shell has split `data: hello`.
+        raise SerializationError(f"put quotes around the message: '{' '.join(texts)}'")
     return [_load_one(text) for text in texts]
 
 

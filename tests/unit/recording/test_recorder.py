@@ -140,6 +140,33 @@ async def test_no_chunk_holds_times_before_and_after_a_reset(
     assert stage.payloads() == [text("5"), text("6"), text("100"), text("101")]
 
 
+async def test_a_latched_message_waits_for_simulated_time(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    latched = await stage.node.advertise("/map", STRING, latch=True)
+    latched.publish_raw([text("floor")])
+    monkeypatch.setattr(stage.recording_graph, "now", Time)
+    recorder = stage.recorder(TopicChoice(is_all=True))
+    task = asyncio.create_task(recorder.run())
+    async with asyncio.timeout(60):
+        while not any("waiting for the first message on /clock" in line for line in stage.lines):
+            await asyncio.sleep(0.005)
+    monkeypatch.setattr(stage.recording_graph, "now", partial(Time, 5, 0))
+    await _recorded(recorder, 1)
+    await _end(task)
+    assert stage.payloads() == [text("floor")]
+
+
+async def test_a_misspelt_topic_is_reported(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rostether.recording.recorder.CONNECT_S", 0.0)
+    await stage.node.advertise("/ultrasound", STRING)
+    task = asyncio.create_task(stage.recorder(TopicChoice(names=("/ultrasonud",))).run())
+    async with asyncio.timeout(60):
+        while not any("did you mean /ultrasound?" in line for line in stage.lines):
+            await asyncio.sleep(0.005)
+    await _end(task)
+
+
 async def test_all_topics_also_later_ones_but_not_the_excluded(stage: Stage) -> None:
     first = await stage.node.advertise("/a", STRING)
     left_out = await stage.node.advertise("/camera/image", STRING)

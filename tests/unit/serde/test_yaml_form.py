@@ -151,6 +151,7 @@ def test_empty_values_are_zero() -> None:
             ["maybe"],
             "field 'data' of std_msgs/Bool needs a bool (true or false), got 'maybe'",
         ),
+        ("geometry_msgs/Twist", ["linear:", "{x:", "1}"], "put quotes around the message: 'linear: {x: 1}'"),
     ],
 )
 def test_mistakes(name: str, arguments: list[str], text: str) -> None:

@@ -164,5 +164,7 @@ async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
 
 
 def _level_of(text: str) -> Level:
+    if text.startswith("WARNING: "):
+        return Level.WARN
     # Otherwise each new topic would be a line among those of the boards.
     return Level.DEBUG if text.startswith("Subscribing to ") else Level.INFO

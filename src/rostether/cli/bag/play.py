@@ -31,6 +31,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
+from rostether.mechanisms.text import did_you_mean
 from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
@@ -201,7 +202,9 @@ async def _play(
 def _check_topics(settings: PlaySettings, recorded: set[str]) -> None:
     missing = sorted((settings.topics | settings.pause_topics) - recorded)
     if missing:
-        raise ConfigError(f"the recording has no topic {missing[0]}; it has {', '.join(sorted(recorded))}")
+        near = did_you_mean(missing[0], recorded)
+        hint = near or f"`rostether bag info` lists its {len(recorded)} topics"
+        raise ConfigError(f"the recording has no topic {missing[0]}; {hint}")
 
 
 @asynccontextmanager

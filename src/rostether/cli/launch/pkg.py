@@ -15,6 +15,7 @@ from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
+from rostether.msgdef.definition_files import bundled_names, bundled_packages
 from rostether.packages.locate import package_folders
 from rostether.packages.search_path import OnNamesake
 
@@ -106,7 +107,13 @@ def folder_of(name: str) -> Path:
     if name not in packages:
         if any(role == name for role, _ in served_nodes()):
             raise ConfigError(f"package {name} is built in and has no folder; `rosrun {name}` runs its nodes")
-        hint = did_you_mean(name, packages) or "`rostether pkg list` shows those found"
+        if name in bundled_packages():
+            kind = "msg" if bundled_names(name, "msg") else "srv"
+            shows = f"`rostether {kind} package {name}` lists its types"
+            raise ConfigError(f"package {name} is built in and has no folder; {shows}")
+        hint = (
+            did_you_mean(name, {*packages, *bundled_packages()}) or "`rostether pkg list` shows those found"
+        )
         raise ConfigError(
             f"no package {name} on ROS_PACKAGE_PATH, in the workspace around this folder or below it; {hint}"
         )

@@ -67,6 +67,9 @@ def test_filter_by_topic_message_and_time(bag: Path, tmp_path: Path, shell: Shel
     assert "/a: EXPRESSION: there is no .nothing; the fields are" in shell.failure(
         "bag", "filter", str(bag), str(target), "topic == '/b' or m.nothing"
     )
+    assert "is not an expression (write == to compare)" in shell.failure(
+        "bag", "filter", str(bag), str(target), "topic = '/b'"
+    )
     assert "is not an expression (invalid syntax)" in shell.failure(
         "bag", "filter", str(bag), str(target), "m.data >"
     )

@@ -53,6 +53,10 @@ def test_find_and_list(arm: Path, shell: Shell) -> None:
     assert shell.output("pkg", "depends1", "arm") == "catkin\nrospy\nstd_msgs\n"
     assert shell.output("pkg", "version", "arm") == "0.0.0\n"
     assert "did you mean arm?" in shell.failure("pkg", "find", "arn")
+    assert "did you mean std_srvs?" in shell.failure("pkg", "find", "std_srv")
+    assert "built in and has no folder; `rostether srv package std_srvs`" in shell.failure(
+        "pkg", "find", "std_srvs"
+    )
     assert "`rostether pkg list` shows those found" in shell.failure("pkg", "find", "xyz")
 
 
