@@ -12,24 +12,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rostether.errors import GraphError, RecordingError
+from rostether.errors import RecordingError
 from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
-from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
+from rostether.recording.recording_start import report_missing, wait_for_time
 
 # A killed process loses at most this time; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5
-
-# How often a recorder looks for the first message on /clock: simulations publish it at 100 Hz or more.
-TIME_POLL_S = 0.01
-
-# The time for a publisher of a named topic to connect: DDS takes more than a second on a busy machine.
-CONNECT_S = 3.0
 
 
 @dataclass(slots=True)
@@ -99,21 +93,22 @@ class Recorder:
         Files are always closed, and keep their messages.
         """
         self._open()
-        searching: asyncio.Task[None] | None = None
-        reporting: asyncio.Task[None] | None = None
+        tasks: list[asyncio.Task[None]] = []
         try:
             if not self._graph.now().to_ns():
                 if on_started is not None:
                     on_started()
                 on_started = None
-                await self._wait_for_time()
+                await wait_for_time(self._graph, self._report)
+                self._began_s = asyncio.get_running_loop().time()
             for name in self._choice.names:
                 await self._subscribe(name)
-            reporting = asyncio.create_task(self._report_missing())
+            missing = report_missing(self._graph, self._choice.names, self._connections, self._report)
+            tasks.append(asyncio.create_task(missing))
             if self._choice.is_searching:
                 if not self._found(await self._graph.snapshot()):
                     self._report("no such topic yet: waiting for it")
-                searching = asyncio.create_task(self._search())
+                tasks.append(asyncio.create_task(self._search()))
             if on_started is not None:
                 on_started()
             while not self._ended.is_set():
@@ -121,9 +116,8 @@ class Recorder:
                     await asyncio.wait_for(self._ended.wait(), FLUSH_PERIOD_S)
                 self._flush()
         finally:
-            for task in (searching, reporting):
-                if task is not None:
-                    task.cancel()
+            for task in tasks:
+                task.cancel()
             writer = self._writer
             await asyncio.gather(*(each.close() for each in self._subscribers.values()))
             if writer is not None:
@@ -131,28 +125,6 @@ class Recorder:
             await asyncio.gather(*self._closings)
             if self._failure is not None:
                 raise self._failure
-
-    async def _wait_for_time(self) -> None:
-        """Wait for simulated time: without it, latched messages would have no time and be lost."""
-        self._report("WARNING: use_sim_time is set: waiting for the first message on /clock")
-        while not self._graph.now().to_ns():  # noqa: ASYNC110 - the port does not report it
-            await asyncio.sleep(TIME_POLL_S)
-        self._began_s = asyncio.get_running_loop().time()
-
-    async def _report_missing(self) -> None:
-        """Report the named topics that have no publisher after `CONNECT_S`."""
-        await asyncio.sleep(CONNECT_S)
-        try:
-            known = (await self._graph.snapshot()).topics
-        except GraphError:
-            return
-        published = [topic.name for topic in known.values() if topic.publishers]
-        for name in self._choice.names:
-            full = self._graph.resolve(name)
-            if name not in self._connections and full not in published:
-                hint = did_you_mean(full, published)
-                text = f"WARNING: topic [{full}] does not appear to be published yet"
-                self._report(f"{text}{hint and f'; {hint}'}")
 
     async def _search(self) -> None:
         async for snapshot in self._graph.changes():

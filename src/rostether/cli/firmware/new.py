@@ -43,7 +43,13 @@ def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: st
 )
 @click.argument("kind", required=False, metavar="[SENSOR]", shell_complete=_complete_kinds)
 @click.argument("name", required=False, metavar="[NAME]")
-@click.option("--pin", "pins", multiple=True, metavar="NAME=PIN", help="Use another pin; may be repeated.")
+@click.option(
+    "--pin",
+    "pins",
+    multiple=True,
+    metavar="NAME=PIN",
+    help="Use another pin; may be repeated. A sensor with one pin needs no NAME.",
+)
 @click.option("--topic", metavar="TOPIC", help="The topic (default: the sensor's).")
 @click.option("--board", default="uno", show_default=True, help="The board, for the next command.")
 @click.option(
@@ -65,7 +71,8 @@ def new_sensor(
     from rostether.firmware.new_sketch import KINDS, write_sketch
     from rostether.mechanisms.text import did_you_mean
 
-    chosen = dict(_read_pin(each) for each in pins)
+    sole = "" if kind not in KINDS or len(KINDS[kind].pins) > 1 else next(iter(KINDS[kind].pins))
+    chosen = dict(_read_pin(each, sole) for each in pins)
     if kind is None:
         if not sys.stdin.isatty():
             raise click.UsageError(f"name a sensor: {', '.join(KINDS)}")
@@ -85,8 +92,9 @@ def new_sensor(
     write_line(f"next: rostether flash {file.parent} --board {board}")
 
 
-def _read_pin(text: str) -> tuple[str, str]:
-    name, equals, pin = text.partition("=")
-    if not equals:
+def _read_pin(text: str, sole: str) -> tuple[str, str]:
+    """Return a pin's name and number; `sole` is the name if the sensor has one pin."""
+    name, _, pin = text.rpartition("=")
+    if not (name or sole):
         raise click.UsageError(f"--pin {text}: write NAME=PIN, such as TRIG=6")
-    return name.upper(), pin.upper()
+    return (name or sole).upper(), pin.upper()

@@ -21,7 +21,9 @@ def test_new_writes_a_sketch_and_shows_the_next_step(
     ]
     assert "const int SENSOR = A2;" in (tmp_path / "oven" / "oven.ino").read_text()
     assert "did you mean temperature?" in shell.failure("new", "sensor", "temprature")
-    assert "write NAME=PIN" in shell.failure("new", "sensor", "button", "--pin", "3", code=2)
+    assert "write NAME=PIN" in shell.failure("new", "sensor", "ultrasound", "--pin", "3", code=2)
+    shell.output("new", "sensor", "button", "--pin", "3")
+    assert "const int BUTTON = 3;" in (tmp_path / "button" / "button.ino").read_text()
 
 
 def test_on_a_terminal_it_asks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
