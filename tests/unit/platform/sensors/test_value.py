@@ -35,6 +35,13 @@ def test_a_converter_of_the_system_in_its_unit(tmp_path: Path) -> None:
         NumberFile(plain).read()
 
 
+def replace_text(file: Path, text: str) -> None:
+    """Write a file in one step: a reader never finds it empty, as with those of the system."""
+    fresh = file.with_suffix(".fresh")
+    fresh.write_text(text)
+    fresh.replace(file)
+
+
 async def test_a_file_that_goes_and_comes_back(tmp_path: Path) -> None:
     file = tmp_path / "value"
     what = described("ANALOG", MESSAGE_TYPE, unit="V")
@@ -46,12 +53,12 @@ async def test_a_file_that_goes_and_comes_back(tmp_path: Path) -> None:
             publish_values(shown.robot, what, lambda: NumberFile(file).readings(100), scaling, shown.report)
         ):
             await shown.has_state(what.id, f"alert {file}: No such file or directory")
-            file.write_text("3")
+            replace_text(file, "3")
             await until(lambda: values[-1:] == [7.0])
             await shown.has_state(what.id, "ready")
-            file.write_text("5")
+            replace_text(file, "5")
             await shown.has_state(what.id, "alert above 10 V")
-            file.write_text("nan")
+            replace_text(file, "nan")
             await shown.has_state(what.id, "alert not a number")
     reason = f"{file}: No such file or directory; choose another ~path, ~gpio or ~field"
     failed = f"{what.id}: {reason}; trying again every second"
