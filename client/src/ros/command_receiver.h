@@ -12,7 +12,7 @@
 //   20-21   time to live in milliseconds, from receipt          20-23: frames received from this sender
 //   22-23   length of the payload                               24-27: frames of it that were lost
 //   24-27   kind: begin of the MD5 sum of the payload's type    28: refusal; 29: signal in dBm; 30-31: length of the rest
-//   28-     payload                                             32-37: that sender's IPv4 address and port
+//   28-     payload                                             32-37: the obeyed sender's IPv4 address and port; 38-45: its epoch
 //   last 8  SipHash-2-4 of all bytes before it, under the fleet's key
 #ifndef ROS_COMMAND_RECEIVER_H_
 #define ROS_COMMAND_RECEIVER_H_
@@ -30,7 +30,7 @@ class CommandReceiver {
   // Bits: obey the datagram, and send a status to its sender.
   enum { NOTHING, OBEY, ANSWER };
   enum { HEADER_BYTES = 28, FRAME_BYTES = HEADER_BYTES + SipHash::TAG_BYTES };
-  enum { STATUS_BYTES = 32 + 6 + SipHash::TAG_BYTES };
+  enum { STATUS_BYTES = 32 + 6 + 8 + SipHash::TAG_BYTES };
 
   // Starts as robot 1 of group 0. `kind` is the kind of its type of command.
   CommandReceiver(const FleetKey& key, uint32_t kind) {
@@ -117,6 +117,7 @@ class CommandReceiver {
     frame[3] = state_;
     memcpy(frame + 4, id_, sizeof id_);
     memcpy(frame + 28, &status_, STATUS_BYTES - 28);
+    memcpy(frame + 38, own_.place, EPOCH_BYTES);
     SipHash::combine(key_, frame, STATUS_BYTES - SipHash::TAG_BYTES);
   }
 
@@ -149,6 +150,7 @@ class CommandReceiver {
     uint16_t address_bytes;
     uint32_t ip;
     uint16_t port;
+    uint8_t epoch[EPOCH_BYTES];
     uint8_t tag[SipHash::TAG_BYTES];
   };
 
@@ -201,8 +203,6 @@ class CommandReceiver {
     return !SipHash::combine(key_, frame, static_cast<uint16_t>(size - SipHash::TAG_BYTES));
   }
 
-  // The sender that was obeyed last.
-  Sender own_;
   uint8_t state_;
   uint16_t deadline_ms_;
   const FleetKey* key_;
@@ -211,6 +211,8 @@ class CommandReceiver {
   uint8_t groups_[4];
   uint32_t kind_;
   Status status_;
+  // The sender that was obeyed last.
+  Sender own_;
   // The newest other sender, and the previous one; both only get answers.
   Sender others_[2];
 };

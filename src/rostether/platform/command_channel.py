@@ -15,6 +15,8 @@ from rostether.platform.status_frame import Refusal, RobotStatus
 
 # Unicast to a large fleet overloads the Wi-Fi channel: 20 robots need about 400 datagrams a second.
 MAX_UNICAST = 100
+# Later epochs are not adopted: they would leave no room for later senders.
+_LAST_EPOCH_US = 1 << 62
 
 
 class CommandChannel:
@@ -44,6 +46,7 @@ class CommandChannel:
         self.table = RobotTable(key)
         # Statuses must answer this epoch.
         self.epoch_us = 0
+        self._last_epoch_us = 0
 
     def send(self, datagram: bytes) -> bool:
         """Send to the group, and to the robots that need unicast. False if no interface could send."""
@@ -60,6 +63,18 @@ class CommandChannel:
         """Forget refusals: a new epoch is not refused yet."""
         self._refused.clear()
 
+    @property
+    def is_overtaken(self) -> bool:
+        """Return whether a robot has obeyed a sender with a later epoch, so that it refuses this one."""
+        return self._last_epoch_us > self.epoch_us
+
+    def next_epoch_us(self) -> int:
+        """Return the epoch of a sender that starts now: the clock, or later than that of every known sender.
+
+        The clock of an earlier sender may have been ahead: robots would refuse this one, and its stops.
+        """
+        return max(time.time_ns() // 1000, self._last_epoch_us + 1)
+
     def close(self) -> None:
         """Close the sockets. Idempotent."""
         self._sender.close()
@@ -69,6 +84,8 @@ class CommandChannel:
         status = self.table.receive(datagram, address, self.epoch_us, time.monotonic())
         if status is None:
             return
+        if status.last_epoch_us <= _LAST_EPOCH_US:
+            self._last_epoch_us = max(self._last_epoch_us, status.last_epoch_us)
         if status.refusal is Refusal.NONE:
             self._refused.pop(status.robot_id, None)
         elif self._refused.get(status.robot_id) is not status.refusal:

@@ -170,6 +170,11 @@ class CommandReceiver:
         return self._deadline_s
 
     @property
+    def last_epoch_us(self) -> int:
+        """The epoch of the last sender that this robot obeyed, 0 before the first."""
+        return self._epoch_us
+
+    @property
     def holder_epoch_us(self) -> int | None:
         """The epoch of the sender that commands this robot now, None if there is none."""
         return None if self._deadline_s is None else self._epoch_us

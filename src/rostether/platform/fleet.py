@@ -49,8 +49,7 @@ class FleetSender:
             unicast=settings.unicast,
             reports_refusals=settings.sender.to_groups,
         )
-        self._commands = CommandSender(settings.sender, time.time_ns() // 1000)
-        self._channel.epoch_us = self._commands.epoch_us
+        self._begin()
         self._has_commanded = False
 
     @property
@@ -71,6 +70,7 @@ class FleetSender:
         Raises TransportError if a single target robot refuses it.
         """
         self._has_commanded = True
+        await self._overtake()
         began_s = time.monotonic()
         end_s, reported = began_s + duration_s, False
         try:
@@ -89,15 +89,17 @@ class FleetSender:
             self._report(Level.WARN, silence_text(self._settings))
 
     async def stop(self) -> list[Robot]:
-        """Stop, and return the robots that confirm it.
+        """Stop, and return the robots that answer; `has_stopped` says which of them confirm it.
 
-        A single target robot gets more stops until it confirms.
+        There are more rounds until the target robot confirms, or no other robot of a group answers.
         """
         self._has_commanded = True
         for _ in range(_STOP_ROUNDS):
-            await self._repeat(self._commands.stop(time.monotonic()))
+            count = len(self.robots)
+            await self._repeat_stop()
             await self._wait_for_answers()
-            if self._settings.sender.to_groups or self.robots:
+            is_whole = not self._settings.sender.to_groups or len(self.robots) == count
+            if self.robots and is_whole and all(map(has_stopped, self.robots)):
                 break
         return self.robots
 
@@ -109,17 +111,48 @@ class FleetSender:
             self._send([self._commands.release() for _ in range(RELEASE_FRAMES)])
         self._channel.close()
 
-    async def _repeat(self, datagrams: list[bytes]) -> None:
+    def _begin(self) -> None:
+        """Start an epoch, later than that of every known sender."""
+        self._commands = CommandSender(self._settings.sender, self._channel.next_epoch_us())
+        self._channel.epoch_us = self._commands.epoch_us
+        self._channel.forget_refusals()
+        # Their refusals are those of the earlier epoch.
+        self._channel.table.robots.clear()
+
+    async def _overtake(self) -> None:
+        """Before the first command, start a later epoch if the clock of an earlier sender was ahead.
+
+        A stop that another sender sends after that still ends the drive.
+        """
+        await self._repeat(self._commands.halt(time.monotonic()), self._has_single_answer)
+        if self._channel.is_overtaken:
+            self._begin()
+
+    async def _repeat_stop(self) -> None:
+        """Send a stop; begin a later epoch if a robot refuses it because an earlier clock was ahead."""
+        for _ in range(_STOP_ROUNDS):
+            await self._repeat(self._commands.stop(time.monotonic()), lambda: self._channel.is_overtaken)
+            if not self._channel.is_overtaken:
+                return
+            self._begin()
+
+    async def _repeat(self, datagrams: list[bytes], is_enough: Callable[[], bool] = lambda: False) -> None:
+        """Send, and repeat until all are sent, or `is_enough`."""
         self._send(datagrams)
         while self._commands.due_s is not None:
             await asyncio.sleep(max(0.0, self._commands.due_s - time.monotonic()))
+            if is_enough():
+                return
             self._send(self._commands.repeat(time.monotonic()))
+
+    def _has_single_answer(self) -> bool:
+        return bool(self.robots) and not self._settings.sender.to_groups
 
     async def _wait_for_answers(self) -> None:
         end_s = time.monotonic() + _CONFIRM_S
         while time.monotonic() < end_s:
             await asyncio.sleep(REPEAT_S)
-            if self.robots and not self._settings.sender.to_groups:
+            if self._has_single_answer():
                 return
 
     def _check_refusals(self) -> None:
@@ -133,6 +166,11 @@ class FleetSender:
     def _send(self, datagrams: list[bytes]) -> None:
         for datagram in datagrams:
             self._channel.send(datagram)
+
+
+def has_stopped(robot: Robot) -> bool:
+    """Return whether a robot has confirmed a stop: it may have answered that it refuses it."""
+    return robot.status.refusal is Refusal.NONE and not robot.status.is_moving
 
 
 def silence_text(settings: FleetSettings) -> str:

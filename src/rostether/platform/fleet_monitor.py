@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
-from rostether.platform.fleet import FleetSender, FleetSettings
+from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped
 from rostether.platform.robot_table import Place, Robot
 from rostether.rostime import Time
 from rostether.serde.values import Message
@@ -68,7 +68,7 @@ class FleetMonitor:
                 robots = await stop.stop()
             finally:
                 stop.close()
-        confirmed = sorted({robot.status.robot_id for robot in robots})
+        confirmed = sorted({robot.status.robot_id for robot in robots if has_stopped(robot)})
         who = f"robot {request.robot}" if request.robot else "all robots"
         self._report(Level.INFO, f"stop sent to {who}; {len(confirmed)} confirmed it")
         return {"confirmed": confirmed}

@@ -175,7 +175,7 @@ class _FramedBridge:
 
     def _begin(self) -> None:
         """Start an epoch, later than that of every earlier sender."""
-        self._commands = CommandSender(self._settings, time.time_ns() // 1000)
+        self._commands = CommandSender(self._settings, self._channel.next_epoch_us())
         self._channel.epoch_us = self._commands.epoch_us
         self._channel.forget_refusals()
 

@@ -18,6 +18,7 @@ Numbers are little-endian:
             From a board 6 bytes: IPv4 address and port
     next 8  the robot's clock, in microseconds since 1970 (not from boards)
     next 8  the free space of its disk in bytes (not from boards)
+    next 8  epoch of the last sender that the robot obeyed, 0 before the first
     last 8  SipHash-2-4 of all bytes before it, under the fleet's key
 """
 
@@ -38,6 +39,7 @@ MAX_HOLDER_BYTES = 80
 
 _HEADER = struct.Struct("<2sBBIQIIIBbH")
 _HOST = struct.Struct("<QQ")
+_EPOCH = struct.Struct("<Q")
 MAGIC = b"rS"
 _LEAST_BYTES = _HEADER.size + TAG_BYTES
 _VERSION = 1
@@ -82,6 +84,7 @@ class RobotStatus:
     signal_dbm: int | None = None
     holder: str = ""
     host: HostState | None = None
+    last_epoch_us: int = 0
 
     def encode(self, key: bytes = NO_KEY) -> bytes:
         """Return the datagram; counts restart from 0 after 2^32."""
@@ -104,12 +107,13 @@ class RobotStatus:
         )
         if self.host is not None:
             body += _HOST.pack(self.host.clock_us, self.host.free_bytes)
+        body += _EPOCH.pack(self.last_epoch_us)
         return body + siphash_2_4(key, body)
 
 
 def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
     """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
-    if not _LEAST_BYTES <= len(datagram) <= _LEAST_BYTES + MAX_HOLDER_BYTES + _HOST.size:
+    if not _LEAST_BYTES <= len(datagram) <= _LEAST_BYTES + MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
         raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")
     header = _HEADER.unpack_from(datagram)
     magic, version, state, robot_id, epoch_us, sequence, received, lost, refusal, signal, length = header
@@ -117,7 +121,8 @@ def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
         raise RemoteProtocolError("the datagram is not a status of version 1")
     body, tag = datagram[:-TAG_BYTES], datagram[-TAG_BYTES:]
     holder, rest = body[_HEADER.size :][:length], body[_HEADER.size + length :]
-    if len(holder) != length or len(rest) not in (0, _HOST.size):
+    # Boards have no disk, and those with an earlier library send no epoch.
+    if len(holder) != length or len(rest) not in (0, _EPOCH.size, _HOST.size + _EPOCH.size):
         raise RemoteProtocolError(f"the status's length field is {length}, but the text has another length")
     if not hmac.compare_digest(siphash_2_4(key, body), tag):
         raise RemoteProtocolError(
@@ -135,7 +140,8 @@ def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
         Refusal(refusal),
         signal or None,
         _decode_holder(holder, state),
-        HostState(*_HOST.unpack(rest)) if rest else None,
+        HostState(*_HOST.unpack_from(rest)) if len(rest) > _EPOCH.size else None,
+        _EPOCH.unpack(rest[-_EPOCH.size :])[0] if rest else 0,
     )
 
 

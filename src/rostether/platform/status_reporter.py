@@ -69,6 +69,7 @@ class StatusReporter:
             read_signal_dbm(),
             holder.address if holder else "",
             read_host(),
+            receiver.last_epoch_us,
         ).encode(self._key)
 
     def _count(self, frame: CommandFrame, address: str) -> _Sender | None:

@@ -33,7 +33,9 @@ class Robot:
         return None if answer is None else decode_status(answer, KEY)
 
 
-@pytest.mark.parametrize("status", [STATUS, replace(STATUS, host=HostState(1_700_000_000_000_000, 5))])
+@pytest.mark.parametrize(
+    "status", [STATUS, replace(STATUS, host=HostState(1_700_000_000_000_000, 5), last_epoch_us=9)]
+)
 def test_a_status_is_whole_or_refused(status: RobotStatus) -> None:
     datagram = status.encode(KEY)
     assert decode_status(datagram, KEY) == status
@@ -51,7 +53,7 @@ def test_a_status_is_whole_or_refused(status: RobotStatus) -> None:
 def test_a_robot_answers_each_sender_once_a_second_and_names_who_commands_it() -> None:
     robot, first, second = Robot(), CommandSender(SETTINGS, 1_000), CommandSender(SETTINGS, 2_000)
     answer = robot.answer(first.command(b"go", 0.0)[0], "a:1", 0.0)
-    assert answer == RobotStatus(3, 1_000, 1, 1, 0, True, Refusal.NONE, -61, "a:1")
+    assert answer == RobotStatus(3, 1_000, 1, 1, 0, True, Refusal.NONE, -61, "a:1", last_epoch_us=1_000)
     assert robot.answer(first.repeat(0.5)[0], "a:1", 0.5) is None
     copied = first.repeat(0.6)[0]
     answer = robot.answer(first.repeat(1.0)[0], "a:1", 1.0)
@@ -70,7 +72,7 @@ def test_a_robot_answers_each_sender_once_a_second_and_names_who_commands_it() -
     robot.receiver.receive(CommandSender(SETTINGS, 4_000).stop(9.0)[0], 9.0)
     older = robot.answer(second.command(b"go", 9.1)[0], "b:1", 9.1)
     assert older is not None
-    assert older.refusal is Refusal.OLDER
+    assert (older.refusal, older.last_epoch_us) == (Refusal.OLDER, 4_000)
 
 
 def test_the_memory_for_senders_is_bounded() -> None:

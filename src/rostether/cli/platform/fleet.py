@@ -125,7 +125,8 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
 def stop(robot: int | None, fleet: FleetSettings) -> int:
     """Stop one robot or all, also those that another sender commands; list those that confirm it.
 
-    The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop.
+    The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop, or if
+    a robot answers without confirming it.
     """
     return run(_stop(for_robot(fleet, robot)))
 
@@ -164,7 +165,7 @@ async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> 
 
 
 async def _stop(settings: FleetSettings) -> int:
-    from rostether.platform.fleet import FleetSender, silence_text
+    from rostether.platform.fleet import FleetSender, has_stopped, silence_text
 
     sender = FleetSender(settings, _report)
     try:
@@ -172,10 +173,14 @@ async def _stop(settings: FleetSettings) -> int:
     finally:
         sender.close()
     for robot in robots:
-        write_line(f"robot {robot.status.robot_id} at {robot.address[0]} has stopped")
+        who = f"robot {robot.status.robot_id} at {robot.address[0]}"
+        if has_stopped(robot):
+            write_line(f"{who} has stopped")
+        else:
+            warn(f"{who} has NOT confirmed the stop")
     if not robots:
         warn(silence_text(settings))
-    return EXIT_DONE if robots else EXIT_FAILED
+    return EXIT_DONE if robots and all(map(has_stopped, robots)) else EXIT_FAILED
 
 
 def _report(_: Level, text: str) -> None:
