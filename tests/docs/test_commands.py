@@ -51,7 +51,11 @@ NEUTRAL = {
     r"\b[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\b": "9b3ef592-375a-46ab-af4c-4d4a4fcfbf68",
     r"\b(?:the ports are|no serial port found)[^\n\"]*": "the ports are /dev/ttyS0 (serial port)",
 }
-LOOKING = re.compile(r"(\.venv/bin/)?rostether (topic|node|service|param|sensor) (list|info)\b")
+# Commands that change nothing, or the same again, and look at a graph or a board for a limited time.
+LOOKING = re.compile(
+    r"(\w+=\S+ |sh at\.sh \w+ |\.venv/bin/)*rostether ((topic|node|service|param|sensor) (list|info|get|call)"
+    r"|tf|graph|plot|monitor|doctor|fleet (doctor|list)|conformance tcp)\b"
+)
 # Commands that set a machine up are typed by tests of their own.
 NOT_TYPED = ("make test", "git clone", "cd ", "pip ", "pipx ", "sudo ")
 

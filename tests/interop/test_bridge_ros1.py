@@ -58,7 +58,7 @@ REGISTERED = ("publisher", "subscriber", "service server")
 class Bridged:
     """A stage with a bridge on it and devices at its TCP port."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Stage, service_timeout_s: float = 60.0) -> None:
         self.stage = stage
         self.peers = stage.peers
         self.reporter = RecordingReporter()
@@ -66,7 +66,7 @@ class Bridged:
             self.join,
             STORE,
             reporter=self.reporter,
-            settings=BridgeSettings(grace_s=1.0, service_timeout_s=2.0),
+            settings=BridgeSettings(grace_s=1.0, service_timeout_s=service_timeout_s),
         )
         self._stack = contextlib.AsyncExitStack()
 
@@ -183,7 +183,8 @@ async def test_rosservice_calls_a_board(bridged: Bridged) -> None:
     assert await bridged.peers.run("rosservice", "type", "/switch") == "std_srvs/SetBool"
 
 
-async def test_rosservice_shows_why_a_board_did_not_answer(bridged: Bridged) -> None:
+async def test_rosservice_shows_why_a_board_did_not_answer(stage: Stage) -> None:
+    bridged = await Bridged(stage, service_timeout_s=2.0).open()
     device = await bridged.device()
 
     async def hang(_request: Any) -> None:
@@ -197,6 +198,7 @@ async def test_rosservice_shows_why_a_board_did_not_answer(bridged: Bridged) -> 
         if "the board was reset" not in failed:
             break
     assert "the board did not answer switch within 2 s" in failed
+    await bridged.close()
 
 
 async def test_a_board_calls_a_rospy_service(bridged: Bridged) -> None:

@@ -34,7 +34,7 @@ class Boards:
             context.join,
             store,
             reporter=self.reporter,
-            settings=BridgeSettings(grace_s=1.0, service_timeout_s=2.0),
+            settings=BridgeSettings(grace_s=1.0, service_timeout_s=60.0),
         )
         self._store = store
         self._stack = contextlib.AsyncExitStack()

@@ -56,8 +56,8 @@ def test_recorded_until_the_launch_ends(graph: LiveGraph, tmp_path: Path) -> Non
         async def say() -> None:
             chat.publish_raw([text("hello")])
             new.publish_raw([text("new")])
-            await chat.drained(20)
-            await new.drained(20)
+            await chat.drained(60)
+            await new.drained(60)
 
         graph.do(say())
         graph.wait_until(lambda: all(_message_count(each) == 2 for each in tmp_path.glob("*.active")))

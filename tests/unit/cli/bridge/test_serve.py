@@ -84,7 +84,7 @@ async def test_end_informs_the_board_and_leaves_the_graph(number: signal.Signals
                 device.publisher("count", "std_msgs/UInt32")
                 await serve.wait_for("/arm: Setup publisher on count [std_msgs/UInt32]")
                 await serve.wait_for("Note: publish buffer size is")
-                await device.wait_connected()
+                await device.wait_connected(60.0)
                 serve.process.send_signal(number)
                 async with asyncio.timeout(60):
                     await serve.process.wait()

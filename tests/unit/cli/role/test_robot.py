@@ -15,6 +15,7 @@ def test_keys_move_joints_and_q_ends(graph: LiveGraph, shell: Shell) -> None:
         terminal.wait_for("> j0")
         terminal.type(b"\033[B\033[5~")
         terminal.wait_for("> j1")
+        terminal.wait_for("0.4000")
         # It shows its joints before the master knows its topic; then echo says that it waits.
         received = shell("topic", "echo", "-n", "1", "/joint_states/position")
         assert received.out.startswith("[0.0, 0.4, 0.0]"), received

@@ -29,7 +29,7 @@ async def test_messages_that_cannot_be_decoded_are_counted_on_stderr(
     publisher = await talker.publisher("/chatter", "std_msgs/String")
     async with shown_messages(listener.messages("/chatter")) as messages:
         first = asyncio.ensure_future(anext(messages))
-        assert await publisher.wait_for_subscriber(5.0)
+        assert await publisher.wait_for_subscriber(60.0)
         publisher.raw.publish_raw([WRONG] * 8 + [RIGHT])
         assert (await first).data == "ok"
     lines = capsys.readouterr().err.splitlines()
@@ -44,7 +44,7 @@ async def test_nothing_is_reported_where_all_fit(capsys: pytest.CaptureFixture[s
     publisher = await talker.publisher("/chatter", "std_msgs/String")
     async with shown_messages(listener.messages("/chatter")) as messages:
         first = asyncio.ensure_future(anext(messages))
-        assert await publisher.wait_for_subscriber(5.0)
+        assert await publisher.wait_for_subscriber(60.0)
         publisher.raw.publish_raw([RIGHT])
         assert (await first).data == "ok"
     assert capsys.readouterr().err == ""
