@@ -7,6 +7,8 @@ import * as esbuild from "esbuild";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const page = resolve(here, "../src/rostether/dashboard/page");
+// The panels of most first pages: without them here, they are requested after the robot has listed its topics.
+const FIRST_PANELS = ["boards_panel", "plots_panel", "controls_panel"];
 // A phone on a weak robot network loads this before it shows anything.
 const CORE_LIMIT_KB = 150;
 
@@ -138,6 +140,7 @@ function coreFiles(outputs) {
     }
   };
   add("app.js");
+  for (const name of FIRST_PANELS) add(`chunks/${name}.js`);
   return core;
 }
 

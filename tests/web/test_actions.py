@@ -36,6 +36,34 @@ async def test_a_switch_calls_a_service(robot: Robot, browser: Browser) -> None:
     await browser.wait_for(page, f"{state} === 'true'")
 
 
+async def test_controls_follow_another_page(robot: Robot, browser: Browser) -> None:
+    async with rostether.join("controlled", master=robot.master) as graph:
+        switch = await graph.subscriber("/switch", "std_msgs/Bool", lambda _: None)
+        counter = await graph.subscriber("/far", "std_msgs/Int64", lambda _: None)
+        first, second = [await browser.do("open", url=robot.url + "#/controls") for _ in range(2)]
+        selector = '.switch[aria-label="/switch"]'
+        state = f"document.querySelector({selector!r})?.getAttribute('aria-checked')"
+        box = "document.querySelector('.control-card:has([aria-label=\"/far\"]) .slider-value')"
+        # The highest integer of 64 bits has more digits than a number of JavaScript.
+        enter = f"{box}.value = '9223372036854775807'; {box}.dispatchEvent(new Event('change'))"
+        for page in (first, second):
+            await browser.wait_for(page, f"{state} === 'mixed' && {box} !== null")
+        async with asyncio.timeout(PATIENCE_S):
+            # What is published before the robot has connected the topic to the pages is lost.
+            while await browser.do("evaluate", page=second, script=state) == "mixed":
+                await browser.do("click", page=first, selector=selector)
+                await asyncio.sleep(0.1)
+            while await browser.do("evaluate", page=first, script=f"{box}.value") != "9223372036854775807":
+                await browser.do("evaluate", page=second, script=enter)
+                await asyncio.sleep(0.1)
+        wanted = "false" if await browser.do("evaluate", page=first, script=state) == "true" else "true"
+        await browser.do("click", page=first, selector=selector)
+        await browser.wait_for(second, f"{state} === {wanted!r}")
+        await browser.wait_for(first, f"{state} === {wanted!r}")
+        await switch.close()
+        await counter.close()
+
+
 async def test_the_robot_stops_when_the_tab_is_closed(robot: Robot, browser: Browser) -> None:
     async with rostether.join("driven", master=robot.master) as graph:
         commands: list[float] = []

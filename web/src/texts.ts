@@ -235,6 +235,9 @@ export const texts = {
     seconds: "Type a time in seconds.",
     bool: "Type true or false.",
     noList: "Lists of this type cannot be typed.",
+    quotes: 'Separate texts by commas. Put a text that has a comma in quotes: "a, b".',
+    choice: (field: string) => `Named values of ${field}`,
+    noChoice: "Other",
     range: (low: string, high: string) => `Type a number from ${low} to ${high}.`,
   },
   controls: {

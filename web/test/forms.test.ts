@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { parseExact, stringifyExact } from "../src/connection/exact_json.ts";
-import { parseList, parseNumber } from "../src/forms/numbers.ts";
+import { choicesOf } from "../src/forms/choices.ts";
+import { formatList, formatStamp, parseList, parseNumber, parseStamp } from "../src/forms/numbers.ts";
 import { controlKind } from "../src/panels/controls/control_kind.ts";
 import { controllableTopics } from "../src/panels/controls/controllable.ts";
 import { fitsCard } from "../src/panels/controls/controls.ts";
@@ -45,6 +46,52 @@ test("lists are read by their elements", () => {
   assert.equal(typeof parseList(bytes, "1,300"), "string");
   assert.deepEqual(parseList({ kind: "primitive", type: "bool" }, "true, 0"), [true, false]);
   assert.deepEqual(parseList({ kind: "string" }, "a, b"), ["a", "b"]);
+});
+
+test("lists of texts keep commas, quotes and brackets", () => {
+  const texts = ["a, b", 'say "hi"', "[x]", "", " c", "äöü"];
+  assert.deepEqual(parseList({ kind: "string" }, formatList(texts)), texts);
+  assert.deepEqual(parseList({ kind: "string" }, '["a, b", c]'), ["a, b", "c"]);
+  for (const wrong of ['"a', '"a" b', 'a "b"', '"\\x"'])
+    assert.equal(typeof parseList({ kind: "string" }, wrong), "string", wrong);
+});
+
+test("times are read to the nanosecond, and within their type", () => {
+  assert.deepEqual(parseStamp("time", "1700000000.123456789"), { sec: 1700000000, nsec: 123456789 });
+  assert.deepEqual(parseStamp("duration", "-0,5"), { sec: -1, nsec: 500000000 });
+  assert.deepEqual(parseStamp("time", ""), { sec: 0, nsec: 0 });
+  for (const text of ["0", "0.000000001", "-0.5", "-1", "-2147483648", "2147483647.999999999"])
+    assert.equal(formatStamp(parseStamp("duration", text) as { sec: number; nsec: number }), text);
+  for (const [kind, text] of [
+    ["time", "-1"],
+    ["time", "4294967296"],
+    ["duration", "2147483648"],
+    ["time", "1e9"],
+    ["time", "now"],
+    ["time", "1.0000000001"],
+  ] as const)
+    assert.equal(typeof parseStamp(kind, text), "string", text);
+});
+
+test("constants are choices of the field that they belong to", () => {
+  const names = (definition: string, field: string) => {
+    const type = parseDefinition("a/B", definition);
+    return choicesOf(type, type.fields.find((each) => each.name === field)!).map(
+      ({ name, value }) => `${name}=${value}`,
+    );
+  };
+  const range = "uint8 ULTRASOUND=0\nuint8 INFRARED=1\nuint8 radiation_type\nfloat32 range";
+  assert.deepEqual(names(range, "radiation_type"), ["ULTRASOUND=0", "INFRARED=1"]);
+  assert.deepEqual(names(range, "range"), []);
+  const battery = "uint8 STATUS_FULL=4\nuint8 HEALTH_GOOD=1\nuint8 status\nuint8 health\nuint8 other";
+  assert.deepEqual(names(battery, "health"), ["HEALTH_GOOD=1"]);
+  assert.deepEqual(names(battery, "other"), []);
+  // It cannot be known which of two fields has them.
+  assert.deepEqual(names("uint8 A=0\nuint8 x\nuint8 y", "x"), []);
+  assert.deepEqual(names("byte OK=0\nbyte level\nstring NAME=x y\nstring name", "level"), ["OK=0"]);
+  assert.deepEqual(names("uint64 MOST=18446744073709551615\nuint64 x", "x"), ["MOST=18446744073709551615"]);
+  // A value that does not fit the field is no choice.
+  assert.deepEqual(names("int32 X_A=-1\nuint8 x", "x"), []);
 });
 
 test("each type has the control that fits", () => {

@@ -1,9 +1,12 @@
 // A form for any message type: a field for each value, made from the definition.
 
+import type { RefObject } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import { texts } from "../texts.ts";
 import type { Field, Node, Primitive, StructNode } from "../wire/schema.ts";
 import { typeName } from "../wire/schema.ts";
-import { parseList, parseNumber } from "./numbers.ts";
+import { type Choice, choicesOf } from "./choices.ts";
+import { formatList, formatStamp, parseList, parseNumber, parseStamp, type Stamp } from "./numbers.ts";
 
 /** The edited value: missing fields are zero. */
 export type Draft = Record<string, unknown>;
@@ -33,6 +36,7 @@ export function MessageForm(props: {
         <FormRow
           key={field.name}
           field={field}
+          choices={choicesOf(type, field)}
           value={draft[field.name]}
           depth={depth}
           onChange={(value) => onChange({ ...draft, [field.name]: value })}
@@ -42,8 +46,14 @@ export function MessageForm(props: {
   );
 }
 
-function FormRow(props: { field: Field; value: unknown; depth: number; onChange: (value: unknown) => void }) {
-  const { field, value, depth, onChange } = props;
+function FormRow(props: {
+  field: Field;
+  choices: Choice[];
+  value: unknown;
+  depth: number;
+  onChange: (value: unknown) => void;
+}) {
+  const { field, choices, value, depth, onChange } = props;
   const { node, name } = field;
   if (node.kind === "struct")
     return (
@@ -56,13 +66,50 @@ function FormRow(props: { field: Field; value: unknown; depth: number; onChange:
     );
   if (node.kind === "array" && node.element.kind === "struct")
     return <StructList {...props} element={node.element} length={node.length} />;
-  return (
+  const row = (
     // biome-ignore lint/a11y/noLabelWithoutControl: ValueField is the control.
     <label class="form-row" title={field.comment || undefined}>
       <span class="form-name">{name}</span>
       <ValueField node={node} value={value} label={name} onChange={onChange} />
       <span class="form-type">{typeName(node)}</span>
     </label>
+  );
+  if (choices.length === 0) return row;
+  return (
+    <div class="form-choices">
+      {row}
+      <ChoiceField choices={choices} value={value} label={texts.forms.choice(name)} onChange={onChange} />
+    </div>
+  );
+}
+
+/** The named values of a field. Another value, such as a sum of flags, is typed into the field. */
+function ChoiceField(props: {
+  choices: Choice[];
+  value: unknown;
+  label: string;
+  onChange: (value: unknown) => void;
+}) {
+  const { choices, value, label, onChange } = props;
+  // Numbers of 64 bits are bigint, and a field that is not given is 0 or empty.
+  const isChosen = (each: Choice) =>
+    String(value ?? (typeof each.value === "string" ? "" : 0)) === String(each.value);
+  return (
+    <select
+      aria-label={label}
+      value={choices.findIndex(isChosen)}
+      onChange={(event) => {
+        const chosen = choices[Number(event.currentTarget.value)];
+        if (chosen !== undefined) onChange(chosen.value);
+      }}
+    >
+      {!choices.some(isChosen) && <option value={-1}>{texts.forms.noChoice}</option>}
+      {choices.map((each, index) => (
+        <option key={each.name} value={index}>
+          {each.name}
+        </option>
+      ))}
+    </select>
   );
 }
 
@@ -138,7 +185,7 @@ export function ValueField({ node, value, label, onChange }: FieldProps) {
       );
     case "time":
     case "duration":
-      return <StampField value={value} label={label} onChange={onChange} />;
+      return <StampField kind={node.kind} value={value} label={label} onChange={onChange} />;
     case "array":
       return <ListField node={node} value={value} label={label} onChange={onChange} />;
     case "struct":
@@ -153,6 +200,7 @@ function NumberField(props: {
   onChange: (value: unknown) => void;
 }) {
   const { type, value, label, onChange } = props;
+  const field = useFreshValidity(value);
   const read = (input: HTMLInputElement) => {
     const result = parseNumber(type, input.value);
     input.setCustomValidity(typeof result === "string" ? result : "");
@@ -160,6 +208,7 @@ function NumberField(props: {
   };
   return (
     <input
+      ref={field}
       type="text"
       inputMode={type.startsWith("u") ? "numeric" : "text"}
       aria-label={label}
@@ -173,14 +222,22 @@ function NumberField(props: {
   );
 }
 
-function StampField({ value, label, onChange }: Omit<FieldProps, "node">) {
-  const { sec = 0, nsec = 0 } = (value ?? {}) as { sec?: number; nsec?: number };
-  const set = (text: string, input: HTMLInputElement) => {
-    const seconds = Number(text.replace(",", "."));
-    input.setCustomValidity(Number.isFinite(seconds) ? "" : texts.forms.seconds);
-    if (!Number.isFinite(seconds)) return;
-    const whole = Math.floor(seconds);
-    onChange({ sec: whole, nsec: Math.min(Math.round((seconds - whole) * 1e9), 999_999_999) });
+/** A field that was marked as wrong is right again when it gets another value, for example a chosen one. */
+function useFreshValidity(value: unknown): RefObject<HTMLInputElement | null> {
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => field.current?.setCustomValidity(""), [value]);
+  return field;
+}
+
+function StampField(props: Omit<FieldProps, "node"> & { kind: "time" | "duration" }) {
+  const { kind, value, label, onChange } = props;
+  const { sec = 0, nsec = 0 } = (value ?? {}) as Partial<Stamp>;
+  const field = useFreshValidity(value);
+  const read = (input: HTMLInputElement) => {
+    const result = parseStamp(kind, input.value);
+    input.setCustomValidity(typeof result === "string" ? result : "");
+    if (typeof result !== "string") onChange(result);
+    input.reportValidity();
   };
   const now = () => {
     const ms = Date.now();
@@ -189,25 +246,26 @@ function StampField({ value, label, onChange }: Omit<FieldProps, "node">) {
   return (
     <span class="form-stamp">
       <input
+        ref={field}
         type="text"
-        inputMode="decimal"
+        inputMode={kind === "time" ? "decimal" : "text"}
         aria-label={label}
         placeholder="0"
-        value={sec === 0 && nsec === 0 ? "" : String(sec + nsec * 1e-9)}
-        onChange={(event) => set(event.currentTarget.value, event.currentTarget)}
+        value={sec === 0 && nsec === 0 ? "" : formatStamp({ sec, nsec })}
+        onChange={(event) => read(event.currentTarget)}
       />
-      <button type="button" class="button" onClick={now}>
-        {texts.forms.now}
-      </button>
+      {kind === "time" && (
+        <button type="button" class="button" onClick={now}>
+          {texts.forms.now}
+        </button>
+      )}
     </span>
   );
 }
 
 function ListField(props: FieldProps & { node: Node & { kind: "array" } }) {
   const { node, value, label, onChange } = props;
-  const text = Array.isArray(value)
-    ? value.map((each) => JSON.stringify(String(each)).slice(1, -1)).join(", ")
-    : "";
+  const text = Array.isArray(value) ? formatList(value) : "";
   const read = (input: HTMLInputElement) => {
     const result = parseList(node.element, input.value);
     input.setCustomValidity(typeof result === "string" ? result : "");

@@ -14,6 +14,8 @@ const LIMITS: Readonly<Record<string, readonly [bigint, bigint]>> = {
   uint64: [0n, 2n ** 64n - 1n],
 };
 
+const BILLION = 1_000_000_000n;
+
 /** The lowest and highest number of an integer type; undefined for floats. */
 export function limitsOf(type: Primitive): readonly [number, number] | undefined {
   const limits = LIMITS[type];
@@ -39,8 +41,38 @@ export function parseNumber(type: Primitive, text: string): number | bigint | st
   return type.endsWith("64") ? whole : Number(whole);
 }
 
+export interface Stamp {
+  sec: number;
+  nsec: number;
+}
+
+/** Reads a time or a duration in seconds, to the nanosecond; a string is the error text. */
+export function parseStamp(kind: "time" | "duration", text: string): Stamp | string {
+  const [, sign, whole, fraction = ""] =
+    /^([+-]?)(\d{1,12})(?:[.,](\d{0,9}))?$/.exec(text.trim() || "0") ?? [];
+  if (whole === undefined) return texts.forms.seconds;
+  const ns = (BigInt(whole) * BILLION + BigInt(fraction.padEnd(9, "0"))) * (sign === "-" ? -1n : 1n);
+  // The nanoseconds are positive also before zero: -0.5 s is -1 s and 500,000,000 ns.
+  const nsec = ((ns % BILLION) + BILLION) % BILLION;
+  const sec = (ns - nsec) / BILLION;
+  const [low, high] = LIMITS[kind === "time" ? "uint32" : "int32"]!;
+  if (sec < low || sec > high) return texts.forms.range(String(low), String(high));
+  return { sec: Number(sec), nsec: Number(nsec) };
+}
+
+/** The text of a time or a duration for a field. */
+export function formatStamp({ sec, nsec }: Stamp): string {
+  const ns = BigInt(sec) * BILLION + BigInt(nsec);
+  const size = ns < 0n ? -ns : ns;
+  const fraction = String(size % BILLION)
+    .padStart(9, "0")
+    .replace(/0+$/, "");
+  return `${ns < 0n ? "-" : ""}${size / BILLION}${fraction && `.${fraction}`}`;
+}
+
 /** Reads a list of values separated by commas; a string is the error text. */
 export function parseList(element: Node, text: string): unknown[] | string {
+  if (element.kind === "string") return parseTexts(text);
   const parts =
     text.trim() === ""
       ? []
@@ -48,7 +80,6 @@ export function parseList(element: Node, text: string): unknown[] | string {
           .replace(/^\[|\]$/g, "")
           .split(",")
           .map((each) => each.trim());
-  if (element.kind === "string") return parts;
   if (element.kind !== "primitive") return texts.forms.noList;
   const values: unknown[] = [];
   for (const part of parts) {
@@ -62,4 +93,30 @@ export function parseList(element: Node, text: string): unknown[] | string {
     values.push(value);
   }
   return values;
+}
+
+/** Reads texts separated by commas; a text with a comma is in quotes, as in `"a, b", c`. */
+function parseTexts(text: string): string[] | string {
+  const inner = text.trim().replace(/^\[(.*)\]$/s, "$1");
+  const found: string[] = [];
+  const part = /\s*(?:("(?:[^"\\]|\\.)*")|([^,"]*))\s*(,|$)/y;
+  while (inner !== "") {
+    const [, quoted, plain = "", end] = part.exec(inner) ?? [];
+    if (end === undefined) return texts.forms.quotes;
+    try {
+      found.push(quoted === undefined ? plain.trim() : (JSON.parse(quoted) as string));
+    } catch {
+      return texts.forms.quotes;
+    }
+    if (end === "") break;
+  }
+  return found;
+}
+
+/** The text of a list for its field. */
+export function formatList(values: readonly unknown[]): string {
+  const isPlain = (text: string) => text === text.trim() && text !== "" && !/[,"\\[\]\n]/.test(text);
+  return values
+    .map((each) => (typeof each !== "string" || isPlain(each) ? String(each) : JSON.stringify(each)))
+    .join(", ");
 }

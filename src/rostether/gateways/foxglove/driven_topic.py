@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from rostether.errors import InvalidNameError, RostetherError
@@ -39,14 +41,24 @@ class DrivenTopic:
         self._opening: asyncio.Task[None] | None = None
         self._reported: tuple[str, str] | None = None
         self._warned: set[str] = set()
+        # The last command that arrived before the topic was open.
+        self._early: bytes | None = None
+        # Opens the topic, again after its node was shut down.
+        self._start: Callable[[], Coroutine[Any, Any, None]] | None = None
+        self._has_ended = False
 
     def open(self, graph: Graph, store: TypeStore) -> None:
         """Prepare the topic; errors are reported to the client."""
-        self._opening = asyncio.ensure_future(self._open(graph, store))
+        self._start = partial(self._open, graph, store)
+        self._opening = asyncio.ensure_future(self._start())
 
     def publish(self, payload: bytes) -> Publisher | None:
-        """Publish a command, unless another client drives. A command before the topic is open is dropped."""
+        """Publish a command, unless another client drives. Before the topic is open, only a stop is kept."""
         if self._commands is None or self._encode is None:
+            self._early = payload
+            if self._has_ended and self._start is not None:
+                self._has_ended = False
+                self._opening = asyncio.ensure_future(self._start())
             return None
         try:
             may_drive = self._commands.command(self, self._encode(payload))
@@ -67,9 +79,10 @@ class DrivenTopic:
     def ended(self, reason: str) -> None:
         """Report that the topic can no longer be driven."""
         self._commands = None
+        self._has_ended = True
         self._warn(
-            f"{self.channel.topic[:200]} can no longer be driven: the node was shut down ({reason}); "
-            "advertise it again"
+            f"{self.channel.topic[:200]} is not driven: the node was shut down ({reason}); "
+            "the next command starts it again"
         )
 
     async def close(self) -> None:
@@ -92,9 +105,15 @@ class DrivenTopic:
             commands = await self._teleop.enter(self, topic, message_type, store.codec(type_name))
         except (RostetherError, InvalidNameError) as error:
             self._warn_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
+            self._has_ended = self._topic != ""
             return
         self._topic, self._commands, self._encode = topic, commands, encode
         self.lease_changed(commands.holder)
+        early, self._early = self._early, None
+        # A robot that another client drives must stop, however long this took. It must not start late.
+        with suppress(RostetherError):
+            if early is not None and commands.is_stop(encode(early)):
+                self.publish(early)
 
     def _warn_once(self, text: str) -> None:
         if text not in self._warned and len(self._warned) < 20:

@@ -62,6 +62,10 @@ class CommandTopic:
         """The name of the current driver; empty: no client."""
         return self._holder.name if self._holder is not None else ""
 
+    def is_stop(self, payload: bytes) -> bool:
+        """Return whether a command is a stop. Raises RostetherError."""
+        return self.commands.is_stop(self._codec.decode(payload))
+
     def command(self, driver: Driver, payload: bytes) -> bool:
         """Publish a command; returns whether the driver may drive. Raises RostetherError."""
         message = self._codec.decode(payload)

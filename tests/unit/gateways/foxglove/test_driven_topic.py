@@ -121,6 +121,19 @@ async def test_commands_are_limited_by_parameters_of_the_node() -> None:
         assert robot.speeds[0] == pytest.approx(0.05)
 
 
+async def test_a_stop_before_the_topic_is_open_is_published_and_another_command_is_not() -> None:
+    async with driven() as (there, robot), there.client() as moving, there.client() as stopping:
+        channel = {"id": 1, "topic": TOPIC, "encoding": "ros1", "schemaName": TWIST, "driver": "page"}
+        await moving.say("advertise", channels=[channel])
+        await command(moving, 0.3)
+        await state(moving, "free")
+        assert robot.commands == []
+        await stopping.say("advertise", channels=[channel])
+        await command(stopping, 0.0)
+        await until(lambda: robot.speeds)
+        assert robot.speeds == [0.0]
+
+
 async def test_the_second_learns_who_drives() -> None:
     async with driven() as (there, robot), there.client() as anna, there.client() as ben:
         await entered(anna, "Anna\n")
@@ -196,13 +209,13 @@ async def test_when_its_node_was_shut_down_a_page_may_drive_again() -> None:
         await teleop._graph.close()
         status = await client.wait("status")
         assert "the node was shut down" in status["message"]
-        await command(client, 0.1)
-        await client.say("unadvertise", channelIds=[1])
-        seen = len(client.of("drive"))
-        await entered(client)
-        await until(lambda: len(client.of("drive")) > seen)
+        robot.commands.clear()
+        await command(client, 0.0)
+        # The command that starts the node again is published only if it is a stop.
+        await until(lambda: robot.speeds)
+        assert robot.speeds == [0.0]
         await command(client, 0.2)
-        await until(lambda: 0.2 in robot.speeds)
+        await until(lambda: robot.speeds[-1] > 0)
 
 
 async def test_a_gateway_that_ends_stops_the_robot() -> None:

@@ -1,12 +1,15 @@
 // One control of one topic.
 import { type Signal, useSignal } from "@preact/signals";
+import type { TargetedEvent } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { type Draft, MessageForm } from "../../forms/message_form.tsx";
+import { parseNumber } from "../../forms/numbers.ts";
 import { texts } from "../../texts.ts";
-import type { StructNode } from "../../wire/schema.ts";
+import type { Primitive, StructNode } from "../../wire/schema.ts";
 import type { PanelContext } from "../panel.ts";
 import { type ControlKind, controlKind } from "./control_kind.ts";
 import { JointSliders } from "./joint_sliders.tsx";
+import { useOthersValue } from "./others_value.ts";
 import { TopicPublisher } from "./topic_publisher.ts";
 
 /** Returns whether it was sent. */
@@ -66,7 +69,7 @@ function ControlOf(props: { context: PanelContext; topicName: string; type: Stru
     case "button":
       return <PushButton send={send} label={topicName.split("/").at(-1) ?? topicName} />;
     case "toggle":
-      return <Toggle field={kind.field} label={topicName} send={send} />;
+      return <TopicToggle context={context} topicName={topicName} field={kind.field} send={send} />;
     case "slider":
       return <Slider context={context} topicName={topicName} slider={kind} send={send} />;
     case "text":
@@ -107,15 +110,28 @@ export function PushButton({ send, label }: { send: (message: Draft) => unknown;
   );
 }
 
-/** `send` returns whether the receiver has the new state. */
+/** A switch that follows other publishers of its topic, such as other pages. */
+function TopicToggle(props: { context: PanelContext; topicName: string; field: string; send: Send }) {
+  const { context, topicName, field, send } = props;
+  const state = useSignal<boolean | undefined>(undefined);
+  const noteSent = useOthersValue(context, topicName, (message) => {
+    state.value = message[field] === true;
+  });
+  const sendAndNote = (message: Draft) => {
+    noteSent();
+    return send(message);
+  };
+  return <Toggle field={field} label={topicName} state={state} send={sendAndNote} />;
+}
+
+/** `send` returns whether the receiver has the new state; `state` is undefined until it is known. */
 export function Toggle(props: {
   field: string;
   label: string;
+  state: Signal<boolean | undefined>;
   send: (message: Draft) => boolean | Promise<boolean>;
 }) {
-  const { field, label, send } = props;
-  // Nothing reports the state that the receiver begins with.
-  const state = useSignal<boolean | undefined>(undefined);
+  const { field, label, state, send } = props;
   const set = async (next: boolean) => {
     state.value = next;
     const isDone = await send({ [field]: next });
@@ -147,12 +163,22 @@ function Slider(props: {
   const { context, topicName, slider, send } = props;
   const settings = context.settings as Signal<ControlSettings>;
   const range = settings.value.ranges?.[topicName] ?? slider;
-  const value = useSignal(Math.min(Math.max(0, range.min), range.max));
-  const set = (next: number, smoothly: boolean) => {
-    if (!Number.isFinite(next)) return;
+  const value = useSignal<number | bigint>(Math.min(Math.max(0, range.min), range.max));
+  const noteSent = useOthersValue(context, topicName, (message) => {
+    const next = message[slider.field];
+    if (typeof next === "number" || typeof next === "bigint") value.value = next;
+  });
+  const set = (next: number | bigint, smoothly: boolean) => {
     value.value = next;
-    const isWide = slider.type === "int64" || slider.type === "uint64";
-    send({ [slider.field]: isWide ? BigInt(Math.round(next)) : next }, smoothly);
+    noteSent();
+    send({ [slider.field]: next }, smoothly);
+  };
+  const read = (input: HTMLInputElement) => {
+    if (input.value === "") return;
+    const next = parseNumber(slider.type, input.value);
+    input.setCustomValidity(typeof next === "string" ? next : "");
+    input.reportValidity();
+    if (typeof next !== "string") set(next, false);
   };
   const setLimit = (limit: "min" | "max", text: string) => {
     const next = { min: range.min, max: range.max, [limit]: Number(text) };
@@ -168,6 +194,12 @@ function Slider(props: {
       onChange={(event) => setLimit(limit, event.currentTarget.value)}
     />
   );
+  const box = {
+    class: "slider-value",
+    "aria-label": texts.controls.value,
+    value: shownNumber(slider.type, value.value),
+    onChange: (event: TargetedEvent<HTMLInputElement>) => read(event.currentTarget),
+  };
   return (
     <div class="slider">
       <input
@@ -176,18 +208,16 @@ function Slider(props: {
         min={range.min}
         max={range.max}
         step={slider.step}
-        value={value.value}
+        value={Number(value.value)}
         onInput={(event) => set(event.currentTarget.valueAsNumber, true)}
       />
       {limitField("min")}
-      <input
-        type="number"
-        class="slider-value"
-        aria-label={texts.controls.value}
-        step={slider.step}
-        value={value.value}
-        onChange={(event) => set(event.currentTarget.valueAsNumber, false)}
-      />
+      {/* Integers of 64 bits have more digits than a number. */}
+      {slider.type.endsWith("int64") ? (
+        <input type="text" {...box} />
+      ) : (
+        <input type="number" step={slider.step} {...box} />
+      )}
       {limitField("max")}
     </div>
   );
@@ -217,6 +247,11 @@ function TextLine({ field, send }: { field: string; send: Send }) {
       </button>
     </form>
   );
+}
+
+/** A float32 with the digits that it has, not those of the float64 that holds it. */
+function shownNumber(type: Primitive, value: number | bigint): string {
+  return String(type === "float32" ? Number(Number(value).toPrecision(7)) : value);
 }
 
 function ColorPicker({ send }: { send: Send }) {

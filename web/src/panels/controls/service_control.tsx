@@ -31,6 +31,8 @@ function tapOf({ request }: Service): string | undefined {
 export function ServiceControl({ context, service }: { context: PanelContext; service: Service }) {
   const answer = useSignal("");
   const isProblem = useSignal(false);
+  // Nothing reports the state that the service begins with.
+  const state = useSignal<boolean | undefined>(undefined);
   const field = tapOf(service);
   if (field === undefined) return null;
   const call = async (request: Message) => {
@@ -55,7 +57,12 @@ export function ServiceControl({ context, service }: { context: PanelContext; se
         {field === "" ? (
           <PushButton send={() => void call({})} label={service.name.split("/").at(-1) ?? service.name} />
         ) : (
-          <Toggle field={field} label={service.name} send={(request) => call(request as Message)} />
+          <Toggle
+            field={field}
+            label={service.name}
+            state={state}
+            send={(request) => call(request as Message)}
+          />
         )}
       </fieldset>
       {answer.value && <p class={isProblem.value ? "problem" : "empty-line"}>{answer.value}</p>}

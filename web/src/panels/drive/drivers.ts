@@ -23,6 +23,11 @@ export function driverOf(robot: Robot, topicName: string): Driver | undefined {
   }
 }
 
+/** Opens everything that this page can drive: the first stop must not wait until the robot has done that. */
+export function prepareStop(robot: Robot): void {
+  if (robot.mayAct.peek()) for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic);
+}
+
 /** Stop everything that this page can drive. */
 export function stopAll(robot: Robot): void {
   for (const topic of drivableTopics(graphOf(robot))) driverOf(robot, topic)?.stop();
