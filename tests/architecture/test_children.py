@@ -50,7 +50,8 @@ def start(folder: Path, test: str, *options: str, ignores: bool = False) -> subp
     return subprocess.Popen(
         [sys.executable, "-m", "pytest", "-p", "children", "-c", "/dev/null", *options, "test_it.py"],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(TESTS)},
+        # Plugins would take half of the time.
+        env={**os.environ, "PYTHONPATH": str(TESTS), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         stdout=subprocess.PIPE,
         text=True,
         preexec_fn=ignore if ignores else None,
@@ -82,7 +83,7 @@ def test_what_a_failed_test_left_running_is_ended(tmp_path: Path) -> None:
     wait_until_gone(int((tmp_path / "pid").read_text()))
 
 
-@pytest.mark.parametrize("options", [(), ("-n1",)])
+@pytest.mark.parametrize("options", [(), ("-p", "xdist.plugin", "-n1")])
 def test_sigterm_ends_the_tests_and_what_they_started(tmp_path: Path, options: tuple[str, ...]) -> None:
     running = start(tmp_path, LEAVING.replace("WHAT_NEXT", "time.sleep(600)"), *options)
     pid_file = tmp_path / "pid"

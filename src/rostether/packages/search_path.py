@@ -21,6 +21,8 @@ ROSBUILD_FILE = "manifest.xml"
 # All programs of the system have folders here; ROS packages are only at the top level, as in Debian's rospkg.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
+# Half of the folders of a Python package, with compiled modules only.
+_BYTE_CODE_FOLDER = "__pycache__"
 
 # A file in catkin's `devel` and `install`, which contain copies of packages in share/NAME.
 _CATKIN_MARK = ".catkin"
@@ -94,8 +96,8 @@ def package_name(folder: Folder) -> str | None:
 def walk(root: Path, *, below_packages: bool = False) -> Iterator[Folder]:
     """Yield the root and the folders below it, nearest first.
 
-    Hidden folders, and folders with a CATKIN_IGNORE file, are skipped with all their content. Links are
-    followed, but no folder is visited twice. Stops after MAX_FOLDERS folders.
+    Hidden folders, `__pycache__`, and folders with a CATKIN_IGNORE file are skipped with all their content.
+    Links are followed, but no folder is visited twice. Stops after MAX_FOLDERS folders.
     """
     seen: set[tuple[int, int]] = set()
     start = os.path.abspath(root)  # noqa: PTH100 - Path has no way to do this without following links
@@ -128,7 +130,7 @@ def _list_folder(path: str, seen: set[tuple[int, int]]) -> tuple[frozenset[str],
         seen.add(identity)
         with os.scandir(path) as entries:
             for entry in entries:
-                if entry.name.startswith("."):
+                if entry.name.startswith(".") or entry.name == _BYTE_CODE_FOLDER:
                     continue
                 if entry.is_dir():
                     subfolders.append(entry.path)

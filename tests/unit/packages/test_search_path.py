@@ -63,6 +63,7 @@ def test_ignored_and_hidden_folders_are_left_out(tmp_path: Path) -> None:
     make_package(tmp_path / "ignored" / "a")
     (tmp_path / "ignored" / "CATKIN_IGNORE").touch()
     make_package(tmp_path / ".git" / "b")
+    make_package(tmp_path / "__pycache__" / "d")
     make_package(tmp_path / "flat" / "deep" / "c")
     (tmp_path / "flat" / "rospack_nosubdirs").touch()
     assert find_packages([tmp_path]) == {}

@@ -9,7 +9,8 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 from pathlib import Path
 
 from rostether.errors import BoardError, first_error
@@ -22,6 +23,9 @@ FLAGS = ("-std=gnu11", "-D_GNU_SOURCE", "-O2", "-Wall", "-Wextra")
 LIBRARIES = ("-lsimavr", "-lelf", "-lm")
 HEADERS = Path("/usr/include/simavr")
 
+# How often a process that waits for another one's build looks again.
+LOCK_POLL_S = 0.05
+
 _COMPILERS = ("cc", "gcc", "clang")
 _NAME = "rostether-simavr"
 
@@ -29,7 +33,7 @@ _NAME = "rostether-simavr"
 async def build_runner() -> Path:
     """Return the path of the runner; compile it if needed.
 
-    Several processes may do so at once. Raises BoardError with the packages to install.
+    Of several processes that do so at once, one compiles. Raises BoardError with the packages to install.
     """
     compiler = _find_compiler()
     sources = sorted(SOURCES.glob("*.c"))
@@ -44,20 +48,47 @@ async def build_runner() -> Path:
             f"cannot write to {program.parent}: {error.strerror}; set XDG_CACHE_HOME to a writable folder"
         ) from None
     with folder as fresh:
-        objects = [f"{fresh}/{source.stem}.o" for source in sources]
-        limit = asyncio.Semaphore(os.cpu_count() or 1)
-        try:
-            async with asyncio.TaskGroup() as tasks:
-                for source, made in zip(sources, objects, strict=True):
-                    headers = ("-isystem", str(HEADERS))
-                    command = (compiler, *FLAGS, *headers, "-c", str(source), "-o", made)
-                    tasks.create_task(_run(command, limit))
-        except BaseExceptionGroup as failures:
-            raise first_error(failures) from None
-        await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
-        # In one step, so that no process starts an incomplete program.
-        os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105
+        async with _only_builder(program.parent):
+            if not program.exists():
+                await _compile(compiler, sources, fresh, program)
     return program
+
+
+@asynccontextmanager
+async def _only_builder(folder: Path) -> AsyncIterator[None]:
+    """Wait until no other process builds in a folder; on a file system without locks, do not wait."""
+    import fcntl  # Windows has none
+
+    opened = os.open(folder, os.O_RDONLY)
+    try:
+        while True:
+            try:
+                fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                await asyncio.sleep(LOCK_POLL_S)
+                continue
+            except OSError:
+                pass
+            break
+        yield
+    finally:
+        os.close(opened)
+
+
+async def _compile(compiler: str, sources: Sequence[Path], fresh: str, program: Path) -> None:
+    objects = [f"{fresh}/{source.stem}.o" for source in sources]
+    limit = asyncio.Semaphore(os.cpu_count() or 1)
+    try:
+        async with asyncio.TaskGroup() as tasks:
+            for source, made in zip(sources, objects, strict=True):
+                headers = ("-isystem", str(HEADERS))
+                command = (compiler, *FLAGS, *headers, "-c", str(source), "-o", made)
+                tasks.create_task(_run(command, limit))
+    except BaseExceptionGroup as failures:
+        raise first_error(failures) from None
+    await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
+    # In one step, so that no process starts an incomplete program.
+    os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105
 
 
 def missing_parts() -> str:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import os
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -24,13 +25,21 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 async def test_it_is_compiled_without_a_warning_and_once_also_by_several_at_once(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    commands: list[str] = []
+
+    async def run(command: Sequence[str], limit: asyncio.Semaphore) -> None:
+        commands.append(command[-1])
+        await _run(command, limit)
+
+    _run = compiling._run
+    monkeypatch.setattr(compiling, "_run", run)
     monkeypatch.setattr(compiling, "FLAGS", (*compiling.FLAGS, "-Werror"))
     programs = await asyncio.gather(build_runner(), build_runner())
     assert programs[0] == programs[1]
     assert [path.name for path in cache.iterdir()] == [programs[0].name]
     assert os.access(programs[0], os.X_OK)
-    made = programs[0].stat().st_mtime_ns
-    assert (await build_runner()).stat().st_mtime_ns == made
+    assert await build_runner() == programs[0]
+    assert len(commands) == len(list(SOURCES.glob("*.c"))) + 1
 
 
 async def test_what_is_missing_is_reported_with_its_packages(
