@@ -136,7 +136,7 @@ def test_ping_all_lists_dead_nodes(gone: str, talker: str, shell: Shell) -> None
 
 def test_ping_without_a_node_shows_the_usage(shell: Shell) -> None:
     assert "give a node;" in shell.failure("node", "ping", code=2)
-    assert "leave" in shell.failure("node", "ping", "--all", "/a", code=2)
+    assert "omit the node's name" in shell.failure("node", "ping", "--all", "/a", code=2)
 
 
 def test_kill_ends_nodes(graph: LiveGraph, shell: Shell) -> None:
