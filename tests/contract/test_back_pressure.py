@@ -48,7 +48,7 @@ async def test_a_subscriber_that_reads_again_loses_nothing(join: JoinGraph, can:
     subscriber.pause()
     sent = await publish_until_behind(publisher, quick)
     subscriber.resume()
-    await publisher.drained(10.0)
+    await publisher.drained(60.0)
     assert publisher.publish_raw([payload(sent)])
     await until(lambda: len(slow.payloads) == len(quick.payloads) == sent + 1)
     assert numbers(slow) == numbers(quick) == list(range(sent + 1))

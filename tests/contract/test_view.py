@@ -88,7 +88,7 @@ async def test_logs_are_published_under_the_nodes_name(join: JoinGraph, can: Cap
 
 async def test_time_is_the_wall_clock(join: JoinGraph) -> None:
     node = await join("/node")
-    assert abs(node.now().to_s() - time.time()) < 1.0
+    assert abs(node.now().to_s() - time.time()) < 60
 
 
 async def test_time_is_that_of_clock_where_it_is_simulated(join: JoinGraph, can: Capabilities) -> None:

@@ -97,13 +97,26 @@ async def test_udp_sends_whole_frames_and_receives_only_from_the_host(udp_sketch
             for datagram in datagrams:
                 sync, version, length = struct.unpack_from("<BBH", datagram)
                 assert (sync, version, length + 8) == (0xFF, 0xFE, len(datagram))
-            stranger.sendto(request_topics, board)
             host.settimeout(0.3)
-            with pytest.raises(TimeoutError):
-                await asyncio.to_thread(host.recv, 2048)
+            for _ in range(10):
+                stranger.sendto(request_topics, board)
+                # On a busy machine, it may have said all of it again in this time.
+                if not await asyncio.to_thread(_receive_all, host):
+                    break
+            else:
+                pytest.fail("each request of a stranger was answered")
             host.settimeout(PATIENCE_S)
             host.sendto(request_topics, board)
             assert await asyncio.to_thread(host.recv, 2048)
+
+
+def _receive_all(receiver: socket.socket) -> int:
+    """Receive until nothing comes for the socket's time limit; returns the number of datagrams."""
+    count = 0
+    with contextlib.suppress(TimeoutError):
+        while receiver.recv(2048):
+            count += 1
+    return count
 
 
 def _udp_socket() -> socket.socket:

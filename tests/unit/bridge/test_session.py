@@ -19,6 +19,7 @@ from rostether.rosserial.packets import Log, LogLevel, ParameterResponse, TopicI
 from rostether.transports.memory import memory_pair
 from unit.bridge.nodes import STORE, World, text, topic_info
 from unit.bridge.raw_board import RawBoard
+from unit.bridge.virtual_time import run
 from waiting import until
 
 STRING = STORE.registry.message_type("std_msgs/String")
@@ -241,10 +242,16 @@ async def test_a_service_whose_ids_changed_without_a_reset_is_served(bridge: Bri
     assert board.received[100] == [b"\x01\x02\0\0\0ok"]
 
 
-async def test_a_time_request_after_silence_shows_that_the_board_is_past_a_call(
-    bridge: Bridge, monkeypatch: pytest.MonkeyPatch
+def test_a_time_request_after_silence_shows_that_the_board_is_past_a_call(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("rostether.bridge.endpoint.service_server.BUSY_S", 0.05)
+    run(call_a_board_that_was_silent())
+
+
+async def call_a_board_that_was_silent() -> None:
+    bridge = Bridge()
+    await bridge.open()
     settings = BridgeSettings(service_timeout_s=0.1)
     board = await bridge.connect(
         *service_announcements(ids.SERVICE_SERVER_RESPONSE, "switch", 125, 100), settings=settings
@@ -260,6 +267,7 @@ async def test_a_time_request_after_silence_shows_that_the_board_is_past_a_call(
     await until(lambda: len(board.received[100]) == 2, "the second request")
     board.send(125, b"\x01\x02\0\0\0ok")
     assert await second == b"\x01\x02\0\0\0ok"
+    await bridge.close()
 
 
 async def test_a_reset_ends_the_call_in_flight(bridge: Bridge) -> None:

@@ -403,7 +403,7 @@ async def test_of_two_relays_that_carry_at_once_the_younger_one_gives_way(world:
 
 
 async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(relay_module, "GIVE_WAY_S", 0.05)
+    monkeypatch.setattr(relay_module, "GIVE_WAY_S", 0.5)
     others = await marked(world, "/older", new_relay_mark())
     async with world.relaying(Topics("/*")) as relay:
         await until(lambda: any("/older" in line for line in world.lines))
@@ -412,7 +412,7 @@ async def test_a_younger_relay_waits_for_older_ones(world: World, monkeypatch: p
         assert not relay.relays
         await others[1].advertise("/chat", STRING)
         await until(lambda: any("/older carries it" in line for line in world.lines))
-        await asyncio.sleep(0.1)
+        await asyncio.sleep(0.6)
         assert not relay.relays
         # One that the older relay does not choose.
         await world.one.advertise("/more", STRING)
@@ -444,7 +444,7 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
 async def test_a_relay_that_was_killed_before_is_not_a_source(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(relay_module, "MEET_S", 0.2)
+    monkeypatch.setattr(relay_module, "MEET_S", 1.0)
     killed = await marked(world, "/killed", new_relay_mark())
     await killed[0].advertise_service("/switch", SET_BOOL, agreeing)
     # Only the first graph keeps the registrations of nodes that were killed.

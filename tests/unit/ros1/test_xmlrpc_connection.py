@@ -11,6 +11,7 @@ import pytest
 from rostether.ros1.graph_limits import GraphLimits
 from rostether.xmlrpc.http_message import HttpClientSide
 from unit.ros1.xmlrpc_stage import RawClient, client_of, later, request, serving
+from waiting import until
 
 
 async def test_nonsense_in_the_body_is_a_fault() -> None:
@@ -76,9 +77,10 @@ async def test_who_does_not_read_is_not_read_from() -> None:
         raw.writer.transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         raw.reader._transport.pause_reading()  # type: ignore[attr-defined]
         raw.writer.write(request("big") * 200)
+        await until(lambda: calls)
         for _ in range(50):
             await asyncio.sleep(0.002)
-        assert 1 <= calls < 50
+        assert calls < 50
         raw.writer.transport.abort()
         await raw.close()
 
@@ -116,8 +118,8 @@ async def test_idle_connections_are_closed_in_time() -> None:
 
 async def test_a_slow_method_is_not_idle() -> None:
     async def slow() -> int:
-        await asyncio.sleep(0.4)
+        await asyncio.sleep(1.0)
         return 7
 
-    async with serving({"slow": slow}, idle_timeout_s=0.1) as server, client_of(server) as client:
+    async with serving({"slow": slow}, idle_timeout_s=0.5) as server, client_of(server) as client:
         assert await client.call("slow") == 7

@@ -20,11 +20,11 @@ async def test_a_silent_connection_is_closed() -> None:
 
 
 async def test_a_connection_that_has_spoken_may_rest() -> None:
-    async with serving({"ping": lambda: 1}, first_byte_limit_s=0.05) as server:
+    async with serving({"ping": lambda: 1}, first_byte_limit_s=0.5) as server:
         resting = await RawClient.connect(server)
-        silent = await RawClient.connect(server)
         resting.writer.write(request("ping"))
         assert await resting.answer() == 1
+        silent = await RawClient.connect(server)
         assert await is_hung_up(silent.reader)
         resting.writer.write(request("ping"))
         assert await resting.answer() == 1

@@ -111,13 +111,14 @@ async def test_a_board_is_found_named_and_connected_when_it_is_plugged_in(site: 
     async with site.machine.board("ttyACM0", chatter, serial_number="7533", **UNO):
         async with lateness() as late:
             await until(lambda: site.settled("/board_7533"), "the board")
-        assert now_s() - plugged_s - late.total_s < 2.0
+        # Not by the next look at all ports, a minute later.
+        assert now_s() - plugged_s - late.total_s < 5.0
         assert site.connected() == {"/board_7533": site.machine.path("ttyACM0")}
         assert len(site.reporter.having("Found a board at")) == 1
     lost_s = now_s()
-    await until(lambda: not site.connected(), "the loss to be noticed")
-    assert "/board_7533" in site.nodes()
     async with lateness() as late:
+        await until(lambda: not site.connected(), "the loss to be noticed")
+        assert "/board_7533" in site.nodes()
         await until(lambda: "/board_7533" not in site.nodes(), "the node to leave")
     assert GRACE_S - 0.1 < now_s() - lost_s < GRACE_S + 1.0 + late.total_s
 

@@ -19,6 +19,7 @@ from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
 from rostether.graph.message_stream import LearnedTypes
+from unit.bridge.virtual_time import on_virtual_time
 
 STRING = PublisherConnection("/a", {"type": "std_msgs/String"}, cast("LearnedTypes", None))
 
@@ -98,6 +99,7 @@ async def test_without_a_throttle_everything_is_sent() -> None:
     assert sent(outbox) == [b"1", b"2", b"3"]
 
 
+@on_virtual_time
 async def test_a_throttle_without_a_queue_leaves_out_what_comes_too_soon() -> None:
     made, outbox, _ = subscription(throttle_rate=50)
     take(made, b"1", b"2")
@@ -108,6 +110,7 @@ async def test_a_throttle_without_a_queue_leaves_out_what_comes_too_soon() -> No
     assert sent(outbox) == [b"4"]
 
 
+@on_virtual_time
 async def test_a_throttle_with_a_queue_hands_on_the_newest_at_its_rate() -> None:
     made, outbox, _ = subscription(throttle_rate=30, queue_length=2)
     begin_s = asyncio.get_running_loop().time()
@@ -124,6 +127,7 @@ async def test_a_throttle_with_a_queue_hands_on_the_newest_at_its_rate() -> None
     await made.close()
 
 
+@on_virtual_time
 async def test_closing_forgets_what_waits() -> None:
     made, outbox, _ = subscription(throttle_rate=1, queue_length=5)
     take(made, b"1", b"2", b"3")

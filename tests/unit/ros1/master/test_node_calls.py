@@ -53,7 +53,7 @@ def gone() -> list[str]:
 
 @pytest.fixture
 async def queue(gone: list[str]) -> AsyncIterator[NodeCallQueue]:
-    queue = NodeCallQueue(gone.append, first_retry_s=0.02, call_timeout_s=0.5)
+    queue = NodeCallQueue(gone.append, first_retry_s=0.02, call_timeout_s=60.0)
     yield queue
     await queue.close()
 
@@ -104,9 +104,8 @@ async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeC
     assert node.heard[1] == ("paramUpdate", "/p/", 2)
 
 
-async def test_a_hanging_node_delays_no_other_and_is_informed_later(
-    node: FakeNode, queue: NodeCallQueue, gone: list[str]
-) -> None:
+async def test_a_hanging_node_delays_no_other_and_is_informed_later(node: FakeNode, gone: list[str]) -> None:
+    queue = NodeCallQueue(gone.append, first_retry_s=0.02, call_timeout_s=0.5)
     other = FakeNode()
     await other.server.start()
     node.gate.clear()
@@ -120,6 +119,7 @@ async def test_a_hanging_node_delays_no_other_and_is_informed_later(
     node.gate.set()
     await until(lambda: not queue._outboxes[node.server.uri].pending)
     assert gone == []
+    await queue.close()
     await other.server.close()
 
 
@@ -134,7 +134,7 @@ async def test_a_refused_connection_twice_is_a_node_that_is_gone(
 
 
 async def test_one_refusal_is_a_restart(node: FakeNode, gone: list[str]) -> None:
-    queue = NodeCallQueue(gone.append, first_retry_s=0.3)
+    queue = NodeCallQueue(gone.append, first_retry_s=2.0)
     await node.server.close()
     queue.publisher_update(node.server.uri, "/t", [])
     await until(lambda: queue._outboxes[node.server.uri].refusals == 1)

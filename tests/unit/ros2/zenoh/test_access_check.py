@@ -36,7 +36,7 @@ async def test_what_a_router_denies_is_reported(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(session_module, "ACCESS_CHECK_AFTER_S", 0.2)
-    monkeypatch.setattr(access_check, "PROBE_LIMIT_S", 1.0)
+    monkeypatch.setattr(access_check, "PROBE_LIMIT_S", 4.0)
     port = free_port()
     endpoint = f"tcp/127.0.0.1:{port}"
     router = await ZenohSession.open(
