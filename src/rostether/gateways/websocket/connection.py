@@ -9,7 +9,7 @@ import asyncio
 import time
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
@@ -96,7 +96,7 @@ class Connection(asyncio.BufferedProtocol):
         self._turn = ReadTurn(READ_BYTES)
         self._assembler = MessageAssembler()
         self._is_reading = True
-        # What arrives between the TLS handshake and the encrypted transport; None from then on.
+        # What arrives before TLS starts, or between its handshake and the encrypted transport; then None.
         self._early: bytearray | None = None
         self._encrypting: asyncio.Task[None] | None = None
         self._is_established = False
@@ -141,7 +141,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Wait for the request of an admitted connection, after a TLS handshake if the server uses TLS."""
-        assert isinstance(transport, asyncio.Transport)
+        # uvloop's transports are not subclasses of asyncio's.
+        transport = cast(asyncio.Transport, transport)
         self._transport = transport
         peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
         if peer and own:
@@ -152,9 +153,9 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._set_timer(self._limits.handshake_s, self.abort)
         if (context := self._server.encryption) is not None:
-            self._early = bytearray()
+            self._early = early = bytearray()
             transport.pause_reading()
-            self._encrypting = asyncio.ensure_future(self._encrypt(transport, context))
+            self._encrypting = asyncio.ensure_future(self._encrypt(transport, early, context))
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Lend the event loop's read buffer until `buffer_updated`."""
@@ -270,9 +271,9 @@ class Connection(asyncio.BufferedProtocol):
 
     # Internal methods.
 
-    async def _encrypt(self, transport: asyncio.Transport, context: ssl.SSLContext) -> None:
-        wire = await encrypted(transport, self, context, self._limits.handshake_s)
-        early, self._early = self._early, None
+    async def _encrypt(self, transport: asyncio.Transport, early: bytearray, context: ssl.SSLContext) -> None:
+        wire = await encrypted(transport, self, early, context, self._limits.handshake_s)
+        self._early = None
         if wire is None:
             # asyncio does not report connections that end during the handshake.
             self.connection_lost(None)

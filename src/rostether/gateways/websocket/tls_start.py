@@ -10,6 +10,7 @@ import asyncio
 import os
 import socket
 import ssl
+from typing import cast
 
 _PLAIN_TEXT = b"This port is encrypted: use https:// instead of http://, and wss:// instead of ws://\n"
 _PLAIN_ANSWER = (
@@ -19,20 +20,22 @@ _PLAIN_ANSWER = (
 
 
 async def encrypted(
-    transport: asyncio.Transport, protocol: asyncio.BaseProtocol, context: ssl.SSLContext, limit_s: float
+    transport: asyncio.Transport,
+    protocol: asyncio.BaseProtocol,
+    early: bytearray,
+    context: ssl.SSLContext,
+    limit_s: float,
 ) -> asyncio.Transport | None:
     """Return the encrypted transport of a client, None if its handshake failed or took longer than the limit.
 
-    Bytes directly after the handshake may reach the protocol before this returns. A request without TLS
-    gets an answer that names https.
+    `early` holds the bytes that the protocol has received, and is emptied. Bytes directly after the handshake
+    may reach the protocol before this returns. A request without TLS gets an answer that names https.
     """
     try:
         # asyncio closes its socket if the handshake fails, so the answer to plain HTTP needs another one.
         with socket.socket(fileno=os.dup(transport.get_extra_info("socket").fileno())) as spare:
             try:
-                wire = await asyncio.get_running_loop().start_tls(
-                    transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s
-                )
+                wire = await _start(transport, protocol, early, context, limit_s)
             except ssl.SSLError as error:
                 if error.reason == "HTTP_REQUEST":
                     spare.send(_PLAIN_ANSWER)
@@ -42,3 +45,29 @@ async def encrypted(
         transport.abort()
         return None
     return None if wire is None or wire.is_closing() else wire
+
+
+async def _start(
+    transport: asyncio.Transport,
+    protocol: asyncio.BaseProtocol,
+    early: bytearray,
+    context: ssl.SSLContext,
+    limit_s: float,
+) -> asyncio.Transport | None:
+    starting = asyncio.ensure_future(
+        asyncio.get_running_loop().start_tls(
+            transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s
+        )
+    )
+    # It replaces the protocol in its first step, and connects it in the second.
+    await asyncio.sleep(0)
+    received = bytes(early)
+    early.clear()
+    await asyncio.sleep(0)
+    # uvloop ignores a pause in connection_made, and reads before TLS starts.
+    if received:
+        # uvloop's protocols are not subclasses of asyncio's.
+        tls = cast(asyncio.BufferedProtocol, transport.get_protocol())
+        memoryview(tls.get_buffer(len(received)))[: len(received)] = received
+        tls.buffer_updated(len(received))
+    return await starting

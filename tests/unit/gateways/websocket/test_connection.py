@@ -132,6 +132,24 @@ async def test_one_other_address_cannot_keep_clients_out() -> None:
             writer.close()
 
 
+async def test_encrypted_clients_are_served_at_once(tmp_path: Path) -> None:
+    certificate, key = _certificate(tmp_path)
+    async with stage(FoxgloveSettings(port=0, certificate=certificate, key=key)) as there:
+        trust = ssl.create_default_context(cafile=certificate)
+
+        async def connected() -> bytes:
+            reader, writer = await asyncio.open_connection(
+                "127.0.0.1", there.gateway.port, ssl=trust, server_hostname="localhost"
+            )
+            writer.write(UPGRADE)
+            answer = await asyncio.wait_for(reader.readuntil(b"\r\n"), LIMIT_S)
+            writer.close()
+            return answer
+
+        answers = await asyncio.gather(*(connected() for _ in range(20)))
+        assert {each.split()[1] for each in answers} == {b"101"}
+
+
 async def test_plain_http_on_an_encrypted_port_is_told_to_use_https(tmp_path: Path) -> None:
     certificate, key = _certificate(tmp_path)
     async with stage(FoxgloveSettings(port=0, certificate=certificate, key=key)) as there:
