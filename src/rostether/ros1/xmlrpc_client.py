@@ -22,6 +22,9 @@ DEFAULT_TIMEOUT_S = 10.0
 # More calls than this to one server at a time are rare; connections above it are closed after their call.
 MAX_IDLE_CONNECTIONS = 16
 
+# The text of a refusal becomes a line in the log; some servers send a traceback.
+MAX_SHOWN_CHARS = 2000
+
 
 class XmlRpcClient:
     """Calls the server at `uri` (`http://host:port/`). Raises ConfigError for an invalid URI.
@@ -82,7 +85,9 @@ class XmlRpcClient:
                 f"{self.peer} at {self.uri} cannot be reached ({reason}); check that it runs there"
             ) from error
         except FaultError as error:
-            raise GraphError(f"{self.peer} at {self.uri} refused {method}: {error.text}") from error
+            raise GraphError(
+                f"{self.peer} at {self.uri} refused {method}: {error.text[:MAX_SHOWN_CHARS]}"
+            ) from error
         except HttpStatusError as error:
             kind = self.peer.replace("the ", "a ", 1)
             raise GraphError(
@@ -101,7 +106,8 @@ class XmlRpcClient:
         answer = await self.call(method, *args, timeout_s=timeout_s)
         if not (isinstance(answer, list) and len(answer) == 3 and isinstance(answer[0], int)):
             raise GraphError(f"{self.peer} at {self.uri} answered {method} without [code, message, value]")
-        return answer[0], str(answer[1]), answer[2]
+        text = answer[1][:MAX_SHOWN_CHARS] if isinstance(answer[1], str) else ""
+        return answer[0], text, answer[2]
 
     def disconnect(self) -> None:
         """Close the connections that are not in use; a later call opens a new one."""

@@ -19,7 +19,11 @@ from collections.abc import Mapping
 from enum import Enum
 
 from rostether.errors import GraphError, RemoteProtocolError, TypeMismatchError
+from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType, ServiceType, agree
+
+# A peer's text becomes part of a line in the log: longer than the texts of rospy and roscpp.
+MAX_SHOWN_CHARS = 500
 
 
 class Purpose(Enum):
@@ -117,11 +121,11 @@ def check_subscriber(fields: Mapping[str, str], topic: str, message_type: Messag
         return
     wanted = fields.get("type", message_type.name)
     if not agree(wanted, message_type.name):
-        raise TypeMismatchError(f"topic types do not match: [{wanted}] vs. [{message_type.name}]")
+        raise TypeMismatchError(f"topic types do not match: [{_short(wanted)}] vs. [{message_type.name}]")
     raise TypeMismatchError(
-        f"Client [{fields.get('callerid', '?')}] wants topic [{topic}] to have datatype/md5sum "
-        f"[{wanted}/{fields['md5sum']}], but our version has [{message_type.name}/{message_type.md5sum}]. "
-        "Dropping connection."
+        f"Client [{_shown(fields, 'callerid')}] wants topic [{topic}] to have datatype/md5sum "
+        f"[{_short(wanted)}/{_shown(fields, 'md5sum')}], but our version has "
+        f"[{message_type.name}/{message_type.md5sum}]. Dropping connection."
     )
 
 
@@ -133,7 +137,7 @@ def check_publisher(fields: Mapping[str, str], topic: str, message_type: Message
     _check_answer(fields)
     if not agree(fields["md5sum"], message_type.md5sum):
         raise TypeMismatchError(
-            f"{topic} is published as {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
+            f"{topic} is published as {_shown(fields, 'type')} (md5sum {_shown(fields, 'md5sum')}), "
             f"not as {message_type.name} (md5sum {message_type.md5sum}); make both ends use one definition"
         )
 
@@ -142,8 +146,8 @@ def check_client(fields: Mapping[str, str], service_type: ServiceType) -> None:
     """Check a client's header against our service. Raises TypeMismatchError with the text to send."""
     if not agree(fields["md5sum"], service_type.md5sum):
         raise TypeMismatchError(
-            f"request from [{fields.get('callerid', '?')}]: md5sums do not match: "
-            f"[{fields['md5sum']}] vs. [{service_type.md5sum}]"
+            f"request from [{_shown(fields, 'callerid')}]: md5sums do not match: "
+            f"[{_shown(fields, 'md5sum')}] vs. [{service_type.md5sum}]"
         )
 
 
@@ -156,7 +160,7 @@ def check_server(fields: Mapping[str, str], service: str, service_type: ServiceT
     _check_answer(fields)
     if not agree(fields["md5sum"], service_type.md5sum):
         raise TypeMismatchError(
-            f"service {service} has type {fields.get('type', '?')} (md5sum {fields['md5sum']}), "
+            f"service {service} has type {_shown(fields, 'type')} (md5sum {_shown(fields, 'md5sum')}), "
             f"not {service_type.name} (md5sum {service_type.md5sum}); make both ends use one definition"
         )
 
@@ -173,6 +177,14 @@ def _check_answer(fields: Mapping[str, str]) -> None:
         text = fields["error"]
         # For another type, the texts of rospy and roscpp have "md5sum", or in rospy "topic types".
         kind = TypeMismatchError if "md5sum" in text or "types do not match" in text else GraphError
-        raise kind(text)
+        raise kind(_short(text))
     if "md5sum" not in fields:
         raise RemoteProtocolError("connection header lacks the field md5sum")
+
+
+def _shown(fields: Mapping[str, str], name: str) -> str:
+    return _short(fields.get(name, "?"))
+
+
+def _short(text: str) -> str:
+    return escape_line(text, MAX_SHOWN_CHARS)

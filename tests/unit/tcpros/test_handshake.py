@@ -74,6 +74,18 @@ def test_an_error_answer_keeps_its_words_and_its_kind() -> None:
         handshake.check_server({}, "/s", SERVICE)
 
 
+def test_texts_of_a_peer_fit_a_line_of_the_log() -> None:
+    huge = "\x1b[31m" + "md5sum\n" * 5000
+    for fields in ({"error": huge}, {"type": huge, "md5sum": huge, "callerid": huge}):
+        with pytest.raises(TypeMismatchError) as caught:
+            handshake.check_publisher(fields, "/a", STRING)
+        assert len(str(caught.value)) < 3 * handshake.MAX_SHOWN_CHARS
+        assert str(caught.value).isprintable()
+    with pytest.raises(TypeMismatchError) as refused:
+        handshake.check_subscriber({"type": huge, "md5sum": huge, "callerid": huge}, "/a", STRING)
+    assert len(str(refused.value)) < 3 * handshake.MAX_SHOWN_CHARS
+
+
 def test_service_headers() -> None:
     client = handshake.client_fields("/s", SERVICE, caller_id="/me", persistent=True)
     assert purpose_of(client) is Purpose.CALL_PERSISTENT

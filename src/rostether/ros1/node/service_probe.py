@@ -11,11 +11,11 @@ from rostether.errors import (
     ServiceUnavailableError,
     UnknownNameError,
 )
-from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.node.node_calls import TOOL_NAME
 from rostether.ros1.tcpros_connection import connect
-from rostether.tcpros.handshake import probe_fields
+from rostether.tcpros.handshake import MAX_SHOWN_CHARS, probe_fields
 
 if TYPE_CHECKING:
     from rostether.ros1.node.master_client import MasterClient
@@ -66,7 +66,7 @@ async def probe_uri(service: str, uri: str) -> str:
             "if its node has ended, `rostether node cleanup` removes it"
         ) from error
     if "error" in found or not found.get("type"):
-        reason = found.get("error", "no type in its header")
+        reason = escape_line(found.get("error", "no type in its header"), MAX_SHOWN_CHARS)
         raise ServiceUnavailableError(f"the server of {service} does not report its type ({reason})")
     # Old roscpp servers name the request's type.
     return found["type"].removesuffix("Request")
