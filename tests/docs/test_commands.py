@@ -51,6 +51,8 @@ NEUTRAL = {
     r"\b[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\b": "9b3ef592-375a-46ab-af4c-4d4a4fcfbf68",
     r"\b(?:the ports are|no serial port found)[^\n\"]*": "the ports are /dev/ttyS0 (serial port)",
 }
+# The exit codes of commands that end by themselves or by Ctrl-C.
+ENDS = (0, 130, -signal.SIGINT)
 # Commands that change nothing, or the same again, and look at a graph or a board for a limited time.
 LOOKING = re.compile(
     r"(\w+=\S+ |sh at\.sh \w+ |\.venv/bin/)*rostether ((topic|node|service|param|sensor) (list|info|get|call)"
@@ -111,9 +113,11 @@ class Terminal:
             ended = process.poll() is not None
             printed = self._neutral(output)
             missing = missing_lines(expected, printed)
-            is_settled = not missing and (leave_running or bool(expected) or ended)
+            failed = ended and process.returncode not in ENDS
+            looks_again = (missing or failed) and LOOKING.match(command) and time.monotonic() < deadline
+            is_settled = not (missing or looks_again) and (leave_running or bool(expected) or ended)
             if not is_settled:
-                if ended and missing and LOOKING.match(command) and time.monotonic() < deadline:
+                if ended and looks_again:
                     # The graph is not complete yet: who looks too soon looks again.
                     output.unlink()
                     process = self._start(command, output)
@@ -130,7 +134,7 @@ class Terminal:
             ended = False
         status = self._end(process)
         printed = self._neutral(output)
-        assert status in (0, 130, -signal.SIGINT), f"`{command}` gave {status}:\n{printed}"
+        assert status in ENDS, f"`{command}` gave {status}:\n{printed}"
         assert "Traceback" not in printed
         lines = printed.rstrip().splitlines() if ended else lines_until(expected, printed)
         return _shown(lines, expected, printed)
