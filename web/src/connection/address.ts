@@ -30,7 +30,7 @@ export function serialUrl(): string {
   return url.href;
 }
 
-/** The gateway's address; `?ws=ws://HOST:PORT` in the page's address names another than the page's own server. */
+/** The gateway's address; `?ws=ws://HOST:PORT` in the page's address overrides the server of the page. */
 export function gatewayUrl(): string {
   const given = new URLSearchParams(location.search).get("ws");
   const url = new URL(given ?? location.href);

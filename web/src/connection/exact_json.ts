@@ -1,4 +1,4 @@
-// JSON whose integers keep all digits: a parameter may have 64 bits, a number of JavaScript exact ones only to 2^53.
+// JSON whose integers keep all digits: a parameter may have 64 bits, but a JavaScript number is exact only up to 2^53.
 
 /** Supported by browsers since 2025; older ones round such integers. */
 interface Source {

@@ -118,7 +118,7 @@ export class Gateway {
 
   /**
    * Advertises a command topic under a lease of the gateway: one client drives at a time, and a command that is not
-   * repeated within 125 ms is followed by a zero. `driver` is the name that the others see.
+   * repeated within 125 ms is followed by a zero. `driver` is the name that other users see.
    */
   advertiseDriven(
     channel: Omit<ClientChannel, "driver">,
@@ -159,7 +159,7 @@ export class Gateway {
     );
   }
 
-  /** Sets parameters; resolves with the values they have then. */
+  /** Sets parameters; resolves with their new values. */
   setParameters(parameters: Parameter[]): Promise<Parameter[]> {
     const id = String(this.nextId++);
     return wait(this.parameterRequests, id, () => this.command.send({ op: "setParameters", parameters, id }));
@@ -216,7 +216,7 @@ export class Gateway {
   }
 
   private sendAdvertise(id: number, channel: ClientChannel): void {
-    // A connection that is about to open advertises all; one that may only view would be refused.
+    // A connection that opens later advertises all topics; one that may only view would be refused.
     if (!this.isCommandOpen || !this.mayPublish) return;
     const described = { id, encoding: "ros1", schemaEncoding: "ros1msg", ...channel };
     this.command.send({ op: "advertise", channels: [described] });

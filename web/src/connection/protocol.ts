@@ -46,7 +46,7 @@ export interface ServerInfo {
   sessionId: string;
   metadata?: Record<string, string>;
 }
-/** Who drives a command topic: nobody, this page, or another client (an extension of our gateway). */
+/** The driver of a command topic: none, this page, or another client (an extension of our gateway). */
 export interface Lease {
   state: "free" | "driving" | "taken";
   /** The driver's name; empty without a driver. */
@@ -74,7 +74,7 @@ export interface Recordings {
   files: { name: string; bytes: number; time: number }[];
   /** The current playback: its position and length in seconds, and the prefix of its topics. */
   playing?: Playing | null;
-  /** Why the last recording failed. */
+  /** The error of the last recording. */
   error?: string;
 }
 export type ServerText =

@@ -1,14 +1,14 @@
-// One WebSocket that connects again by itself, sooner when the page is looked at.
+// One WebSocket that connects again by itself, sooner when the page becomes visible.
 
 import { stringifyExact } from "./exact_json.ts";
 
 const FIRST_RETRY_MS = 250;
 const MAX_RETRY_MS = 5000;
-// A server that accepts and never answers is given up.
+// A server that accepts the connection must answer within this time.
 const OPEN_TIMEOUT_MS = 10_000;
 
 export interface SocketHandlers {
-  /** The WebSocket is open; a protocol whose client speaks first sends now. */
+  /** The WebSocket is open; a client that sends the first message sends it now. */
   onStart?(): void;
   /** A message; returns whether the connection can be used from now on. */
   onMessage(data: string | ArrayBuffer): boolean;

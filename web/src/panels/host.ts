@@ -1,4 +1,4 @@
-// Mounts a panel into an element: loads its code, watches whether it is seen, and ends its subscriptions.
+// Mounts a panel into an element: loads its code, watches whether it is visible, and ends its subscriptions.
 import { effect, type Signal } from "@preact/signals";
 import { navigate } from "../shell/route.ts";
 import type { Listener } from "../store/feed.ts";
@@ -63,7 +63,7 @@ export function mountPanel(
         if (isDisposed) return;
         console.warn(error);
         host.textContent = texts.shell.loadFailed;
-        // The robot may be away just now.
+        // The robot may be disconnected now.
         retry = setTimeout(load, RETRY_MS);
       },
     );

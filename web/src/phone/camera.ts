@@ -42,7 +42,7 @@ export const camera: Sensor = {
     let isEncoding = false;
     let lastS = -1;
     const grab = () => {
-      // One at a time; a slow phone or network has fewer pictures, not old ones.
+      // One at a time: on a slow phone or network, fewer pictures are sent instead of old ones.
       if (isEncoding || video.videoWidth === 0 || video.currentTime === lastS || !output.hasRoom()) return;
       if (!passes(performance.now())) return;
       lastS = video.currentTime;

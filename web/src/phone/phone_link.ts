@@ -11,7 +11,7 @@ import { ClockOffset, pageTimeMs } from "./clock_offset.ts";
 const FIRST_ASKS = 5;
 const FIRST_ASK_MS = 200;
 const ASK_MS = 10_000;
-// More waits in the browser: newer values are worth more.
+// With more waiting bytes, messages are dropped: newer values matter more.
 const MAX_WAITING_BYTES = 64 * 1024;
 
 export class PhoneLink {

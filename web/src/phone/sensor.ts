@@ -27,15 +27,15 @@ export interface SensorSettings {
   /** Pixels, of the camera. */
   width: number;
   height: number;
-  /** Whether the camera beside the screen is used. */
+  /** Whether the front camera is used. */
   isFront: boolean;
 }
 
 export interface SensorOutput {
   readonly settings: SensorSettings;
-  /** Whether a message would leave soon; a large one that would not need not be made. */
+  /** Whether a message would be sent soon; otherwise a large message need not be made. */
   hasRoom(): boolean;
-  /** Publishes the fields beside the header, measured at a time of the page in milliseconds. */
+  /** Publishes the fields other than the header, measured at a time of the page in milliseconds. */
   publish(fields: Record<string, unknown>, measuredMs: number): void;
   /** Reports the error that ends the sensor later. */
   fail(problem: Problem): void;

@@ -12,7 +12,7 @@ export interface ChartOptions {
   axisOf: (series: Series) => string;
   /** The user chose a span of time. */
   onZoom?: (fromS: number, toS: number) => void;
-  /** The user looks at a time, undefined when no more. */
+  /** The user points at a time; undefined at the end. */
   onCursor?: (timeS: number | undefined) => void;
 }
 

@@ -4,7 +4,7 @@ import type { SeriesBuffer } from "./series_buffer.ts";
 /** `undefined` is joined by a line, `null` breaks it. */
 export type Cell = number | null | undefined;
 
-/** The columns' grid in time; its steps do not move while the window does, so that lines do not shimmer. */
+/** The columns' grid in time; it does not move with the window, so that lines do not flicker. */
 export interface Grid {
   fromS: number;
   toS: number;

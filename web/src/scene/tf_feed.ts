@@ -65,7 +65,7 @@ function insert(tf: TfBuffer, each: TransformStamped, isStatic: boolean, receive
   tf.insert(each.header.frame_id, each.child_frame_id, stampS, transform, isStatic, receivedMs);
 }
 
-/** The frame that a person most likely means by "the world": REP 105's names, else the largest tree's root. */
+/** The most likely fixed frame: REP 105's names, else the largest tree's root. */
 export function likelyFixedFrame(tf: TfBuffer, otherwise: string): string {
   const frames = tf.frames();
   for (const name of ["map", "odom", "world", "base_footprint", "base_link"])

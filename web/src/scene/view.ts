@@ -23,7 +23,7 @@ import { cellFor, Ground } from "./ground.ts";
 import type { Transform, Vec3 } from "./rigid.ts";
 import { frameName, type TfBuffer } from "./tf_buffer.ts";
 
-// 30 pictures a second look fluent and cost half of 60, which a phone's battery notices.
+// 30 pictures a second look smooth, and need half the energy of 60.
 const MIN_FRAME_MS = 30;
 // Without a graphics card a picture takes the processor some 35 ms: five a second leave most of a core to others.
 const MIN_SOFTWARE_FRAME_MS = 180;

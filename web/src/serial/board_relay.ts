@@ -9,7 +9,7 @@ import type { SerialPort } from "./web_serial.ts";
 /** `away`: the robot does not accept the board now, `hidden`: the page is hidden, `unplugged`: the port is lost. */
 export type RelayState = "opening" | "connected" | "away" | "hidden" | "unplugged";
 
-// The robot counts a page that reports nothing for 4 s as away.
+// The robot disconnects a page that reports nothing for 4 s.
 const REPORT_MS = 1000;
 // More waits in the serial port, whose buffer then overflows as on any slow host.
 const MAX_WAITING_BYTES = 64 * 1024;

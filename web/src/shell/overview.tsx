@@ -20,7 +20,7 @@ interface Card extends Suggestion {
   panel: Panel;
 }
 
-// More than fits anybody's attention; each card costs a subscription.
+// More cards are not readable, and each card needs a subscription.
 const MAX_CARDS = 40;
 
 // On a wide screen, wide cards follow the boards: then narrow ones fill the columns beside them.

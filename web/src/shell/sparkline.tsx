@@ -8,7 +8,7 @@ export function Sparkline({ values, length }: { values: readonly number[]; lengt
   const finite = values.filter(Number.isFinite);
   const low = Math.min(...finite);
   const high = Math.max(...finite);
-  // A steady value is a line in the middle, not noise blown up.
+  // A steady value is a line in the middle, not magnified noise.
   const span = Math.max(high - low, Math.abs(high) * 0.05, 1e-9);
   const middle = (low + high) / 2;
   // A line that has just begun is drawn larger.

@@ -1,4 +1,4 @@
-// Dark or light colors: as the system wants, until the user chooses.
+// Dark or light colors: the setting of the system, until the user chooses.
 import { effect, signal } from "@preact/signals";
 import { loadSetting, saveSetting } from "../store/storage.ts";
 

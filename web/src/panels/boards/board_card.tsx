@@ -231,7 +231,7 @@ function bufferUse({ bufferBytes }: Endpoint, lastBytes: number | undefined): st
 
 /** Shows text between backticks as code. */
 function withCode(text: string): ComponentChildren {
-  // A text never changes its parts' order, so that the index is a key.
+  // The order of the parts never changes, so the index can be the key.
   return text.split("`").map((part, index) => (index % 2 ? <code key={`${index}`}>{part}</code> : part));
 }
 
@@ -239,7 +239,7 @@ function signed(value: number, digits: number): string {
   return `${value > 0 ? "+" : ""}${value.toFixed(digits)}`;
 }
 
-/** A finding's half as a sentence: they are written without a capital and a full stop. */
+/** A part of a finding as a sentence: the parts have no capital and no full stop. */
 function sentence(text: string): string {
   return `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
 }

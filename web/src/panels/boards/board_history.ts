@@ -7,7 +7,7 @@ import { type BoardStatus, numberOf } from "./board_status.ts";
 export const HISTORY_LENGTH = 120;
 // A status is due each second.
 const STALE_MS = 3000;
-// A board that did not return is forgotten, so that years of plugging cannot fill the memory.
+// The oldest absent boards are removed, so that many boards cannot fill the memory.
 const MAX_BOARDS = 200;
 
 export const HISTORY_KEYS = [

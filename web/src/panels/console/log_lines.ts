@@ -7,13 +7,13 @@ export interface LogLine {
   readonly level: Level;
   readonly node: string;
   readonly text: string;
-  /** Where in the source, if the node says so. */
+  /** The place in the source, if the node reports it. */
   readonly place: string;
 }
 export type Level = "debug" | "info" | "warning" | "error" | "fatal";
 export const LEVELS: readonly Level[] = ["debug", "info", "warning", "error", "fatal"];
 
-// An hour of a talkative robot; the oldest go first.
+// An hour of a robot that logs much; the oldest lines are removed first.
 const MAX_LINES = 5000;
 const MAX_TEXT = 10_000;
 

@@ -14,7 +14,7 @@ export interface Entry {
 
 // More components than any robot has.
 const MAX_ENTRIES = 2000;
-// diagnostic_aggregator counts a status as stale after so long.
+// diagnostic_aggregator regards a status as stale after this time.
 const STALE_MS = 5000;
 
 export class StatusTable {

@@ -9,7 +9,7 @@ import { CENTER, commandOf, type Limits, type Stick } from "./commands.ts";
 
 // The gateway stops the robot 125 ms after the last command; two may be lost.
 const PERIOD_MS = 40;
-// A page that slept for longer has left the robot standing; starting again needs a new touch.
+// After a longer sleep of the page, the robot has stopped, and only a new touch starts it.
 const ASLEEP_MS = 1000;
 // Other sources of commands must not be masked forever.
 const ZEROS_MS = 500;
@@ -18,7 +18,7 @@ export class Driver {
   readonly lease: Signal<Lease> = signal({ state: "free", driver: "" });
   /** Where the stick is, for display. */
   readonly stick: Signal<Stick> = signal(CENTER);
-  /** Whether what is held does nothing until it is released. */
+  /** Whether the held stick has no effect until it is released. */
   readonly isBlocked: Signal<boolean> = signal(false);
   limits: Limits;
   private readonly robot: Robot;
@@ -48,7 +48,7 @@ export class Driver {
     return this.type;
   }
 
-  /** Whether turning has a limit of its own; a direction with a speed has none. */
+  /** Whether turning has a separate limit; a direction with a speed has none. */
   get hasTurnLimit(): boolean {
     return this.type.name !== "arduino_control/ArduinoControl";
   }

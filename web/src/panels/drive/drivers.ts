@@ -1,4 +1,4 @@
-// The drivers of the page, one a topic, and the stop for all of them.
+// The drivers of the page, one per topic, and the stop for all of them.
 import type { Robot } from "../../store/robot.ts";
 import { graphOf } from "../graph_of.ts";
 import { DEFAULT_LIMITS } from "./commands.ts";

@@ -11,7 +11,7 @@ import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { type Box, type Drawing, type Edge, layout, MAX_BOXES, MAX_LABEL, shortLabel } from "./layout.ts";
 
-// A box that a finger hits, in pixels.
+// The size of a box that a finger can tap, in pixels.
 const FINGER = 44;
 // The number that fits on a screen.
 const MAX_RATES = 60;
@@ -166,7 +166,7 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
   );
 }
 
-/** Receives the topics that are drawn, for their rates; large messages would cost more than a rate is worth. */
+/** Receives the topics that are drawn, for their rates; large messages are not worth their cost. */
 function useRates(context: PanelContext, drawing: Drawing | undefined): void {
   const topics = context.robot.topics.value;
   const rated = (drawing?.boxes ?? [])

@@ -33,14 +33,14 @@ export interface GraphInput {
   readonly subscribers: ReadonlyMap<string, readonly string[]>;
 }
 
-/** With more boxes, topics that connect the same nodes are one box each namespace. */
+/** With more boxes, topics that connect the same nodes are drawn as one box per namespace. */
 const MAX_SINGLE_BOXES = 80;
 /** With more boxes, the layout takes over a second, and the picture is unreadable. */
 export const MAX_BOXES = 400;
 const CHARACTER_WIDTH = 7.6;
 /** Longer names are shortened in the middle: their ends differ. */
 export const MAX_LABEL = 36;
-/** Topics of every node, which hide what matters (rqt_graph's "Debug"). */
+/** Topics of every node, which hide the others (rqt_graph's "Debug"). */
 const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics"];
 
 /**

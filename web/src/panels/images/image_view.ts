@@ -37,7 +37,7 @@ export class ImageView {
     this.frame.markDirty();
   }
 
-  /** Draw the picture that is there again, after `turn` was changed. */
+  /** Draw the current picture again, after a change of `turn`. */
   redraw(): void {
     if (this.bitmap === undefined) return;
     const { quarters, mirrored } = this.turn;

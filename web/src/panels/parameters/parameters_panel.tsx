@@ -13,7 +13,7 @@ interface ParametersSettings {
   search?: string;
 }
 
-// A robot description is a parameter of 100 kB; nobody edits it in a field.
+// A robot description is a parameter of 100 kB, too large to edit in a field.
 const MAX_EDITED = 2000;
 const REFRESH_MS = 5000;
 

@@ -7,7 +7,7 @@ import { texts } from "../../texts.ts";
 import { numericPaths } from "../../wire/path.ts";
 import type { PanelContext } from "../panel.ts";
 
-// More than anybody reads; the search finds the others.
+// Longer lists are not readable; the search finds the others.
 const MAX_SHOWN = 300;
 
 interface Props {

@@ -10,7 +10,7 @@ import type { PanelContext } from "../panel.ts";
 /** The shown time: the last seconds, or a fixed span. */
 export type Span = { lastS: number } | { fromS: number; toS: number };
 
-// Faster than this the eye sees no difference in a line that moves slowly.
+// A faster rate makes no visible difference for a line that moves slowly.
 const DRAW_PERIOD_MS = 30;
 const SMALL_DRAW_PERIOD_MS = 60;
 
@@ -41,7 +41,7 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
           const toS = clock.nowS();
           chart.draw(toS - spanOf(shown.lastS, series, toS), toS);
         }
-        // It moves on while it is seen.
+        // It moves while it is visible.
         if (context.visible.peek()) task.markDirty();
       } else chart.draw(shown.fromS, shown.toS);
     });
@@ -61,7 +61,7 @@ export function TimeChart({ context, series, span, axesKey, options }: Props) {
   return <div class={options.isSmall ? "plots-chart small" : "plots-chart"} ref={host} />;
 }
 
-// A chart that has just begun shows less, so that it is not empty for long.
+// A new chart shows a shorter time, so that it is not mostly empty.
 const FIRST_SPAN_S = 5;
 
 function spanOf(wantedS: number, series: readonly Series[], toS: number): number {

@@ -1,4 +1,4 @@
-// Keeps the 3D view equal to the graph and the user's choices.
+// Updates the 3D view from the graph and the user's choices.
 import { effect, type Signal, signal } from "@preact/signals";
 import { Box3, Vector3 } from "three";
 import type { Display, DisplayContext, Placed } from "../../scene/display.ts";
@@ -47,7 +47,7 @@ export interface SceneSettings {
   hidden?: string[];
   /** Keys of the only displays that are shown; without it, all are. */
   only?: string[];
-  /** A .rviz file beside the page, to start from. */
+  /** A .rviz file on the server of the page, read at the start. */
   rviz?: string;
 }
 
@@ -76,7 +76,7 @@ class RobotDisplay implements Display {
   }
 
   *placed(): Iterable<Placed> {
-    // robot_state_publisher moves the links; without it joint states move the joints of one piece.
+    // robot_state_publisher moves the links; without it, joint states move the joints of the model.
     const hasFrames = this.model.links.some((link) => this.tf.edges.has(link));
     if (hasFrames !== this.isApart) {
       this.isApart = hasFrames;
@@ -188,7 +188,7 @@ export class SceneStage {
   fit(all = false): void {
     const box = this.extent();
     const hasRobot = this.view.displays.has(ROBOT);
-    // Without a robot, what its sensors see is what there is to look at.
+    // Without a robot, the view shows what its sensors measure.
     const keys = [...this.contents].filter(([, isSurroundings]) => all || (isSurroundings && !hasRobot));
     box.union(this.view.contentBounds(keys.map(([key]) => key)));
     this.cellM.value = this.view.fit(box);
@@ -323,7 +323,7 @@ export class SceneStage {
     try {
       const context = this.displayContext(ROBOT, "#b8bcc4");
       const invalidate = () => {
-        // A mesh that was loaded may be larger than all before; once more when it has been drawn at its place.
+        // A loaded mesh may be larger than the previous content; the camera is fitted again when it is drawn.
         this.ticksToFit = 2;
         context.invalidate();
       };

@@ -7,7 +7,7 @@ import type { Message, Value } from "../../wire/decode.ts";
 import { brief, briefValue, isStamp } from "./brief.ts";
 
 const PART = 50;
-/** Of one string; a page that draws a megabyte several times a second does nothing else. */
+/** The limit of one string: drawing a megabyte several times a second would block the page. */
 const MAX_TEXT = 5000;
 
 interface TreeProps {

@@ -1,4 +1,4 @@
-// Subscribes the topics whose rows are seen: a list of a thousand topics costs only those on the screen.
+// Subscribes to the topics whose rows are visible, so that a long list costs only the rows on the screen.
 import { useEffect, useRef } from "preact/hooks";
 import type { PanelContext } from "../panel.ts";
 

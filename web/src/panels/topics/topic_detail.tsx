@@ -10,7 +10,7 @@ import { useSubscription, useTick } from "../hooks.ts";
 import type { PanelContext } from "../panel.ts";
 import { MessageTree } from "./message_tree.tsx";
 
-// Faster than this nobody reads.
+// A faster rate is not readable.
 const REFRESH_MS = 200;
 
 export function TopicDetail(props: { context: PanelContext; topicName: string; onClose: () => void }) {
