@@ -55,7 +55,7 @@ async def test_a_subscriber_that_reads_again_loses_nothing(join: JoinGraph, can:
     assert publisher.dropped_count == 0
 
 
-async def test_a_subscriber_that_hangs_delays_no_other_and_loses_its_oldest(
+async def test_a_subscriber_that_hangs_does_not_delay_others_and_loses_its_oldest(
     join: JoinGraph, can: Capabilities
 ) -> None:
     can.require("feels_slow_subscribers")

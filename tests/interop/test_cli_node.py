@@ -93,8 +93,8 @@ async def test_kill_ends_a_rospy_node(stage: Stage) -> None:
 
 
 @ON_BOTH_MASTERS
-async def test_cleanup_forgets_what_is_gone(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Our master's own look at its nodes would remove it before.
+async def test_cleanup_forgets_ended_nodes(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Our master's own check of its nodes would remove it before.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
     tools = SideBySide(stage.peers)
     master = MasterClient(stage.peers.master_uri, "/gone")

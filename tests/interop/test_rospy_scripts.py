@@ -14,7 +14,7 @@ import pytest
 
 from interop.ros1_peers import DEBIAN_PYTHON, Ros1Peers
 from programs import Peer
-from rostether.rospy.actionlib.comm_states import WAYS
+from rostether.rospy.actionlib.comm_states import TRANSITIONS
 from rostether.rospy.environment import node_environment
 from unit.recording.bags import write_bag
 
@@ -172,6 +172,7 @@ print(json.dumps(ways, sort_keys=True))
 """
     theirs = json.loads(await roscore.run(DEBIAN_PYTHON, "-c", script))
     ours = {
-        str(state): {str(status): list(way) for status, way in ways.items()} for state, ways in WAYS.items()
+        str(state): {str(status): list(states) for status, states in by_status.items()}
+        for state, by_status in TRANSITIONS.items()
     }
     assert ours == theirs

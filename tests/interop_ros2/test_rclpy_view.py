@@ -91,7 +91,7 @@ async def test_we_see_the_nodes_of_rclpy(join: JoinGraph, peer: RclpyPeer) -> No
         snapshot = await asyncio.wait_for(anext(changes), 60)
 
 
-async def test_a_node_that_leaves_is_gone_over_there(join: JoinGraph, peer: RclpyPeer) -> None:
+async def test_a_node_that_leaves_is_removed_there(join: JoinGraph, peer: RclpyPeer) -> None:
     node = await join("/leaver")
     while ["leaver", "/"] not in await peer.ask("nodes"):
         await asyncio.sleep(0.01)

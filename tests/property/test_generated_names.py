@@ -53,7 +53,7 @@ def specs(draw: st.DrawFn, name: str = "Foo") -> MessageSpec:
 
 @settings(deadline=None)
 @given(specs())
-def test_members_have_names_of_their_own(spec: MessageSpec) -> None:
+def test_members_have_their_own_names(spec: MessageSpec) -> None:
     made = name_members(spec)
     members = [class_name(spec.name), *MEMBERS_OF_EVERY_MESSAGE, *made.fields]
     members += [f"_{name}_type" for name in made.fields]

@@ -59,7 +59,7 @@ def refuses_or_returns(body: bytes) -> None:
 
 
 @given(st.binary(max_size=200))
-def test_bytes_that_are_no_launch_file(body: bytes) -> None:
+def test_bytes_that_are_not_a_launch_file(body: bytes) -> None:
     refuses_or_returns(body)
 
 

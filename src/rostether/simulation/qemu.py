@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import Self
 
 from rostether.errors import BoardError
-from rostether.transports.pty_link import check_link, place_link, remove_link
+from rostether.transports.pty_link import PtyLink
 
 PROGRAM = "qemu-system-arm"
 # A TI Stellaris, the forerunner of the Tiva C with the same UART.
@@ -52,11 +52,11 @@ class QemuBoard:
     """
 
     def __init__(
-        self, process: asyncio.subprocess.Process, terminal: str, link_path: Path | None, output: bytes = b""
+        self, process: asyncio.subprocess.Process, terminal: str, link: PtyLink, output: bytes = b""
     ) -> None:
         self._process = process
         self._terminal = terminal
-        self._link_path = link_path
+        self._link = link
         self.last_words = ""
         # The output must be read, because qemu blocks if the pipe is full.
         self._reading = asyncio.get_running_loop().create_task(self._read(output))
@@ -74,8 +74,7 @@ class QemuBoard:
                 f"{program} cannot run on the {machine}: it is not a whole ELF file for an ARM "
                 "microcontroller; compile it with arm-none-eabi-g++"
             )
-        if link_path is not None:
-            check_link(link_path)
+        link = PtyLink(link_path)
         qemu = shutil.which(PROGRAM)
         if qemu is None:
             raise BoardError(f"{PROGRAM} is not installed: apt install qemu-system-arm")
@@ -100,9 +99,8 @@ class QemuBoard:
         try:
             async with asyncio.timeout(START_LIMIT_S):
                 terminal, output = await _find_terminal(process)
-            if link_path is not None:
-                place_link(link_path, terminal)
-            return cls(process, terminal, link_path, output)
+            link.place(terminal)
+            return cls(process, terminal, link, output)
         except BaseException as error:
             await _end(process)
             if isinstance(error, TimeoutError):
@@ -138,9 +136,7 @@ class QemuBoard:
 
     async def close(self) -> None:
         """End it, and wait for the end. Idempotent."""
-        if self._link_path is not None:
-            remove_link(self._link_path, self._terminal)
-            self._link_path = None
+        self._link.remove()
         await _end(self._process)
         await self._reading
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from rostether.errors import ConfigError, TransportOpenError
 from rostether.transports.address import PtyAddress
 from rostether.transports.board_keys import NO_PROOF, Proof
-from rostether.transports.pty_link import check_link, place_link, remove_link
+from rostether.transports.pty_link import PtyLink
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S
 from rostether.transports.transport import Receiver
@@ -42,8 +42,7 @@ def open_pty(address: PtyAddress) -> PtyTransport:
         raise ConfigError(
             f"{address} needs pseudo-terminals, which Windows does not have; use tcp://:11411 there"
         )
-    link = Path(address.link)
-    check_link(link)
+    link = PtyLink(Path(address.link))
     try:
         master, slave = os.openpty()
     except OSError as error:
@@ -54,11 +53,11 @@ def open_pty(address: PtyAddress) -> PtyTransport:
         terminal = os.ttyname(slave)
         _set_raw(slave)
         os.set_blocking(master, False)
-        place_link(link, terminal)
+        link.place(terminal)
     except OSError as error:
         os.close(master)
         raise TransportOpenError(
-            f"cannot link a pseudo-terminal at {link}: {explain_reason(error)}; choose another path"
+            f"cannot link a pseudo-terminal at {address.link}: {explain_reason(error)}; choose another path"
         ) from error
     finally:
         os.close(slave)
@@ -71,7 +70,7 @@ class PtyTransport:
     remote: str | None = None
     proof: Proof = NO_PROOF
 
-    def __init__(self, master: int, terminal: str, link: Path) -> None:
+    def __init__(self, master: int, terminal: str, link: PtyLink) -> None:
         self._loop = asyncio.get_running_loop()
         self._master = master
         self._terminal = terminal
@@ -93,7 +92,7 @@ class PtyTransport:
     @property
     def peer(self) -> str:
         """The other side's name for users."""
-        return f"pty {self._link}"
+        return f"pty {self._link.path}"
 
     @property
     def can_pause(self) -> bool:
@@ -262,7 +261,7 @@ class PtyTransport:
             self._loop.remove_writer(self._master)
             self._unsent.clear()
         os.close(self._master)
-        remove_link(self._link, self._terminal)
+        self._link.remove()
         if self._receiver is not None:
             self._loop.call_soon(self._receiver.connection_lost, None)
 

@@ -203,7 +203,7 @@ async def running(
             )
             words.append("network " + bridge.listening_on[0].removeprefix("tcp://").partition("?")[0])
         board = await stack.enter_async_context(
-            await SimulatedBoard.start(built.elf, board=kind, words=words)
+            await SimulatedBoard.start(built.elf, board=kind, commands=words)
         )
         if not uses_network:
             await stack.enter_async_context(a_bridge(master.uri, reporter, f"{board.address}?name={NODE}"))

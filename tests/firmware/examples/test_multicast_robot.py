@@ -136,7 +136,7 @@ async def running(name: str, kind: str, *words: str) -> AsyncIterator[Fleet]:
     """Run the example. Its group has a number that only this test may use, with the example's key."""
     built = await build_example(name, kind)
     words = ("watch D3", *words)
-    async with await SimulatedBoard.start(built.elf, board=kind, link="none", words=words) as board:
+    async with await SimulatedBoard.start(built.elf, board=kind, link="none", commands=words) as board:
         group = GroupAddress(GROUP, 11412, ("lo",), ttl=0)
         channel = CommandChannel(group, lambda level, text: None, key=KEY)
         try:

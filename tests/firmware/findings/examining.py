@@ -119,7 +119,7 @@ async def _watch(case: Case, program: Path, store: TypeStore) -> tuple[Diagnosis
     """Return what a doctor finds, and whether this machine was too slow to tell anything of time."""
     link: Literal["pty", "tcp"] = "pty" if case.baud is None else "tcp"
     stalls = Stalls()
-    async with await SimulatedBoard.start(program, words=case.words, link=link) as board:
+    async with await SimulatedBoard.start(program, commands=case.words, link=link) as board:
         watching = asyncio.create_task(stalls.watch())
         happening = asyncio.ensure_future(case.happening(board)) if case.happening is not None else None
         try:

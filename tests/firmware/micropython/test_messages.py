@@ -35,7 +35,7 @@ def test_all_types_are_written_as_they_were_read(tmp_path: Path) -> None:
     assert wrong == []
 
 
-def test_bytes_that_are_no_message_are_refused(library: Path) -> None:
+def test_bytes_that_are_not_a_message_are_refused(library: Path) -> None:
     text = b"\x04\0\0\0text"
     array = "std_msgs msg Float64MultiArray  "
     cases = [

@@ -77,7 +77,7 @@ def test_a_host_without_the_key_is_refused(program: Path) -> None:
         b"RSPSK1 " + b"a" * 100_000,
     ],
 )
-def test_what_is_no_hello_is_left_at_once(program: Path, data: bytes) -> None:
+def test_what_is_not_a_hello_is_left_at_once(program: Path, data: bytes) -> None:
     assert run_client(program, data, stays=True)[0] == NO_HELLO
 
 

@@ -30,7 +30,7 @@ class ScriptedHost:
         """Start a board that stands still until `run`."""
         words = ["watch serial"]
         simulated = await SimulatedBoard.start(
-            elf, board=board, link="none", realtime=False, paused=True, words=words
+            elf, board=board, link="none", realtime=False, paused=True, commands=words
         )
         return cls(simulated)
 

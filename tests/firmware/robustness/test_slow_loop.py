@@ -44,11 +44,11 @@ class LinkedBoard:
 
 
 @pytest.mark.parametrize("loop_ms", [200, 1000, 2000])
-async def test_a_slow_loop_is_no_reset(loop_ms: int) -> None:
+async def test_a_slow_loop_is_not_a_reset(loop_ms: int) -> None:
     built = await build_sketch(SKETCH, find_board("uno"), BuildOptions(defines=(f"LOOP_MS={loop_ms}",)))
     for host_starts_s in effort((0.35,), thorough=(0.0, 0.35, 1.2)):
         board = await SimulatedBoard.start(
-            built.elf, link="none", realtime=False, paused=True, words=["watch serial"]
+            built.elf, link="none", realtime=False, paused=True, commands=["watch serial"]
         )
         async with board:
             linked = LinkedBoard(board)

@@ -173,7 +173,7 @@ def test_wrong_baud_and_the_right_one(right: int) -> None:
     assert diagnosis.baud == right
 
 
-def test_noise_that_is_no_board() -> None:
+def test_noise_that_is_not_a_board() -> None:
     rng = random.Random(7)
 
     def board(transport: Transport) -> SketchBoard:

@@ -107,7 +107,7 @@ def test_what_boards_send_first_is_a_frame(name: str) -> None:
 
 
 @pytest.mark.parametrize("data", [b"", b"x", b"\xff", b"\xff\xfe", BOARD_ENTRY.question, b"hello\r\n" * 200])
-def test_what_is_no_frame_of_a_board(data: bytes) -> None:
+def test_what_is_not_a_frame_of_a_board(data: bytes) -> None:
     assert not holds_frame(data)
 
 
@@ -117,7 +117,7 @@ def test_what_boards_send_when_they_were_asked_is_an_answer(name: str) -> None:
     assert holds_answer(said)
 
 
-def test_a_time_request_is_no_answer() -> None:
+def test_a_time_request_is_not_an_answer() -> None:
     assert not holds_answer(TIME_REQUEST * 3)
 
 

@@ -140,7 +140,7 @@ async def test_boards_of_one_name_are_numbered(site: Site) -> None:
     await site.serving("/arm", "/arm_2", "/arm_3")
 
 
-async def test_one_name_in_two_namespaces_is_no_clash(site: Site) -> None:
+async def test_one_name_in_two_namespaces_is_not_a_clash(site: Site) -> None:
     await site.start(f"{PORT}?name=opencr&ns=tb3_0", f"{PORT}?name=opencr&ns=tb3_1")
     await site.serving("/tb3_0/opencr", "/tb3_1/opencr")
 
@@ -288,7 +288,7 @@ async def test_an_error_that_ends_the_only_link_is_a_failure(site: Site) -> None
     assert site.supervisor.has_failed
 
 
-async def test_a_board_whose_node_was_shut_down_joins_when_it_connects_anew(site: Site) -> None:
+async def test_a_board_whose_node_was_shut_down_joins_when_it_connects_again(site: Site) -> None:
     await site.start("tcp://:11411?name=arm")
     site.connect()
     await site.serving("/arm")

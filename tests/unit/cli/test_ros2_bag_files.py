@@ -151,7 +151,7 @@ def test_a_killed_recording_has_what_came_before(
 
 
 @pytest.mark.parametrize("name", ["drive", "drive.mcap", "drive.db3"])
-def test_what_is_left_out_while_recording_is_reported_once_and_counted(
+def test_what_is_skipped_while_recording_is_reported_once_and_counted(
     graph: LiveGraph, tmp_path: Path, name: str
 ) -> None:
     publisher = graph.do(graph.node("/node").advertise("/chat", STRING))

@@ -39,7 +39,7 @@ async def test_findings_in_the_log_once_and_in_diagnostics(tmp_path: Path) -> No
         await master.close()
 
 
-async def test_diagnostics_can_be_left_out(tmp_path: Path) -> None:
+async def test_diagnostics_can_be_omitted(tmp_path: Path) -> None:
     master = await MasterServer.start(port=0)
     wire = await open_transport(f"pty:{tmp_path}/board")
     board = SketchBoard(wire, turn=every(0.3, publish("chatter", hello))).publisher("chatter").plug_in()

@@ -80,7 +80,7 @@ def test_arrays() -> None:
     assert '#include "pkg/X.h"\n' in text
 
 
-def test_an_array_without_elements_is_no_member() -> None:
+def test_an_array_without_elements_is_not_a_member() -> None:
     text = generated("float32[0] none\nuint8 x")
     assert "// none has no elements.\n" in text
     assert "none{" not in text and "self.none" not in text
@@ -113,7 +113,7 @@ def test_constants_are_sheltered_from_macros() -> None:
     assert "  enum { HIGH = 1 };\n  enum { HIGH_ = HIGH };\n" in inside
 
 
-def test_a_service_has_two_halves_with_md5sums_of_their_own() -> None:
+def test_request_and_response_have_their_own_md5sums() -> None:
     spec = parse_service("bool data\n---\nbool success\n", package="std_srvs", name="Set")
     text = service_header(spec, "a" * 32, "b" * 32)
     assert "class SetRequest : public ros::Message<SetRequest> {" in text

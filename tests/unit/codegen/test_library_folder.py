@@ -64,7 +64,7 @@ def test_files_that_did_not_change_keep_their_times(tmp_path: Path) -> None:
         (OURS | {".git/config": b""}, "is a git repository and is not changed;"),
     ],
 )
-def test_what_is_no_generated_library_is_never_touched(
+def test_what_is_not_a_generated_library_is_never_touched(
     old: dict[str, bytes], reason: str, tmp_path: Path
 ) -> None:
     target = tmp_path / "ros_lib"

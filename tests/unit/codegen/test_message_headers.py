@@ -25,7 +25,7 @@ def test_messages_and_services(tmp_path: Path) -> None:
     assert (made.skipped, made.warnings) == ([], [])
 
 
-def test_a_broken_definition_takes_nothing_along_but_what_needs_it(tmp_path: Path) -> None:
+def test_a_broken_definition_affects_only_types_that_need_it(tmp_path: Path) -> None:
     made = headers(
         tmp_path,
         {

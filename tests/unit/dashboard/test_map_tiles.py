@@ -98,7 +98,7 @@ def test_hostile_files_are_refused(
         MapTiles(path)
 
 
-def test_a_tile_that_is_no_picture_is_missing(tmp_path: Path) -> None:
+def test_a_tile_that_is_not_a_picture_is_missing(tmp_path: Path) -> None:
     path = made(tmp_path / "map.mbtiles")
     with closing(sqlite3.connect(path)) as database:
         # As bytes, the number would be two gigabytes of zeros.

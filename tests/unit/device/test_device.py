@@ -289,7 +289,7 @@ async def test_logs_and_time(pair: tuple[Device, Any]) -> None:
         assert device.now().secs < HOST_TIME.secs + 60
 
 
-async def test_a_host_that_stops_is_no_host_until_it_asks_again(pair: tuple[Device, Any]) -> None:
+async def test_a_host_that_stops_is_not_a_host_until_it_asks_again(pair: tuple[Device, Any]) -> None:
     device, line = pair
     publisher = device.publisher("count", "std_msgs/UInt32")
     async with tethered(device, line) as host:

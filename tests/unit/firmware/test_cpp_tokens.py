@@ -33,5 +33,5 @@ def test_nothing_but_white_space_is_lost(text: str) -> None:
     assert all(text[token.offset : token.end] == token.text for token in tokens)
 
 
-def test_comments_are_no_code() -> None:
+def test_comments_are_not_code() -> None:
     assert [token.text for token in code_tokens("a /* b */ c // d")] == ["a", "c"]

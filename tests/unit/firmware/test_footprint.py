@@ -102,7 +102,7 @@ async def test_a_stack_that_may_not_find_room_is_a_warning(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("content", [b"", b"\x7fELF\x01\x01", b"\x7fELF\x02\x01" + bytes(100), b":100000"])
-async def test_what_is_no_elf_file_is_reported(tmp_path: Path, content: bytes) -> None:
+async def test_what_is_not_an_elf_file_is_reported(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "x.elf"
     path.write_bytes(content)
     with pytest.raises(FirmwareError, match="ELF file"):

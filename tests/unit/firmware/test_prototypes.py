@@ -67,7 +67,7 @@ def test_a_function_used_above_its_definition_gets_one(definition: str, prototyp
         "typedef void (*use)(int);",
     ],
 )
-def test_what_is_no_function_of_the_sketch_gets_none(rest: str) -> None:
+def test_what_is_not_a_function_of_the_sketch_gets_none(rest: str) -> None:
     assert prototypes(f"{USE}{rest}\n") == []
 
 
@@ -104,7 +104,7 @@ def test_a_type_of_the_sketch_is_declared_before_the_prototype() -> None:
     assert prototypes(text) == [(3, "Pointuse(inta);")]
 
 
-def test_a_method_of_the_same_name_is_no_use() -> None:
+def test_a_method_of_the_same_name_is_not_a_use() -> None:
     text = (
         "class Motor { public: void use(); };\n"
         "Motor m;\n"

@@ -125,7 +125,7 @@ async def test_bytes_go_both_ways_over_the_simulated_network(tmp_path: Path) -> 
     async with asyncio.timeout(60), await asyncio.start_server(accept, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
         words = [f"network 127.0.0.1:{port}", "watch serial"]
-        async with await SimulatedBoard.start(built.elf, board="uno", words=words) as simulated:
+        async with await SimulatedBoard.start(built.elf, board="uno", commands=words) as simulated:
             reader, writer = await connected.get()
             assert await reader.readexactly(4) == b"ping"
             writer.write(bytes(range(200)))

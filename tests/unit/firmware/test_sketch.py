@@ -50,7 +50,7 @@ def test_a_cpp_file_is_a_sketch(tmp_path: Path) -> None:
         (("readme.txt",), "readme.txt", "readme.txt is not a sketch"),
     ],
 )
-def test_what_is_no_sketch_is_reported(
+def test_what_is_not_a_sketch_is_reported(
     tmp_path: Path, files: tuple[str, ...], name: str, message: str
 ) -> None:
     for each in files:

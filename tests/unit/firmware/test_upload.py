@@ -125,7 +125,7 @@ def test_a_port_that_is_not_there_is_reported() -> None:
         check_port("/dev/nowhere", ports())
 
 
-def test_a_file_that_is_no_port_may_be_opened_all_the_same(terminal: tuple[int, str]) -> None:
+def test_a_file_that_is_not_a_port_may_be_opened_all_the_same(terminal: tuple[int, str]) -> None:
     check_port(terminal[1], ports())
 
 

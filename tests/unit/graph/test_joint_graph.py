@@ -365,7 +365,7 @@ async def test_a_refusal_for_good_is_reported_once(
     await joint.close()
 
 
-async def test_a_graph_that_hangs_delays_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_graph_that_hangs_does_not_delay_others(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(joint_parts, "SLOW_GRAPH_S", 0.01)
     joint, moody, _ = await make_moody()
     moody.hangs = True

@@ -124,7 +124,7 @@ async def test_a_busy_loop_loses_the_oldest_and_counts_them(talker: TypedGraph, 
     assert publisher.subscriber_count == 0
 
 
-async def test_what_does_not_fit_the_type_is_left_out_and_counted(
+async def test_what_does_not_fit_the_type_is_skipped_and_counted(
     talker: TypedGraph, listener: TypedGraph
 ) -> None:
     publisher = await talker.publisher("/chatter", "std_msgs/String")
@@ -220,7 +220,7 @@ def nearby(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("what", ["publisher", "messages", "serve", "call"])
-async def test_types_are_searched_while_the_loop_goes_on(
+async def test_types_are_searched_while_the_loop_continues(
     network: MemoryNetwork, nearby: Path, what: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = LoopWatch(monkeypatch)

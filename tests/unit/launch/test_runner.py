@@ -171,7 +171,7 @@ async def test_output_of_all_nodes_can_be_kept(stage: Stage) -> None:
     assert stage.log("n-1") == "hello\n"
 
 
-async def test_node_that_ends_is_started_again_and_its_log_goes_on(stage: Stage) -> None:
+async def test_node_that_ends_is_started_again_and_its_log_continues(stage: Stage) -> None:
     stage.script(
         "once.sh",
         'echo "start"; echo x >> "$WHERE/starts"; [ $(wc -l < "$WHERE/starts") -lt 3 ] || sleep 100',
@@ -237,7 +237,7 @@ async def test_missing_required_node_is_a_failure(stage: Stage) -> None:
     assert not await asyncio.wait_for(stage.run(body), LIMIT_S)
 
 
-async def test_what_is_replaced_is_no_failure(stage: Stage) -> None:
+async def test_what_is_replaced_is_not_a_failure(stage: Stage) -> None:
     assert await stage.run('<node name="rviz" pkg="rviz" type="rviz"/>')
     assert (Level.WARN, "rviz is not installed here; look elsewhere") in stage.lines
 
@@ -331,7 +331,7 @@ async def test_stop_while_a_process_is_being_made_finds_it(stage: Stage) -> None
             await stage.gone(int(pid))
 
 
-async def test_programs_are_searched_while_the_loop_goes_on(
+async def test_programs_are_searched_while_the_loop_continues(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = LoopWatch(monkeypatch)

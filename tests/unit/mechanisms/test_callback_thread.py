@@ -46,7 +46,7 @@ def test_a_limit_keeps_the_newest() -> None:
     thread.close()
 
 
-def test_the_source_is_asked_to_stop_and_to_go_on() -> None:
+def test_the_source_is_asked_to_stop_and_to_continue() -> None:
     gate, told, seen = threading.Event(), list[bool](), list[int]()
 
     def run(item: int) -> None:

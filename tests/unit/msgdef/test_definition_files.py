@@ -106,7 +106,7 @@ def test_a_broken_package_xml_does_not_hide_definitions_that_the_user_names(tmp_
     assert find_definitions([], [tmp_path]) == {}
 
 
-def test_folders_that_are_no_package_names_are_passed_over(tmp_path: Path) -> None:
+def test_folders_that_are_not_package_names_are_skipped(tmp_path: Path) -> None:
     write(tmp_path, "no name/Foo.msg", "1st/Foo.msg")
     assert find_definitions([tmp_path, tmp_path / "missing"], []) == {}
 

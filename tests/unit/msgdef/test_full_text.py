@@ -60,6 +60,6 @@ def test_the_first_of_two_parts_with_one_name_counts() -> None:
         ("".join(f"{SEPARATOR}\nMSG: p/N{n}\n" for n in range(MAX_PARTS + 2)), "parts"),
     ],
 )
-def test_what_is_no_full_text_is_refused(definition: str, reason: str) -> None:
+def test_what_is_not_a_full_text_is_refused(definition: str, reason: str) -> None:
     with pytest.raises(DefinitionError, match=reason):
         split_full_text("p/A", definition)

@@ -84,7 +84,7 @@ def test_a_service_is_both_texts_in_a_row() -> None:
     assert service_md5sum(both, nothing) == digest("int8 aint8 b")
 
 
-def test_a_circle_is_an_error_not_an_endless_loop() -> None:
+def test_a_cycle_is_an_error_not_an_endless_loop() -> None:
     def lookup(name: str) -> MessageSpec:
         return parse_message("A a", package="p", name="A")
 

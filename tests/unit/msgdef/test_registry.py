@@ -139,7 +139,7 @@ def test_msg_path_wins_over_ros_package_path(tmp_path: Path) -> None:
         Registry.from_environment([], {}).message("my_msgs/Foo")
 
 
-def test_a_msg_path_that_is_no_folder_is_an_error_at_once(tmp_path: Path) -> None:
+def test_a_msg_path_that_is_not_a_folder_is_an_error_at_once(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"--msg-path .*missing: no such folder"):
         Registry.from_environment([tmp_path / "missing"], {})
     with pytest.raises(ConfigError, match="no such folder"):
@@ -184,7 +184,7 @@ def test_a_message_file_wins_over_a_service_half_of_its_name(tmp_path: Path) -> 
     "name",
     ["", "String", "a/b/c", "/String", "std_msgs/", "std_msgs/1", "../etc/passwd", "p/é", "a" * 999 + "/B"],
 )
-def test_what_is_no_type_name_is_an_error_that_shows_one(name: str) -> None:
+def test_what_is_not_a_type_name_is_an_error_that_shows_one(name: str) -> None:
     with pytest.raises(UnknownTypeError, match="package/Name, as std_msgs/String") as raised:
         Registry().message(name)
     assert "\n" not in str(raised.value)

@@ -78,7 +78,7 @@ def test_a_remapping_to_no_name_is_an_error(argument: str) -> None:
         parse_arguments([argument])
 
 
-def test_a_value_that_is_no_yaml_is_an_error_in_one_line() -> None:
+def test_a_value_that_is_not_yaml_is_an_error_in_one_line() -> None:
     with pytest.raises(ConfigError, match="not YAML") as raised:
         parse_arguments(["_p:=[1, 2"])
     assert "\n" not in str(raised.value)

@@ -123,6 +123,6 @@ async def test_settings_that_make_no_sense(stage: Stage) -> None:
         JoySettings(autorepeat_rate_hz=-1.0).checked()
 
 
-def test_what_is_no_joystick_has_no_name(tmp_path: Path) -> None:
+def test_what_is_not_a_joystick_has_no_name(tmp_path: Path) -> None:
     (tmp_path / "js0").write_bytes(b"")
     assert device_named("Gamepad", tmp_path) is None

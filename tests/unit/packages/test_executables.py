@@ -66,7 +66,7 @@ def test_two_of_a_name_are_asked_about_and_a_path_answers(arm: Path) -> None:
     assert find(arm, "b/move.py") == second
 
 
-def test_build_folders_are_left_out(arm: Path) -> None:
+def test_build_folders_are_skipped(arm: Path) -> None:
     write(arm / "build" / "move.py")
     script = write(arm / "scripts" / "move.py")
     assert find(arm, "move.py") == script
@@ -130,7 +130,7 @@ def test_a_compiled_program_that_is_not_built_names_its_source(arm: Path) -> Non
     assert find(arm, "arm_driver") == built
 
 
-def test_modules_are_no_programs(arm: Path) -> None:
+def test_modules_are_not_programs(arm: Path) -> None:
     script = write(arm / "scripts" / "move.py")
     write(arm / "scripts" / "helper.py", "#!/usr/bin/env python3\ndef f():\n    pass\n")
     write(arm / "src" / "arm" / "__init__.py", "")

@@ -63,7 +63,7 @@ def test_an_unmarked_workspace_is_known_by_its_src(tmp_path: Path) -> None:
     assert package_folders({}, scripts) == {"arm": arm, "leg": leg}
 
 
-def test_a_packages_own_src_is_no_workspace(tmp_path: Path) -> None:
+def test_a_packages_own_src_is_not_a_workspace(tmp_path: Path) -> None:
     arm = make_package(tmp_path / "arm")
     (arm / "src").mkdir()
     (arm / "src" / "CMakeLists.txt").touch()

@@ -72,7 +72,7 @@ BOMB = b"""<!DOCTYPE lolz [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>
         (b"\xff\xfe\x00", "not XML"),
     ],
 )
-def test_what_is_no_package_xml_is_refused_in_one_line(data: bytes, reason: str) -> None:
+def test_what_is_not_a_package_xml_is_refused_in_one_line(data: bytes, reason: str) -> None:
     with pytest.raises(ConfigError, match=reason) as raised:
         parse_package_xml(data, file="x/package.xml")
     assert str(raised.value).startswith("x/package.xml:")

@@ -59,7 +59,7 @@ def test_nothing_is_searched_below_a_package(tmp_path: Path) -> None:
     assert find_packages([tmp_path]) == {"outer": outer}
 
 
-def test_ignored_and_hidden_folders_are_left_out(tmp_path: Path) -> None:
+def test_ignored_and_hidden_folders_are_skipped(tmp_path: Path) -> None:
     make_package(tmp_path / "ignored" / "a")
     (tmp_path / "ignored" / "CATKIN_IGNORE").touch()
     make_package(tmp_path / ".git" / "b")

@@ -66,7 +66,7 @@ def test_broken_packages_are_named(workspace: Path) -> None:
     assert "bad/package.xml:1: not XML" in line
 
 
-def test_a_folder_without_src_is_no_workspace(tmp_path: Path) -> None:
+def test_a_folder_without_src_is_not_a_workspace(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="has no folder src"):
         read_workspace(tmp_path)
 

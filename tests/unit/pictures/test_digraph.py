@@ -7,7 +7,7 @@ NODE = Vertex("n", "/node", Shape.ELLIPSE)
 TOPIC = Vertex("t", "/topic", Shape.BOX)
 
 
-def test_dot_quotes_what_it_must() -> None:
+def test_dot_quotes_special_characters() -> None:
     odd = Vertex('a"b\\', 'say "hi"\n', Shape.BOX)
     text = dot(Digraph([NODE, odd], [Edge("n", odd.key, "x")]))
     assert '  "a\\"b\\\\" [label="say \\"hi\\"\\n", shape=box];' in text.splitlines()
@@ -24,7 +24,7 @@ def test_a_picture_has_all_labels_within() -> None:
     assert len(heads) == 2
 
 
-def test_labels_have_lines_of_their_own() -> None:
+def test_labels_have_their_own_lines() -> None:
     other = Vertex("o", "/other", Shape.ELLIPSE)
     edges = [Edge("n", "o", "/a"), Edge("n", "o", "/b"), Edge("n", "n", "/loop"), Edge("n", "n")]
     scene = draw(Digraph([NODE, other], edges))

@@ -15,7 +15,7 @@ def test_a_key(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"0011", b"\xff" * 32, b"secret" * 400])
-def test_what_is_no_key_is_not_shown(tmp_path: Path, content: bytes) -> None:
+def test_what_is_not_a_key_is_not_shown(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "fleet.key"
     file.write_bytes(content)
     with pytest.raises(ConfigError, match="32 hexadecimal digits; make one with: openssl") as error:

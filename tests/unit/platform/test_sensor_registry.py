@@ -77,7 +77,7 @@ def test_a_sensor_that_comes_back_is_itself(registry: SensorRegistry) -> None:
     assert registry.register("Robot", "ANALOG", 3.1).topic == "sensor_node3"
 
 
-def test_after_a_restart_numbers_go_on() -> None:
+def test_after_a_restart_numbers_continue() -> None:
     kept = Sensor("sensor_node4", 4, "Robot", "ANALOG", "sensor_node4", "Front", "std_msgs/Float64")
     registry = SensorRegistry([kept], 10.0)
     assert state(registry, kept.id, 10.0) == "disconnected"

@@ -38,7 +38,7 @@ def test_what_cannot_be_read_is_forgotten(text: str, tmp_path: Path) -> None:
     assert KnownBoards(path).baud_of("a") == 9600
 
 
-def test_senseless_speeds_are_left_out(tmp_path: Path) -> None:
+def test_senseless_speeds_are_skipped(tmp_path: Path) -> None:
     path = tmp_path / "boards.json"
     path.write_text('{"format": 1, "bauds": {"a": -1, "b": true, "c": "9600", "d": 9600}}')
     known = KnownBoards(path)
@@ -55,7 +55,7 @@ def test_the_longest_unseen_is_forgotten() -> None:
     assert known.baud_of("1") is None
 
 
-def test_a_folder_that_cannot_be_written_is_no_trouble(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_ignored(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     known = KnownBoards(tmp_path / "file" / "boards.json")
     known.remember("a", 9600)

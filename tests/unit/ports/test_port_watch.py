@@ -156,7 +156,7 @@ async def test_a_storm_of_files_makes_no_storm_of_lists(tmp_path: Path) -> None:
     following.cancel()
 
 
-async def test_descriptors_are_let_go(tmp_path: Path) -> None:
+async def test_descriptors_are_released(tmp_path: Path) -> None:
     system = System(tmp_path)
     before = notifications()
     for _ in range(5):
@@ -187,7 +187,7 @@ async def test_marks_that_come_late_are_seen(tmp_path: Path) -> None:
     assert seen == [None, "7533"]
 
 
-async def test_where_ports_are_no_files_the_list_is_asked(
+async def test_where_ports_are_not_files_the_list_is_requested(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(port_watch, "SETTLING_S", 0.0)

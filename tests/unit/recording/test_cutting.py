@@ -56,7 +56,7 @@ def test_a_time_that_occurs_twice() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "14", "25:00", "yesterday", "2026-13-01 10:00"])
-def test_what_is_no_time(text: str) -> None:
+def test_what_is_not_a_time(text: str) -> None:
     with pytest.raises(ConfigError, match="is not a time; write 14:02"):
         moment_ns(text, START_NS)
 

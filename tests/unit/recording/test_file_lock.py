@@ -129,7 +129,7 @@ def test_a_closed_file_does_not_get_the_log_of_the_one_before(tmp_path: Path) ->
     assert _count(path) == 1
 
 
-def test_reindex_takes_what_stands_in_the_log(tmp_path: Path) -> None:
+def test_reindex_takes_what_is_in_the_log(tmp_path: Path) -> None:
     active, path, original = tmp_path / "a.db3.active", tmp_path / "a.db3", tmp_path / "a.orig.db3"
     _unclosed(active, 3)
     end_active(active, path)

@@ -84,7 +84,7 @@ async def test_prefix_and_remappings_name_the_topics(stage: Stage) -> None:
     assert len(stage.payloads("/old/c")) == len(stage.payloads("/old/b")) == 15
 
 
-async def test_paused_it_plays_only_steps_until_it_goes_on(stage: Stage) -> None:
+async def test_paused_it_plays_only_steps_until_it_continues(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     player = stage.player(rate=100.0, starts_paused=True)
     task = asyncio.create_task(player.play())

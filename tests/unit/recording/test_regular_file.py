@@ -8,7 +8,7 @@ from rostether.errors import RecordingError
 from rostether.recording.regular_file import MappedFile
 
 
-def test_a_file_is_seen_and_let_go(tmp_path: Path) -> None:
+def test_a_file_is_seen_and_released(tmp_path: Path) -> None:
     path = tmp_path / "a"
     path.write_bytes(b"abc")
     file = MappedFile(path)

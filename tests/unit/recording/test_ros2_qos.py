@@ -34,5 +34,5 @@ def test_what_is_offered() -> None:
 
 
 @pytest.mark.parametrize("stored", [None, 3, "", "{", "a: 1", "[1, [2]]", "- *nobody", "[" * 50_000])
-def test_what_is_no_such_list_is_none(stored: object) -> None:
+def test_what_is_not_such_a_list_is_none(stored: object) -> None:
     assert read_profiles(stored) == []

@@ -343,7 +343,7 @@ async def marked(world: World, name: str, mark: str) -> list[MemoryGraph]:
     return graphs
 
 
-async def test_a_board_in_both_graphs_is_left_out(world: World) -> None:
+async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
     boards = await marked(world, "/board", new_joint_mark())
     mine = [await board.advertise("/chat", STRING) for board in boards]
     inbox = Inbox()

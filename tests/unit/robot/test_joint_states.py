@@ -59,7 +59,7 @@ def test_short_lists_have_no_line_about_the_rest() -> None:
     assert states.values().position == [1.0, 0.0, 0.0]
 
 
-def test_defaults_may_be_left_out_or_added() -> None:
+def test_defaults_may_be_omitted_or_added() -> None:
     none = JointStates(parse_urdf(ARM), JointStateSettings(publish_default_positions=False))
     assert none.values().position == []
     full = JointStateSettings(publish_default_velocities=True, publish_default_efforts=True)

@@ -109,14 +109,14 @@ def test_frames_under_a_prefix(prefix: str, frame: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("position", [math.nan, math.inf, -math.inf])
-def test_a_position_that_is_no_number_is_left_out(position: float) -> None:
+def test_a_position_that_is_not_a_number_is_skipped(position: float) -> None:
     state = RobotState(parse_urdf(ARM))
     found = state.moving_transforms(["j0", "j1"], [position, 0.1], NOW, NOW)
     assert [each.child for each in found] == ["upper"]
     assert "ignored joint 'j0' in" in state.problem
 
 
-def test_a_circle_of_mimics_is_refused_before_the_first_state() -> None:
+def test_a_cycle_of_mimics_is_refused_before_the_first_state() -> None:
     text = robot(
         "x",
         "a b c",
@@ -164,7 +164,7 @@ def test_joints_follow_also_through_others() -> None:
     assert with_mimics(model, {}) == {"right": 0.25, "tip": 0.5}
 
 
-def test_a_circle_of_mimics_is_refused() -> None:
+def test_a_cycle_of_mimics_is_refused() -> None:
     model = parse_urdf(
         robot(
             "x",

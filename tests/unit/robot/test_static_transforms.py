@@ -39,7 +39,7 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
         ("0 0 0 0 0 0 a b often", "'often' is not a number"),
     ],
 )
-def test_what_is_no_transform_is_refused(words: str, said: str) -> None:
+def test_what_is_not_a_transform_is_refused(words: str, said: str) -> None:
     with pytest.raises(ConfigError, match=said):
         parse_static_transform(words.split())
 

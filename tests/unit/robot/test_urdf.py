@@ -148,7 +148,7 @@ def test_shapes_and_masses() -> None:
         ('<inertial><mass value="1"/></inertial>', "needs <mass> and <inertia>"),
     ],
 )
-def test_a_wrong_shape_is_left_out_and_reported(inside: str, said: str) -> None:
+def test_a_wrong_shape_is_skipped_and_reported(inside: str, said: str) -> None:
     model = parse_urdf(f'<robot name="x"><link name="a">{inside}</link></robot>')
     assert model.links["a"].visuals == ()
     assert len(model.problems) == 1

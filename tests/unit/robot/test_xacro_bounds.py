@@ -66,7 +66,7 @@ def test_the_macro_parameter_that_lacks_a_quote_is_read_at_once(file: Path) -> N
     refusal(file, f'<xacro:macro name="m" params="a:={"b" * 200}\'"/><xacro:m/>')
 
 
-def test_separators_are_no_regular_expression(file: Path) -> None:
+def test_separators_are_not_regular_expressions(file: Path) -> None:
     inside = '<xacro:property name="s" value="a]|(x+)+y["/><l n="${xacro.tokenize(\'x\' * 99, s)}"/>'
     assert "the separators" in refusal(file, inside)
 

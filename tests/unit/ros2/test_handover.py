@@ -79,7 +79,7 @@ async def test_nothing_is_handed_on_after_the_end() -> None:
     assert batches == []
 
 
-def test_a_loop_that_has_ended_is_no_error() -> None:
+def test_a_loop_that_has_ended_is_not_an_error() -> None:
     async def make() -> Handover[int]:
         return Handover(lambda _: None, limit=3)
 

@@ -31,7 +31,7 @@ def test_spells_types_both_ways(name: str, dds: str) -> None:
     "name",
     ["", "String", "std_msgs::msg::String_", "a::msg::dds_::B", "a::msg::dds_::B/C_", "a::x::dds_::B_"],
 )
-def test_knows_what_is_no_type(name: str) -> None:
+def test_knows_what_is_not_a_type(name: str) -> None:
     assert type_of_dds_name(name) == ""
 
 

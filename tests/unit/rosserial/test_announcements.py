@@ -102,7 +102,7 @@ def test_each_id_for_itself() -> None:
     assert not unknown.should_ask(130, FIRST_PAUSE_S / 2)
 
 
-def test_an_announced_id_starts_anew() -> None:
+def test_an_announced_id_starts_again() -> None:
     unknown = UnknownIds()
     unknown.should_ask(130, 0.0)
     unknown.forget(130)

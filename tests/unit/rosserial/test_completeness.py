@@ -92,7 +92,7 @@ def test_half_a_service_that_was_complete_before_needs_no_confirmation() -> None
     assert play(completeness, [response]) == [True]
 
 
-def test_a_round_that_was_closed_too_early_goes_on() -> None:
+def test_a_round_that_was_closed_too_early_continues() -> None:
     completeness = Completeness()
     assert play(completeness, [ONE]) == [False]
     assert completeness.is_continued_by(*TWO)
@@ -104,7 +104,7 @@ def test_a_round_that_was_closed_too_early_goes_on() -> None:
     assert play(completeness, [ONE, TWO]) == [True]
 
 
-def test_nothing_continues_a_negotiation_that_has_begun_anew() -> None:
+def test_nothing_continues_a_negotiation_that_has_begun_again() -> None:
     completeness = Completeness()
     play(completeness, [ONE])
     completeness.begin(is_lossy=False)
@@ -146,7 +146,7 @@ def test_a_changed_announcement_is_news() -> None:
     ]
 
 
-def test_what_equal_rounds_do_not_repeat_is_gone() -> None:
+def test_what_equal_rounds_do_not_repeat_is_removed() -> None:
     completeness = Completeness()
     rounds = [[ONE, TWO, THREE], *[[ONE, TWO]] * EQUAL_ROUNDS]
     assert play(completeness, *rounds) == [False] * EQUAL_ROUNDS + [True]

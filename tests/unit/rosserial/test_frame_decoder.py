@@ -211,7 +211,7 @@ class TestUnfinishedFrames:
         assert gaps == sorted(gaps)
         assert gaps[-1] == pytest.approx(MAX_SEARCH_S)
 
-    def test_frames_inside_on_ids_that_make_no_sense_are_no_reason_to_give_up(self) -> None:
+    def test_frames_inside_on_impossible_ids_do_not_end_a_frame(self) -> None:
         decoder = FrameDecoder(limits=PayloadLimits({125: 100}))
         decoder.feed(self.CLAIM + B, 0.0)
         assert decoder.handle_timer(1.0) == []

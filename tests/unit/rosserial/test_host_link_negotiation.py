@@ -252,7 +252,7 @@ class TestNegotiation:
         link.receive_data(frame(130, b""), now_s)
         assert not only(run_to_settled(link, now_s, burst)[1], AnnouncementRefused)
 
-    def test_topics_that_are_gone_are_withdrawn_only_when_that_is_certain(self) -> None:
+    def test_removed_topics_are_withdrawn_only_when_that_is_certain(self) -> None:
         link, now_s = settled_link()
         link.receive_data(frame(126, b""), now_s)
         rounds = 0

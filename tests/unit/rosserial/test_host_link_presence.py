@@ -82,7 +82,7 @@ class TestResetAndSilence:
             now_s, _ = run_to_settled(link, now_s + pause_s, BURST)
             assert can_send(link, 100)
 
-    def test_an_answer_that_comes_twice_is_no_reset(self) -> None:
+    def test_an_answer_that_comes_twice_is_not_a_reset(self) -> None:
         link, now_s = settled_link()
         events = link.receive_data(BURST, now_s + 0.5)
         events += link.receive_data(TIME, now_s + 2.5)
@@ -150,7 +150,7 @@ class TestResetAndSilence:
         assert line.run_until(lambda: line.host.statistics.negotiations == 2, 3.5)
         assert not line.events_of(DeviceSilent)
 
-    def test_a_lost_time_request_is_no_silence(self) -> None:
+    def test_a_lost_time_request_is_not_silence(self) -> None:
         device, _, _ = small_device()
         line = line_to(device)
         line.run_until(lambda: line.host.is_settled, 1.0)

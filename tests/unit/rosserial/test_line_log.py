@@ -38,7 +38,7 @@ def test_frames_in_order(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_no_byte_is_left_out(name: str) -> None:
+def test_no_byte_is_skipped(name: str) -> None:
     capture = load(name)
     overhead_bytes = 8 if capture.version == 2 else 7
     told = sum(

@@ -94,7 +94,7 @@ def test_the_error_names_what_to_change(wrong: dict[str, object], reason: str) -
     assert "\n" not in fault
 
 
-def test_a_name_that_is_no_utf_8_is_read_and_faulty() -> None:
+def test_a_name_that_is_not_utf_8_is_read_and_faulty() -> None:
     info = TopicInfo.read(CHATTER_BYTES.replace(b"chatter", b"t\xfcr_auf"))
     assert info is not None
     assert "write t_r_auf in the sketch" in (info.fault() or "")
@@ -126,7 +126,7 @@ def test_log(level: LogLevel) -> None:
     assert Log.decode(Log(level, "Gurkensalat grün").encode()) == Log(level, "Gurkensalat grün")
 
 
-def test_log_with_bytes_that_are_no_text() -> None:
+def test_log_with_bytes_that_are_not_text() -> None:
     assert Log.decode(b"\x02\x02\0\0\0a\xff") == Log(LogLevel.WARN, "a\N{REPLACEMENT CHARACTER}")
 
 

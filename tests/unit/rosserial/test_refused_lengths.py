@@ -115,7 +115,7 @@ def test_a_message_that_is_none_gives_back_what_it_swallowed() -> None:
     assert link.rescan(swallowed, now_s) == []
 
 
-def test_looking_inside_is_paid_from_what_noise_may_cost() -> None:
+def test_looking_inside_uses_the_budget_for_noise() -> None:
     decoder = FrameDecoder()
     noise = b"\xff\xfe\x01\x00\xfe\x7d\x00\x00\x00" * 7000
     found = 0

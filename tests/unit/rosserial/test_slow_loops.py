@@ -14,7 +14,7 @@ BOOTED_S = effort([-0.5, 0.06, 0.62, 1.18, 2.1], [-0.5, -0.22, 0.06, 0.34, 0.62,
 
 @pytest.mark.parametrize("library", Library)
 @pytest.mark.parametrize("loop_s", [0.01, 0.2, 0.5, 1.0, 1.5, 2.0])
-def test_a_late_answer_is_no_reset(library: Library, loop_s: float) -> None:
+def test_a_late_answer_is_not_a_reset(library: Library, loop_s: float) -> None:
     for booted_s in BOOTED_S:
         events = meet(SlowLoop(library, loop_s, booted_s), 25.0)
         assert resets_of(events) == [], booted_s

@@ -37,7 +37,7 @@ def test_a_request_is_lost_when_nothing_comes_for_long() -> None:
     assert take_time(answers, LATE_ANSWER_S + 0.1) is TimeRequestMeaning.ALONE
 
 
-def test_time_requests_without_topics_are_no_answers() -> None:
+def test_time_requests_without_topics_are_not_answers() -> None:
     answers = asked(5)
     assert take_time(answers, 1.0) is TimeRequestMeaning.ANSWER
     assert take_time(answers, 1.4) is TimeRequestMeaning.ALONE
@@ -83,7 +83,7 @@ def test_after_a_reset_no_answer_is_expected() -> None:
     assert take_time(answers, 1.0) is TimeRequestMeaning.ALONE
 
 
-def test_an_answer_whose_time_request_was_damaged_is_no_introduction() -> None:
+def test_an_answer_whose_time_request_was_damaged_is_not_an_introduction() -> None:
     answers = TopicAnswers()
     answers.damaged(1.0)
     take_topics(answers, 1.05)

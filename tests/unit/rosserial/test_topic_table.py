@@ -176,7 +176,7 @@ def test_input_buffer_is_that_of_subscribers_else_of_publishers() -> None:
     assert table.input_buffer_bytes == 150
 
 
-def test_limits_are_those_of_a_table_made_anew() -> None:
+def test_limits_are_those_of_a_table_made_again() -> None:
     rng = random.Random(7)
     table = TopicTable(40)
     for step in range(600):

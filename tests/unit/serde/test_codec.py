@@ -107,7 +107,7 @@ def test_fixed_arrays_of_any_length(length: int) -> None:
     assert many.decode(many.encode({"many": [message, message]})).many == [message, message]
 
 
-def test_large_struct_is_no_trouble() -> None:
+def test_a_large_struct_is_read() -> None:
     wide = "\n".join(f"int16 x{place}" for place in range(700))
     store = store_of(Wide=wide, Long=f"{wide}\nstring s", Both="Wide w\nLong l\nWide[] many\nint8 end")
     codec = store.codec("test/Both")
@@ -344,7 +344,7 @@ def test_times_as_numbers_where_now_is_known(field: str, value: object, stamp: o
 
 
 @pytest.mark.parametrize("value", [-1.0, math.inf, True, "later"])
-def test_what_is_no_time(value: object) -> None:
+def test_what_is_not_a_time(value: object) -> None:
     codec = store_of(Kind="time stamp").codec("test/Kind")
     with pytest.raises(SerializationError, match="stamp"):
         codec.encode({"stamp": value}, now=lambda: Time(7, 8))

@@ -61,7 +61,7 @@ def test_leaving_out_arrays_and_strings() -> None:
     assert (header, row) == ("%time,field.header.seq,field.header.stamp", "0,0,0")
 
 
-def test_bytes_are_left_out_of_a_message_but_not_when_selected() -> None:
+def test_bytes_of_a_message_are_omitted_unless_selected() -> None:
     assert lines("std_msgs/ByteMultiArray", data=[1])[0].endswith("field.data0")
     assert lines("std_msgs/UInt8MultiArray", data=[1])[0] == "%time,field.layout.data_offset"
     assert (csv_header([7, 8]), csv_row([7, 8], NOW)) == ("%time,field0,field1", "100000000007,7,8")

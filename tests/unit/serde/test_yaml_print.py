@@ -109,6 +109,6 @@ def test_widths_of_lists_and_stamps() -> None:
     assert "  secs:    12\n  nsecs:    34" in text_of("std_msgs/Header", style, stamp=Time(12, 34))
 
 
-def test_strings_of_a_fixed_number_are_not_left_out() -> None:
+def test_strings_of_a_fixed_number_are_not_omitted() -> None:
     style = EchoStyle(no_strings=True)
     assert format_value(["a", "b"], FieldType("string", True, 2), style) == "\n- a\n- b"

@@ -29,7 +29,7 @@ def test_fields_survive_every_cut() -> None:
         assert decoder.rest + (wire[cut:] if first is not None else b"") == b"tail"
 
 
-def test_bytes_that_are_no_utf8_survive() -> None:
+def test_bytes_that_are_not_utf8_survive() -> None:
     body = encode_header({})[4:] + b"\x04\0\0\0k=\xff\xfe"
     assert encode_header(decode_fields(body))[4:] == body
 

@@ -40,5 +40,5 @@ def test_a_length_above_the_limit_is_refused_before_its_bytes_come() -> None:
         AnswerDecoder(max_message_bytes=10).feed(struct.pack("<BI", 1, 11))
 
 
-def test_an_error_text_that_is_no_utf8_can_still_be_read() -> None:
+def test_an_error_text_that_is_not_utf8_can_still_be_read() -> None:
     assert ServiceAnswer(False, b"bad \xff").error_text == "bad \ufffd"

@@ -104,7 +104,7 @@ async def test_a_board_is_known_by_its_certificate(tmp_path: Path) -> None:
         await door.listener.close()
 
 
-async def test_devices_without_a_key_are_no_choice() -> None:
+async def test_devices_without_a_key_are_not_a_choice() -> None:
     with pytest.raises(ConfigError, match=r"psk=devices: no board has a key in devices\.toml"):
         await ConnectionLimiter().open(TcpAddress("127.0.0.1", 0, psk="devices"), BoardKeys())
 

@@ -83,7 +83,7 @@ def test_a_bad_line_is_named(tmp_path: Path, line: str, said: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_bytes_that_are_no_text(tmp_path: Path) -> None:
+def test_bytes_that_are_not_text(tmp_path: Path) -> None:
     path = tmp_path / "board.bin"
     path.write_bytes(bytes(range(256)) * 100)
     with pytest.raises(ConfigError, match="line 1: no JSON object"):

@@ -32,7 +32,7 @@ def test_links_beside_a_port_are_near_too(tmp_path: Path) -> None:
     assert near_names("/nowhere/at/all", []) == []
 
 
-def test_a_file_is_no_device(tmp_path: Path) -> None:
+def test_a_file_is_not_a_device(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.touch()
     facts = read_port_facts(str(path), list)

@@ -84,7 +84,7 @@ def test_the_own_process_is_not_another_program(pty: str) -> None:
     os.close(descriptor)
 
 
-def test_the_simulator_that_made_a_terminal_is_no_competitor() -> None:
+def test_the_simulator_that_made_a_terminal_is_not_a_competitor() -> None:
     peer = Peer(MAKE_TERMINAL)
     try:
         assert find_holders(peer.said) == []

@@ -90,7 +90,7 @@ def test_an_echo_of_our_own_proof_is_refused() -> None:
 
 
 @pytest.mark.parametrize("data", [b"\xff\xfe\x08\x00\xf7\n", b"RSPSK1 zz zz\n", b"x" * 1000, b"\n"])
-def test_what_is_no_hello_is_refused(data: bytes) -> None:
+def test_what_is_not_a_hello_is_refused(data: bytes) -> None:
     with pytest.raises(RemoteProtocolError, match="sent no pre-shared-key hello"):
         ListenerHello({None: KEY}).receive(data)
     with pytest.raises(RemoteProtocolError):

@@ -235,7 +235,7 @@ async def test_a_missing_port_is_reported_with_what_is_there(
         await open_serial(missing)
 
 
-async def test_a_file_is_no_serial_port(tmp_path: Path) -> None:
+async def test_a_file_is_not_a_serial_port(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_text("x")
     # The random numbers refuse every speed, as a port refuses an unknown one.

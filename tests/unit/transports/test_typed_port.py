@@ -37,7 +37,7 @@ def test_what_was_meant_is_reported(typed: str, meant: str) -> None:
     assert _refused(typed).endswith(f"; did you mean {meant}?")
 
 
-def test_files_folders_and_names_of_windows_are_no_ports(tmp_path: Path) -> None:
+def test_files_folders_and_names_of_windows_are_not_ports(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     assert f"{tmp_path}/file is a file, not a serial port; write /dev/ttyACM7" in _refused(f"{tmp_path}/file")
     assert f"{tmp_path} is a folder, not a serial port" in _refused(str(tmp_path))
@@ -83,7 +83,7 @@ def test_a_number_is_a_tcp_port() -> None:
         ("uno", "such as /dev/ttyACM0 (`rostether ports` lists them)"),
     ],
 )
-def test_what_is_no_address_is_explained(typed: str, advice: str) -> None:
+def test_what_is_not_an_address_is_explained(typed: str, advice: str) -> None:
     with pytest.raises(ConfigError, match=re.escape(advice)):
         parse_address(typed)
 

@@ -154,7 +154,7 @@ def test_a_body_above_the_limit_is_refused_before_it_ends(body: bytes) -> None:
     assert server.ended
 
 
-def test_an_early_end_is_no_request() -> None:
+def test_an_early_end_is_not_a_request() -> None:
     server = HttpServerSide()
     server.receive_data(REQUESTS["python"][:-3])
     server.receive_data(b"")

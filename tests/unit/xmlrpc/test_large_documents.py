@@ -50,7 +50,7 @@ def test_a_tag_without_an_end_is_given_up_soon(document: bytes) -> None:
     assert steps * STEP_BYTES <= MAX_TAG_BYTES + STEP_BYTES
 
 
-def test_long_texts_are_no_long_tags() -> None:
+def test_long_texts_are_not_long_tags() -> None:
     for text in (b"x" * 1_000_000, b"&amp;" * 200_000, b"\n" * 200_000):
         _, (value,) = load_call(call(b"<param><value>" + text + b"</value></param>"))
         assert isinstance(value, str)

@@ -264,6 +264,6 @@ def test_nonsense_is_refused(document: bytes, reason: str) -> None:
         load_response(document)
 
 
-def test_a_response_is_no_call() -> None:
+def test_a_response_is_not_a_call() -> None:
     with pytest.raises(RemoteProtocolError, match="not a method call"):
         load_call(dump_response(1))

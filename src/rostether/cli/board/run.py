@@ -162,7 +162,7 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             uart=start.uart,
             realtime=not start.is_fast,
             seed=start.seed,
-            words=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
+            commands=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
         )
 
     async def obey(line: str) -> None:

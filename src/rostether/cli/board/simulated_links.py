@@ -103,7 +103,7 @@ async def _start_avr(
         size = await asyncio.to_thread(measure_program, program, link.board)
         board = await stack.enter_async_context(
             await SimulatedBoard.start(
-                program, board=link.board, words=link.words, uart=link.uart, seed=link.seed
+                program, board=link.board, commands=link.words, uart=link.uart, seed=link.seed
             )
         )
     reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}")

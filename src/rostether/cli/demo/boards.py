@@ -95,7 +95,7 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
         program = await find_program(SKETCH, UNO)
         size = await asyncio.to_thread(measure_program, program, UNO)
         started = await SimulatedBoard.start(
-            program, board=UNO, words=[_range_command(obstacle, loop.time())]
+            program, board=UNO, commands=[_range_command(obstacle, loop.time())]
         )
     async with started as board:
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.rospy.actionlib.action_types import GoalID, GoalStatus
-from rostether.rospy.actionlib.comm_states import ENDED, WAYS, CommState
+from rostether.rospy.actionlib.comm_states import ENDED, TRANSITIONS, CommState
 from rostether.rospy.client.logs import logdebug, logerr, logwarn
 
 _KNOWN_STATUSES = range(GoalStatus.PENDING, GoalStatus.RECALLED + 1)
@@ -84,15 +84,15 @@ class FollowedGoal:
         if status not in _KNOWN_STATUSES:
             logerr("Got an unknown status from the ActionServer: %i", status)
             return
-        way = WAYS[self.state].get(status)
-        if way is None:
+        states = TRANSITIONS[self.state].get(status)
+        if states is None:
             logerr(
                 "Invalid goal status transition from %s to %s",
                 CommState.to_string(self.state),
                 GoalStatus.to_string(status),
             )
             return
-        for state in way:
+        for state in states:
             self.transition_to(state)
 
 

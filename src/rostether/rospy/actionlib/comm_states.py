@@ -51,11 +51,11 @@ ENDED = frozenset(
 _PENDING, _ACTIVE, _RESULT = CommState.PENDING, CommState.ACTIVE, CommState.WAITING_FOR_RESULT
 _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING
 
-_Ways = dict[int, tuple[int, ...]]
+_Transitions = dict[int, tuple[int, ...]]
 
 # The states from a pending goal to each status; states that were too short to be published are included,
 # because programs rely on them.
-_FROM_PENDING: _Ways = {
+_FROM_PENDING: _Transitions = {
     GoalStatus.PENDING: (),
     GoalStatus.ACTIVE: (_ACTIVE,),
     GoalStatus.REJECTED: (_RESULT,),
@@ -66,7 +66,7 @@ _FROM_PENDING: _Ways = {
     GoalStatus.ABORTED: (_ACTIVE, _RESULT),
     GoalStatus.PREEMPTING: (_ACTIVE, _PREEMPTING),
 }
-_FROM_CANCELLING: _Ways = {
+_FROM_CANCELLING: _Transitions = {
     GoalStatus.REJECTED: (_RESULT,),
     GoalStatus.RECALLING: (_RECALLING,),
     GoalStatus.RECALLED: (_RECALLING, _RESULT),
@@ -79,7 +79,7 @@ _ENDED_BY_SERVER = (GoalStatus.REJECTED, GoalStatus.RECALLED, GoalStatus.PREEMPT
 _ENDED_BY_WORK = (GoalStatus.SUCCEEDED, GoalStatus.ABORTED)
 
 # State and status to the states that follow; a status that is missing does not fit the state.
-WAYS: dict[int, _Ways] = {
+TRANSITIONS: dict[int, _Transitions] = {
     CommState.WAITING_FOR_GOAL_ACK: {
         **_FROM_PENDING,
         GoalStatus.PENDING: (_PENDING,),

@@ -23,7 +23,7 @@ from rostether.errors import BoardError, ConfigError
 from rostether.simulation.opencr.drive_base import DriveBase
 from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
-from rostether.transports.pty_link import check_link, place_link, remove_link
+from rostether.transports.pty_link import PtyLink
 
 # Its last lines have the reason for its end.
 _MAX_OUTPUT_BYTES = 4096
@@ -62,7 +62,7 @@ class OpenCrBoard:
         base: DriveBase,
         lines: dict[str, socket.socket],
         terminal: str,
-        link_path: Path | None,
+        link: PtyLink,
     ) -> None:
         self.base = base
         self.pins: dict[int, bool] = {}
@@ -73,7 +73,7 @@ class OpenCrBoard:
         self._process = process
         self._lines = lines
         self._terminal = terminal
-        self._link_path = link_path
+        self._link = link
         self._unfinished = b""
         self._unfinished_text = b""
         self._sent_motion_line = ""
@@ -93,8 +93,7 @@ class OpenCrBoard:
         The robot has a full battery and does not move. Raises BoardError if the program does not start,
         TransportOpenError for a `link_path` in use.
         """
-        if link_path is not None:
-            check_link(link_path)
+        link = PtyLink(link_path)
         base = DriveBase(clock if clock is not None else asyncio.get_running_loop().time)
         with contextlib.ExitStack() as theirs:
             master, slave = os.openpty()
@@ -126,9 +125,8 @@ class OpenCrBoard:
                 for line in ours.values():
                     line.close()
                 raise BoardError(f"cannot run {program}: {error.strerror}; build the sketch again") from error
-        if link_path is not None:
-            place_link(link_path, terminal)
-        return cls(process, base, ours, terminal, link_path)
+        link.place(terminal)
+        return cls(process, base, ours, terminal, link)
 
     @property
     def address(self) -> str:
@@ -182,9 +180,7 @@ class OpenCrBoard:
 
     async def close(self) -> None:
         """End it and wait for that. Idempotent."""
-        if self._link_path is not None:
-            remove_link(self._link_path, self._terminal)
-            self._link_path = None
+        self._link.remove()
         for line in self._lines.values():
             if line.fileno() >= 0:
                 self._loop.remove_reader(line)

@@ -1,6 +1,6 @@
 """A simulated AVR board that runs real firmware in a separate process.
 
-async with await SimulatedBoard.start(elf, board="uno", words=["adc A0=2.5"]) as board:
+async with await SimulatedBoard.start(elf, board="uno", commands=["adc A0=2.5"]) as board:
     ...                                   # `board.address` is what `serve` opens
     await board.wait_for_pin("D13", True)
     assert await board.servo_angle("D9") == approx(90, abs=1)
@@ -23,7 +23,7 @@ from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.compile import build_runner
 from rostether.simulation.simavr.kinds import kind_of
 from rostether.simulation.simavr.runner_process import RunnerProcess
-from rostether.transports.pty_link import check_link, place_link, remove_link
+from rostether.transports.pty_link import PtyLink
 
 DEFAULT_TIMEOUT_S = 10.0
 # Enough for ten seconds of a watched pin that toggles at 1 kHz; older events are dropped.
@@ -43,7 +43,7 @@ class SimulatedBoard:
 
     words = frozenset(("adc", "aref", "attitude", "fault", "pin", "power", "range", "reset", "wheels"))
 
-    def __init__(self, process: RunnerProcess, ready: BoardEvent, link_path: Path | None) -> None:
+    def __init__(self, process: RunnerProcess, ready: BoardEvent, link: PtyLink) -> None:
         self.kind: str = ready["board"]
         self.mcu: str = ready["mcu"]
         self.note: str = ready.values.get("note", "")
@@ -51,7 +51,7 @@ class SimulatedBoard:
         self.serial = bytearray()
         self._process = process
         self._terminal: str = ready["link"]
-        self._link_path = link_path
+        self._link = link
         self._listeners: list[Callable[[BoardEvent], None]] = []
         self._levels: dict[str, bool] = {}
         process.on_event = self._handle_event
@@ -69,18 +69,17 @@ class SimulatedBoard:
         realtime: bool = True,
         paused: bool = False,
         seed: int = 0,
-        words: Sequence[str] = (),
+        commands: Sequence[str] = (),
     ) -> Self:
         """Start an ELF or HEX file on a board.
 
-        `words` are commands to execute before its first instruction. With `realtime=False` it runs as
+        `commands` are executed before its first instruction. With `realtime=False` it runs as
         fast as possible, with `paused` only during a `run` command, which makes runs reproducible. `seed`
         sets the noise in RAM.
         Raises BoardError, ConfigError for an unknown board, TransportOpenError for a `link_path` in use.
         """
         kind = kind_of(board)
-        if link_path is not None:
-            check_link(link_path)
+        terminal_link = PtyLink(link_path if link == "pty" else None)
         runner = await in_own_loop(build_runner)
         arguments = [
             "--board",
@@ -93,13 +92,12 @@ class SimulatedBoard:
         arguments += [] if uart is None else ["--uart", str(uart)]
         arguments += [] if realtime else ["--fast"]
         arguments += ["--paused"] if paused else []
-        process, events = await RunnerProcess.start(runner, [*arguments, "--", str(program), *words])
-        made = cls(process, events[0], link_path)
+        process, events = await RunnerProcess.start(runner, [*arguments, "--", str(program), *commands])
+        made = cls(process, events[0], terminal_link)
         for event in events[1:]:
             made._handle_event(event)
         try:
-            if link_path is not None and link == "pty":
-                place_link(link_path, made._terminal)
+            terminal_link.place(made._terminal)
             wrong = next((event for event in events if event.name == "error"), None)
             if wrong is not None:
                 raise BoardError(f"{wrong['line']}: {wrong['text']}")
@@ -265,8 +263,7 @@ class SimulatedBoard:
     async def close(self) -> None:
         """End the board, and remove its files."""
         await self._process.close()
-        if self._link_path is not None:
-            remove_link(self._link_path, self._terminal)
+        self._link.remove()
 
     async def __aenter__(self) -> Self:
         return self

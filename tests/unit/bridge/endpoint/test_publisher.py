@@ -160,7 +160,7 @@ async def test_a_detached_endpoint_receives_nothing_and_stays_advertised(world: 
     assert "/chatter" not in world.network.snapshot().topics
 
 
-async def test_attached_anew_it_takes_the_new_id_only(world: World) -> None:
+async def test_attached_again_it_takes_the_new_id_only(world: World) -> None:
     old, new, chatter = FakeLine(), FakeLine(), endpoint(world)
     chatter.attach(old, topic_info(topic_id=125))
     chatter.attach(new, topic_info(topic_id=126))

@@ -162,7 +162,7 @@ async def test_another_type_replaces_the_topic(world: Table) -> None:
     assert len(list(world.table)) == 1
 
 
-async def test_a_sketch_flashed_anew_gives_a_name_another_type_under_another_id(world: Table) -> None:
+async def test_a_sketch_flashed_again_gives_a_name_another_type_under_another_id(world: Table) -> None:
     heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
     world.table.announce_topic(publisher("gone", topic_id=125), line)
     world.table.announce_topic(publisher("level", topic_id=126), line)

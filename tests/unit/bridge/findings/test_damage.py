@@ -19,7 +19,7 @@ def test_the_share_is_reported() -> None:
     assert finding.seen.startswith("2 % of the frames are damaged (10 of the last 500)")
 
 
-def test_the_rest_of_a_damaged_frame_is_no_second_one() -> None:
+def test_the_rest_of_a_damaged_frame_is_not_a_second_one() -> None:
     damage = Damage()
     damage.find(0, 0.0)
     for number in range(5):

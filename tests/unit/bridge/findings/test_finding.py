@@ -47,6 +47,6 @@ def test_every_finding_has_a_test_with_its_real_cause(code: Code) -> None:
     assert sign in file.read_text()
 
 
-def test_every_finding_stands_in_the_documentation() -> None:
+def test_every_finding_is_in_the_documentation() -> None:
     listed = {line.split("`")[1] for line in PAGE.read_text().splitlines() if line.startswith("| `")}
     assert listed == {str(code) for code in Code}

@@ -45,14 +45,14 @@ def test_a_request_that_was_overdue_counts_whatever_was_asked() -> None:
     assert speed.late_s == pytest.approx(0.9)
 
 
-def test_one_request_that_was_lost_is_no_rule() -> None:
+def test_one_request_that_was_lost_is_not_a_rule() -> None:
     speed = LoopSpeed()
     for time_s in (0.0, 2.5, 5.0, 10.0, 12.5, 15.0):
         speed.request(time_s, 0)
     assert speed.find(is_listener=True) is None
 
 
-def test_after_a_reset_it_begins_anew() -> None:
+def test_after_a_reset_it_begins_again() -> None:
     speed = LoopSpeed()
     speed.request(0.0, 0)
     speed.forget()

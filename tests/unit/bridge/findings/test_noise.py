@@ -19,7 +19,7 @@ def test_what_sketches_print_is_text(text: str) -> None:
     assert is_text(text.encode())
 
 
-def test_noise_is_no_text() -> None:
+def test_noise_is_not_text() -> None:
     rng = random.Random(5)
     assert sum(is_text(rng.randbytes(16)) for _ in range(10_000)) < 3
     assert not is_text(b"\xf8\x00\x86\xfe" * 20)
@@ -40,7 +40,7 @@ def test_text_that_comes_byte_by_byte_between_frames_is_found() -> None:
     assert b"distance" in watched.text
 
 
-def test_the_rest_of_a_damaged_announcement_is_no_text_of_the_sketch() -> None:
+def test_the_rest_of_a_damaged_announcement_is_not_text_of_the_sketch() -> None:
     watched = Noise()
     watched.handle_discarded(noise(b"std_msgs/Em"), 1.0, is_alive=True)
     assert watched.text_count == 0
@@ -89,7 +89,7 @@ def test_crash_output_of_a_board(line: str) -> None:
     assert Noise().crash_line() is None
 
 
-def test_sound_headers_of_another_version_are_no_noise() -> None:
+def test_valid_headers_of_another_version_are_not_noise() -> None:
     frame = bytearray(encode_frame(125, b"hello"))
     frame[1] = 0xFC
     watched = Noise()

@@ -25,7 +25,7 @@ def test_output_of_the_board_is_reported() -> None:
     assert "Brownout detector" in finding.seen
 
 
-def test_the_button_pressed_now_and_then_is_no_loop() -> None:
+def test_the_reset_button_pressed_sometimes_is_not_a_reset_loop() -> None:
     resets = Resets()
     for number in range(20):
         resets.happened(number * WINDOW_S / 2.2)

@@ -14,7 +14,7 @@ def test_growth_per_second() -> None:
     assert told["a"] == pytest.approx(20.0)
 
 
-def test_a_counter_that_is_new_or_began_anew() -> None:
+def test_a_counter_that_is_new_or_began_again() -> None:
     rates: Rates[str] = Rates()
     rates.update({"a": 1000}, 0.0)
     assert rates.update({"a": 10, "b": 5}, 1.0) == {"a": 10.0, "b": 5.0}

@@ -95,7 +95,7 @@ def test_a_healthy_board_once_a_second() -> None:
     run(main())
 
 
-def test_a_finding_is_reported_once_and_stands_in_the_status() -> None:
+def test_a_finding_is_reported_once_and_is_in_the_status() -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()

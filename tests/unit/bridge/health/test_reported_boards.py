@@ -16,7 +16,7 @@ class Clock:
         return self.now_s
 
 
-def test_a_board_that_falls_silent_is_gone_then_forgotten() -> None:
+def test_a_board_that_falls_silent_disconnects_and_is_forgotten() -> None:
     clock = Clock()
     seen = BoardsSeen(clock)
     seen.add_status(ARM)

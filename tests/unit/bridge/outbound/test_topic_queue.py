@@ -32,7 +32,7 @@ def test_drop_oldest_keeps_the_newest_whatever_its_size() -> None:
     assert (lane.dropped_count, lane.queued_bytes) == (2, 10_000)
 
 
-def test_a_source_is_paused_and_let_go() -> None:
+def test_a_source_is_paused_and_released() -> None:
     lane, first, second = TopicQueue(125, "chatter"), FakeSource(), FakeSource()
     lane.pause_source()
     assert not lane.source_paused

@@ -297,7 +297,7 @@ async def test_a_program_that_really_has_the_port_open_is_not_disturbed(site: Si
             program.communicate()
 
 
-async def test_what_is_no_board_is_asked_once_and_again_after_another_program_used_it(
+async def test_what_is_not_a_board_is_asked_once_and_again_after_another_program_used_it(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.rosserial.baud_probe.BOOT_S", 0.1)

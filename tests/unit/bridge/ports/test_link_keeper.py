@@ -121,7 +121,7 @@ async def test_a_file_sets_the_speed_that_the_address_leaves_open(
     await bench.end()
 
 
-async def test_a_refusal_right_after_plugging_in_is_no_news(
+async def test_a_refusal_right_after_plugging_in_is_not_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     port = tmp_path / "ttyACM0"

@@ -36,7 +36,9 @@ def test_the_word_behind_ros2_counts_only_as_a_middleware(typed: list[str], read
 
 
 @pytest.mark.parametrize("name", ["dds", "CycloneDDS", "rmw_fastrtps_cpp"])
-def test_another_middleware_is_no_address_and_no_topic(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_another_middleware_is_neither_an_address_nor_a_topic(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     for words in (("serve", "/dev/ttyACM0", "--ros2", name), ("topic", "echo", "--ros2", name)):
         assert main(words) == 2
         line = capsys.readouterr().err.splitlines()[-1]

@@ -90,7 +90,7 @@ async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: P
     assert reporter.lines[0][1].startswith(f"cannot write {tmp_path / 'gone'}")
 
 
-def test_a_file_is_no_folder_for_bags(tmp_path: Path, shell: Shell) -> None:
+def test_a_file_is_not_a_folder_for_bags(tmp_path: Path, shell: Shell) -> None:
     line = shell.failure("serve", "tcp://:0", "--record", str(tmp_path / "problem.jsonl"))
     assert "--record-line FILE records the bytes on the boards' lines" in line
 

@@ -112,7 +112,7 @@ def test_what_makes_no_sense_is_reported(tmp_path: Path, bag: Path, shell: Shell
 
 
 @pytest.mark.parametrize("verb", [("bag", "info"), ("bag", "check"), ("bag", "reindex"), ("export",)])
-def test_what_is_no_file_is_refused_at_once(tmp_path: Path, shell: Shell, verb: tuple[str, ...]) -> None:
+def test_what_is_not_a_file_is_refused_at_once(tmp_path: Path, shell: Shell, verb: tuple[str, ...]) -> None:
     for name in ("a.bag", "a.mcap", "a.db3", "folder/metadata.yaml", "folder/a_0.mcap"):
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)
@@ -242,7 +242,7 @@ def test_filter_shows_what_is_asked(bag: Path, tmp_path: Path, shell: Shell) -> 
     )
 
 
-def test_a_chunk_that_is_broken_is_left_out_by_reindex(tmp_path: Path, shell: Shell) -> None:
+def test_a_chunk_that_is_broken_is_skipped_by_reindex(tmp_path: Path, shell: Shell) -> None:
     path = tmp_path / "a.bag"
     write_bag(path, compression="bz2")
     data = bytearray(path.read_bytes())
@@ -255,7 +255,9 @@ def test_a_chunk_that_is_broken_is_left_out_by_reindex(tmp_path: Path, shell: Sh
     assert 15 < len(list(BagReader(path).messages())) < 30
 
 
-def test_a_terminal_shows_where_it_is_and_space_pauses_and_goes_on(graph: LiveGraph, tmp_path: Path) -> None:
+def test_a_terminal_shows_where_it_is_and_space_pauses_and_continues(
+    graph: LiveGraph, tmp_path: Path
+) -> None:
     bag = tmp_path / "long.bag"
     write_bag(bag, 3000)
     heard: list[bytes] = []

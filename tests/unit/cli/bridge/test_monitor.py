@@ -80,7 +80,7 @@ async def test_one_table_and_objects_without_a_terminal(
         assert json.loads(capsys.readouterr().out)["is_well"] is True
 
 
-async def test_json_goes_on(tmp_path: Path) -> None:
+async def test_json_continues(tmp_path: Path) -> None:
     async with bridged(tmp_path) as environ, started("monitor", "--json", **environ) as monitor:
         await monitor.wait_for(lambda lines: len(lines) >= 3)
         assert {json.loads(line)["name"] for line in monitor.lines} == {"/arm"}

@@ -58,7 +58,7 @@ def test_totals_where_there_is_room() -> None:
     assert row.split()[-2:] == ["3.4M", "12k"]
 
 
-def test_what_does_not_fit_a_narrow_window_is_left_out_whole() -> None:
+def test_what_does_not_fit_a_narrow_window_is_skipped_whole() -> None:
     head, row, *_ = text(ARM, width=60)
     assert head.split() == ["BOARD", "STATE", "UP", "IN/s", "OUT/s", "DROPS", "BAD"]
     assert row.split() == ["/arm", "connected", "1h02m", "1.2k", "84", "4", "0"]
@@ -147,7 +147,7 @@ def status(name: str = "arm: rosserial", **values: str) -> Any:
     )
 
 
-def test_statuses_of_others_are_left_out() -> None:
+def test_statuses_of_others_are_skipped() -> None:
     other = status("hokuyo: rosserial")
     other.values = []
     array = SimpleNamespace(status=[status("camera: frequency"), other, status()])

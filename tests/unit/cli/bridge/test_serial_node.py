@@ -41,7 +41,7 @@ def test_link(link: str, expected: str) -> None:
 
 
 @pytest.mark.parametrize("baud", ["fast", "", True, -9600, 9.5])
-def test_baud_that_is_no_number(baud: object) -> None:
+def test_baud_that_is_not_a_number(baud: object) -> None:
     with pytest.raises(ConfigError, match="baud must be a whole number"):
         _link(baud=baud)
 

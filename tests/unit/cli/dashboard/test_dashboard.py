@@ -238,7 +238,7 @@ def test_its_address(host: str, token: str, url: str) -> None:
     assert page_url(host, 8765, token) == url
 
 
-async def test_a_browser_that_does_not_start_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_browser_that_does_not_start_is_not_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(_: str) -> bool:
         raise OSError("no browser")
 

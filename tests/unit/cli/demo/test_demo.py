@@ -70,7 +70,7 @@ def test_the_user_s_own_settings_do_not_spoil_the_demo(
         assert "Hz" in read_until(process, "discarded")[-1]
 
 
-def test_demos_side_by_side_have_masters_of_their_own(shell: Shell) -> None:
+def test_demos_side_by_side_have_separate_masters(shell: Shell) -> None:
     port = free_port()
     with (
         running(*PYTHON_DEMO, "--ros1", "--no-page", ROS_MASTER_URI=f"http://localhost:{port}") as first,

@@ -13,7 +13,7 @@ REPOSITORY = Path(__file__).parents[4]
 
 
 @pytest.mark.parametrize(("status", "made"), [(130, 0), (0, 0), (3, 2)])
-def test_an_interrupted_demo_is_no_error_of_make(status: int, made: int, tmp_path: Path) -> None:
+def test_an_interrupted_demo_is_not_an_error_of_make(status: int, made: int, tmp_path: Path) -> None:
     program = tmp_path / "bin" / "rostether"
     program.parent.mkdir()
     program.write_text(f"#!/bin/sh\nexit {status}\n")

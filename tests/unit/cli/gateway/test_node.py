@@ -34,7 +34,7 @@ def test_words_of_a_gateway() -> None:
         read_gateway_words(["a:=b c"], {})
 
 
-async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_no_obstacle() -> None:
+async def test_a_second_gateway_ends_no_other_and_a_killed_one_is_replaced() -> None:
     port = str(free_port())
     master = await MasterServer.start(host="127.0.0.1", port=0)
     to_master = ("--master", master.uri)
@@ -83,7 +83,7 @@ def test_whole_numbers_and_what_is_left_open(value: object, number: int) -> None
 
 
 @pytest.mark.parametrize("value", ["many", -1, 1.5, True, [], "1e3"])
-def test_what_is_no_whole_number_is_named(value: object) -> None:
+def test_what_is_not_a_whole_number_is_named(value: object) -> None:
     with pytest.raises(ConfigError, match="~size must be a whole number, not "):
         whole_number({"size": value}, "size", 5)
 

@@ -49,7 +49,7 @@ def test_places(text: str, place: tuple[str, int]) -> None:
 
 
 @pytest.mark.parametrize("text", ["localhost:many", "99999", "host:99999", "host:"])
-def test_what_is_no_place(text: str) -> None:
+def test_what_is_not_a_place(text: str) -> None:
     with pytest.raises(
         ConfigError, match=r"is not a place to listen on; write HOST:PORT, e.g. 0\.0\.0\.0:9090"
     ):
@@ -58,7 +58,7 @@ def test_what_is_no_place(text: str) -> None:
 
 @pytest.mark.parametrize("command", ["rosbridge", "foxglove"])
 @pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
-def test_what_is_no_origin(command: str, origin: str, shell: Shell) -> None:
+def test_what_is_not_an_origin(command: str, origin: str, shell: Shell) -> None:
     assert "write it like https://panel.example or" in shell.failure(command, "--origin", origin)
 
 

@@ -137,7 +137,9 @@ def test_init_workspace(workspace: Path, shell: Shell, monkeypatch: pytest.Monke
     assert "already exists" in shell.failure("pkg", "init-workspace")
 
 
-def test_a_folder_that_is_no_workspace(tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_is_not_a_workspace(
+    tmp_path: Path, shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert "has no folder src" in shell.failure("pkg", "make")
 

@@ -99,7 +99,7 @@ def test_info_quiet_does_not_ask_the_node(gone: str, shell: Shell) -> None:
     assert record["publications"] == [{"topic": "/chatter", "type": "std_msgs/String"}]
 
 
-def test_info_of_a_node_that_is_gone_or_unknown(gone: str, talker: str, shell: Shell) -> None:
+def test_info_of_an_ended_or_unknown_node(gone: str, talker: str, shell: Shell) -> None:
     assert "cannot be reached" in shell.failure("node", "info", gone)
     assert shell.failure("node", "info", "tallker") == ("no node is called /tallker; did you mean /talker?")
 

@@ -79,7 +79,7 @@ def test_a_mapping_changes_what_it_names(graph: LiveGraph, shell: Shell) -> None
         ("a\x01b", "not YAML"),
     ],
 )
-def test_what_is_no_parameter_is_refused_in_one_line(
+def test_what_is_not_a_parameter_is_refused_in_one_line(
     graph: LiveGraph, shell: Shell, text: str, words: str
 ) -> None:
     assert words in shell.failure("param", "set", "/x", text)

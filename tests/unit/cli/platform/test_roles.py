@@ -47,7 +47,7 @@ async def test_arduino_control(master: MasterServer, graph: TypedGraph) -> None:
             publishing.cancel()
 
 
-async def test_a_parameter_that_is_no_number(master: MasterServer) -> None:
+async def test_a_parameter_that_is_not_a_number(master: MasterServer) -> None:
     async with started("role", "arduino-control", "_deadzone:=wide", ROS_MASTER_URI=master.uri) as node:
         assert await asyncio.wait_for(node.process.wait(), 60) == 1
         await node.wait_for("rostether: error: ~deadzone must be a number, not 'wide'")

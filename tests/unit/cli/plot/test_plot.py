@@ -80,7 +80,7 @@ def test_lines_of_a_plot() -> None:
     assert re.fullmatch(r" +0 s +5 s +10 s", lines[-2])
 
 
-def test_curves_have_colors_of_their_own() -> None:
+def test_curves_have_their_own_colors() -> None:
     curves = [Curve("/a", [(0.0, 0.0)]), Curve("/b", [(1.0, 1.0)])]
     text = as_colored(plot_lines(curves, 40, 10, Axis(0.0, 1.0)), "end")
     styles = {str(span.style) for span in text.spans}

@@ -53,7 +53,7 @@ async def test_a_demo_without_zenoh_reports_the_missing_package(monkeypatch: pyt
 
 
 @pytest.mark.skipif(importlib.util.find_spec("zenoh") is None, reason="zenoh is not installed")
-async def test_a_demo_that_cannot_join_ros2_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_demo_that_cannot_join_ros2_continues(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", "900")
     lines = RecentLines()
     async with AsyncExitStack() as stack:

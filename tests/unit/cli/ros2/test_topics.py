@@ -126,7 +126,7 @@ def test_echo_cuts_what_is_long(world: ZenohWorld, shell: Shell) -> None:
     assert shell.output(*once, "--no-str") == "data: '<string length: <200>>'\n---\n"
 
 
-def test_ros2_habits_are_taken(world: ZenohWorld, shell: Shell) -> None:
+def test_ros2_options_are_accepted(world: ZenohWorld, shell: Shell) -> None:
     habits = ("--qos-profile", "sensor_data", "--qos-reliability", "best_effort", "--no-daemon")
     assert shell.output("topic", "echo", "--once", *habits, "/name") == "data: arm\n---\n"
     assert "/imu" in shell.output("topic", "list", "--no-daemon", "--spin-time", "1")

@@ -140,7 +140,7 @@ def test_unknown_services_name_the_nearest(board: Ros1Graph, shell: Shell) -> No
     assert "`rostether service list`" in shell.failure("service", "type", "/x")
 
 
-def test_a_service_that_is_gone_is_reported(board: Ros1Graph, gone: str, shell: Shell) -> None:
+def test_a_service_that_has_ended_is_reported(board: Ros1Graph, gone: str, shell: Shell) -> None:
     for verb in ("type", "args", "call"):
         assert "`rostether node cleanup`" in shell.failure("service", verb, gone)
     result = shell("service", "info", gone)

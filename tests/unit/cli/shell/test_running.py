@@ -56,7 +56,7 @@ def test_a_service_finishes_its_work_before_it_ends(graph: LiveGraph) -> None:
 
 
 @pytest.mark.parametrize("command", [["msg", "list"], ["msg", "show", "--help"], ["topic", "list"]])
-def test_a_reader_that_has_had_enough_is_no_error(graph: LiveGraph, command: list[str]) -> None:
+def test_a_reader_that_stops_early_is_not_an_error(graph: LiveGraph, command: list[str]) -> None:
     with running(*command, ROS_MASTER_URI=graph.uri) as process:
         assert process.stdout is not None
         process.stdout.close()
@@ -304,7 +304,7 @@ async def test_without_a_manager() -> None:
     assert await reporting(main()) == 3
 
 
-async def test_a_manager_that_is_gone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+async def test_a_manager_that_has_ended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "gone"))
 
     async def main() -> int:

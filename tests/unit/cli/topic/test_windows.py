@@ -50,7 +50,7 @@ def test_the_window_forgets_the_oldest() -> None:
     assert (spread.mean_s, spread.window) == (0.5, 3)
 
 
-def test_a_clock_that_goes_back_starts_anew() -> None:
+def test_a_clock_that_goes_back_starts_again() -> None:
     rates = steady(5, 1.0)
     rates.add(0.0)
     assert rates.report() is None

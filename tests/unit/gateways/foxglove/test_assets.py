@@ -96,7 +96,7 @@ async def test_a_workspace_whose_files_are_links_to_their_sources(folder: Path, 
             await assets.read(f"package://arm/{name}")
 
 
-async def test_packages_are_searched_while_the_loop_goes_on(
+async def test_packages_are_searched_while_the_loop_continues(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = LoopWatch(monkeypatch)

@@ -324,7 +324,7 @@ async def test_all_meshes_of_a_robot_come_however_large_and_many_they_are(tmp_pa
         assert {len(each["data"]) for each in client.of("fetchAssetResponse")} == {6 << 20}
 
 
-async def test_a_client_that_does_not_read_loses_messages_and_delays_no_other() -> None:
+async def test_a_client_that_does_not_read_loses_messages_and_does_not_delay_others() -> None:
     limits = FoxgloveLimits(waiting_bytes=4 << 20)
     async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
         publisher = await there.robot.advertise("/flood", string_type(there))

@@ -41,7 +41,7 @@ def test_messages_are_written() -> None:
 
 
 @pytest.mark.parametrize("text", [b"{", b"[]", b"1", b"\xff", b"[" * 100_000])
-def test_what_is_no_message_is_reported(text: bytes) -> None:
+def test_what_is_not_a_message_is_reported(text: bytes) -> None:
     with pytest.raises(SerializationError, match="std_msgs/String"):
         decode_json(STORE.codec("std_msgs/String"), text)
 

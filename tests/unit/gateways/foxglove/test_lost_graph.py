@@ -12,7 +12,7 @@ from rostether.serde.store import TypeStore
 from unit.gateways.foxglove.protocol_client import Stage
 
 
-async def test_clients_are_told_that_the_master_is_away_until_it_is_back() -> None:
+async def test_clients_get_a_report_while_the_master_is_away() -> None:
     master = await MasterServer.start(port=0)
     graph = await join_ros1("/foxglove", master_uri=master.uri)
     store, network = TypeStore(Registry()), MemoryNetwork()

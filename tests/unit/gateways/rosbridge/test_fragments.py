@@ -41,7 +41,7 @@ def test_messages_may_be_mixed_and_pieces_come_twice() -> None:
     assert joiner.add(first[1]) == "abcdef"
 
 
-def test_another_total_begins_anew() -> None:
+def test_another_total_begins_again() -> None:
     joiner = Defragmenter(100)
     assert joiner.add(pieces("abcdef", 3)[0]) is None
     again = pieces("uvwxyz", 2)
@@ -92,6 +92,6 @@ def test_empty_pieces_take_room_as_well(monkeypatch: pytest.MonkeyPatch) -> None
         {"id": "a", "data": "", "num": 0, "total": 10**9},
     ],
 )
-def test_what_is_no_fragment_is_reported(fields: dict[str, Any]) -> None:
+def test_what_is_not_a_fragment_is_reported(fields: dict[str, Any]) -> None:
     with pytest.raises(RemoteProtocolError, match="fragment: "):
         Defragmenter(100).add(fields)

@@ -63,7 +63,7 @@ def test_a_topic_that_is_discarded_leaves_nothing_behind() -> None:
     assert drain(outbox) == [b"3"]
 
 
-def test_statuses_beyond_the_bound_are_left_out() -> None:
+def test_statuses_beyond_the_bound_are_skipped() -> None:
     outbox = Outbox[Topic](1000, 1 << 20)
     for number in range(MAX_STATUSES + 10):
         outbox.answer(str(number), is_status=True)

@@ -34,7 +34,7 @@ def request(**fields: Any) -> Request:
         ('{"op": ' + "9" * 5000 + "}", "this is not JSON"),
     ],
 )
-async def test_what_is_no_message_is_refused_in_one_short_line(data: str | bytes, reason: str) -> None:
+async def test_what_is_not_a_message_is_refused_in_one_short_line(data: str | bytes, reason: str) -> None:
     with pytest.raises(RemoteProtocolError, match=reason) as caught:
         await read_request(data)
     assert len(str(caught.value)) < 250
@@ -69,7 +69,7 @@ def test_flags(given: object, read: bool) -> None:
     assert request(latch=given).flag("latch") is read
 
 
-def test_a_flag_is_no_text() -> None:
+def test_a_flag_is_not_text() -> None:
     with pytest.raises(RemoteProtocolError, match="latch"):
         request(latch="yes").flag("latch")
 
@@ -82,7 +82,7 @@ def test_an_id_is_a_text_or_a_number(given: object, read: object) -> None:
     assert request(id=given).id == read
 
 
-def test_what_would_be_kept_by_the_thousand_is_no_book() -> None:
+def test_names_that_are_stored_are_limited() -> None:
     book = "x" * (MAX_WORD_CHARACTERS + 1)
     assert request(id=book[1:], topic=book[1:]).word("topic") == request(id=book[1:]).id
     with pytest.raises(

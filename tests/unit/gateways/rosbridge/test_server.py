@@ -434,7 +434,7 @@ async def test_the_log_is_not_flooded_by_mistakes(there: World) -> None:
     assert there.warnings[-1].endswith("further errors are sent only to the client")
 
 
-async def test_text_that_is_no_utf8_ends_that_client_alone(there: World) -> None:
+async def test_text_that_is_not_utf8_ends_only_that_client(there: World) -> None:
     async with there.client() as other, there.client() as client:
         # A text frame, masked with zeros, that holds no UTF-8.
         client.connection.transport.write(b"\x81\x82\0\0\0\0\xff\xfe")
@@ -458,7 +458,7 @@ async def test_messages_that_are_too_large_end_that_client_alone() -> None:
         assert "the message has more than 1000 bytes" in (await other.settled())[0]["msg"]
 
 
-async def test_a_slow_reader_loses_the_oldest_with_a_report_and_delays_no_other(there: World) -> None:
+async def test_a_slow_reader_loses_the_oldest_with_a_report_and_does_not_delay_others(there: World) -> None:
     publisher = await there.graph.publisher("/chatter", STRING)
     async with there.client() as slow, there.client() as fast:
         for client in (slow, fast):

@@ -61,12 +61,12 @@ def test_a_clock_that_stands_still_lets_nothing_speed_up(commands: DriveCommands
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_what_is_no_number_is_refused(commands: DriveCommands, value: float) -> None:
+def test_what_is_not_a_number_is_refused(commands: DriveCommands, value: float) -> None:
     with pytest.raises(SerializationError, match="not NaN or infinity"):
         commands.limit(twist(value), 0.0)
 
 
-def test_a_stop_after_it_starts_anew(commands: DriveCommands) -> None:
+def test_a_stop_after_it_starts_again(commands: DriveCommands) -> None:
     message = twist(1.0)
     commands.limit(message, 0.0)
     commands.stop(message)

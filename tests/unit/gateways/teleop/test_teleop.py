@@ -24,7 +24,7 @@ def test_a_command_that_is_not_repeated_becomes_one_stop(lease: CommandLease) ->
     assert lease.driver == "anna"
 
 
-def test_a_command_that_is_repeated_goes_on(lease: CommandLease) -> None:
+def test_a_command_that_is_repeated_continues(lease: CommandLease) -> None:
     for step in range(20):
         assert lease.command("anna", step * 0.05, is_stop=False)
         assert not lease.expire(step * 0.05 + 0.04)

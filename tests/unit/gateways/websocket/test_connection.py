@@ -68,7 +68,7 @@ async def ended(reader: asyncio.StreamReader) -> bytes:
 @pytest.mark.parametrize(
     "noise", [b"\x16\x03\x01\x02\x00", b"GET / HTTP/1.1\r\n\r\n", b"\xff" * 20_000, b"POST /\r\n\r\n"]
 )
-async def test_what_is_no_websocket_is_hung_up_on(noise: bytes) -> None:
+async def test_what_is_not_a_websocket_is_disconnected(noise: bytes) -> None:
     settings = FoxgloveSettings(port=0, limits=FoxgloveLimits(handshake_s=0.2))
     async with stage(settings) as there:
         reader, writer = await open_connection(there.gateway.port, noise)
@@ -150,7 +150,7 @@ async def test_encrypted_clients_are_served_at_once(tmp_path: Path) -> None:
         assert {each.split()[1] for each in answers} == {b"101"}
 
 
-async def test_plain_http_on_an_encrypted_port_is_told_to_use_https(tmp_path: Path) -> None:
+async def test_plain_http_on_an_encrypted_port_gets_the_hint_to_use_https(tmp_path: Path) -> None:
     certificate, key = _certificate(tmp_path)
     async with stage(FoxgloveSettings(port=0, certificate=certificate, key=key)) as there:
         reader, writer = await open_connection(

@@ -45,7 +45,7 @@ def test_a_viewer_may_connect_where_a_gateway_is_made_for_it(origin: str) -> Non
 
 
 @pytest.mark.parametrize("origin", ["file://", "chrome-extension://abcdef", "viewer://app", "data:x"])
-def test_what_is_no_web_page_must_be_named(origin: str) -> None:
+def test_what_is_not_a_web_page_must_be_named(origin: str) -> None:
     assert not PageRule(viewer_site="viewer.example").admits(origin, "localhost:1")
     assert PageRule((origin,)).admits(origin, "localhost:1")
 

@@ -73,7 +73,7 @@ async def test_a_large_file_comes_whole() -> None:
         (get("/", host="evil.example:8765"), b"403 Forbidden"),
     ],
 )
-async def test_what_is_no_file_is_answered_in_short(request_bytes: bytes, status: bytes) -> None:
+async def test_what_is_not_a_file_is_answered_briefly(request_bytes: bytes, status: bytes) -> None:
     async with stage(FREE, site=SITE) as there:
         reply = await asked(there, request_bytes)
         assert reply.startswith(b"HTTP/1.1 " + status + b"\r\n")

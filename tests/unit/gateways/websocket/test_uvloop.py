@@ -20,4 +20,4 @@ def test_encrypted_clients_connect_under_uvloop(tmp_path: Path) -> None:
 
 
 def test_plain_http_on_an_encrypted_port_under_uvloop(tmp_path: Path) -> None:
-    uvloop.run(test_connection.test_plain_http_on_an_encrypted_port_is_told_to_use_https(tmp_path))
+    uvloop.run(test_connection.test_plain_http_on_an_encrypted_port_gets_the_hint_to_use_https(tmp_path))

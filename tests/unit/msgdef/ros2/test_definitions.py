@@ -110,7 +110,7 @@ def test_explains_an_unknown_service() -> None:
     assert definitions.has("std_srvs/srv/SetBool")
 
 
-def test_bundled_can_be_left_out() -> None:
+def test_bundled_can_be_omitted() -> None:
     definitions = Ros2Definitions(bundled=False)
     assert definitions.packages() == []
     assert not definitions.has("std_msgs/msg/String")

@@ -175,7 +175,7 @@ def test_the_opencv_of_a_linux_distribution(tmp_path: Path, monkeypatch: pytest.
         CascadeDetector(tmp_path / "nothing.xml")
 
 
-async def test_what_is_no_camera(tmp_path: Path) -> None:
+async def test_what_is_not_a_camera(tmp_path: Path) -> None:
     pytest.importorskip("linuxpy")
     missing = V4l2Camera(tmp_path / "video0", PictureChange())
     with pytest.raises(FileNotFoundError):

@@ -119,7 +119,7 @@ async def test_a_topic_that_does_not_exist(monkeypatch: pytest.MonkeyPatch) -> N
     ("field", "reason"),
     [("distance", "has no field 'distance'"), ("header/frame_id", "frame_id is not a number, but ''")],
 )
-async def test_a_field_that_is_no_number(field: str, reason: str) -> None:
+async def test_a_field_that_is_not_a_number(field: str, reason: str) -> None:
     async with shown_sensors() as shown:
         board = await shown.viewer.publisher("/range", "sensor_msgs/Range", latch=True)
         board.publish(range=0.5)

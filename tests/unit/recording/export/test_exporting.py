@@ -149,7 +149,7 @@ def test_what_is_not_there_is_reported(bag: Path) -> None:
         _csv(bag, "/imu", "colour")
 
 
-def test_messages_that_do_not_fit_are_left_out_and_counted(tmp_path: Path) -> None:
+def test_messages_that_do_not_fit_are_skipped_and_counted(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     writer = BagWriter(path)
     number = writer.add_connection(Connection("/on", STORE.registry.message_type("std_msgs/Bool")))

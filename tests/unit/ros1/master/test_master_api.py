@@ -121,7 +121,7 @@ def test_a_replaced_node_is_shut_down_and_its_subscribers_are_informed(master: M
     assert master.told.pinged == [A, B, new], "each node is looked after from its first registration"
 
 
-def test_a_node_that_is_gone_is_dropped_with_all_it_had(master: Master) -> None:
+def test_a_node_that_has_ended_is_removed_with_its_registrations(master: Master) -> None:
     master.call("registerPublisher", "/p", "/t", "std_msgs/String", A)
     master.call("registerService", "/p", "/s", "rosrpc://a:5", A)
     master.call("registerSubscriber", "/s", "/t", "std_msgs/String", B)

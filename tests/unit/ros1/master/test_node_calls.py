@@ -104,7 +104,9 @@ async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeC
     assert node.heard[1] == ("paramUpdate", "/p/", 2)
 
 
-async def test_a_hanging_node_delays_no_other_and_is_informed_later(node: FakeNode, gone: list[str]) -> None:
+async def test_a_hanging_node_does_not_delay_others_and_is_informed_later(
+    node: FakeNode, gone: list[str]
+) -> None:
     queue = NodeCallQueue(gone.append, first_retry_s=0.02, call_timeout_s=0.5)
     other = FakeNode()
     await other.server.start()
@@ -123,7 +125,7 @@ async def test_a_hanging_node_delays_no_other_and_is_informed_later(node: FakeNo
     await other.server.close()
 
 
-async def test_a_refused_connection_twice_is_a_node_that_is_gone(
+async def test_a_refused_connection_twice_is_a_node_that_has_ended(
     node: FakeNode, queue: NodeCallQueue, gone: list[str]
 ) -> None:
     await node.server.close()

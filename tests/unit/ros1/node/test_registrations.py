@@ -20,7 +20,7 @@ async def nothing() -> None:
 
 @pytest.mark.parametrize("kind", Kind)
 @pytest.mark.parametrize("adds_last", [True, False])
-async def test_the_last_wish_wins(kind: Kind, adds_last: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_last_request_wins(kind: Kind, adds_last: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     # The node has no server, so the master would remove it in the middle of the test.
     monkeypatch.setattr("rostether.ros1.master.node_calls._REFUSALS_UNTIL_GONE", 10**9)
     server = await MasterServer.start(port=0)

@@ -80,7 +80,7 @@ async def stage() -> AsyncIterator[Stage]:
     await master.close()
 
 
-async def test_a_call_connects_anew_each_time(stage: Stage) -> None:
+async def test_a_call_connects_again_each_time(stage: Stage) -> None:
     client = stage.client()
     assert await client.call(b"on") == b"on!"
     assert await client.call(b"off", timeout_s=60) == b"off!"
@@ -183,7 +183,7 @@ async def test_a_server_of_another_type_is_named(stage: Stage) -> None:
         await stage.client().call(b"on")
 
 
-async def test_a_server_that_refuses_or_is_gone_is_unavailable(stage: Stage) -> None:
+async def test_a_server_that_refuses_or_has_ended_is_unavailable(stage: Stage) -> None:
     stage.server.fields = {"error": "[/fake] is not a provider of [/switch]"}
     with pytest.raises(ServiceUnavailableError, match="is not a provider"):
         await stage.client().call(b"on")

@@ -131,7 +131,7 @@ async def test_a_client_that_goes_away_does_not_stop_its_handler(stage: Stage) -
     await until(lambda: stage.handled == [b"on"] and not stage.server._connections)
 
 
-async def test_a_request_beyond_reason_is_answered_with_the_limit(stage: Stage) -> None:
+async def test_a_request_above_the_limit_is_answered_with_the_limit(stage: Stage) -> None:
     peer = await stage.call()
     await peer.read_header()
     peer.writer.write(struct.pack("<I", 0xFFFFFFFF))

@@ -100,7 +100,7 @@ async def test_a_broken_connection_is_made_again() -> None:
         assert stage.inbox.payloads == [b"1", b"2", b"3"]
 
 
-async def test_a_length_beyond_reason_ends_the_connection_not_the_subscription(
+async def test_a_length_above_the_limit_ends_the_connection_not_the_subscription(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     async with fake() as publisher, subscribed() as stage:

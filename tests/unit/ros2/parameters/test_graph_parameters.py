@@ -64,7 +64,7 @@ async def test_refusals_carry_the_nodes_reason() -> None:
         await GraphParameters(ParameterStore(), me).set("/fixed/gain", 1)
 
 
-async def test_a_node_without_parameters_is_named_and_left_out_of_lists() -> None:
+async def test_a_node_without_parameters_is_named_and_skipped_in_lists() -> None:
     network = MemoryNetwork()
     _, me = await network.join("/bare"), await network.join("/me")
     hanging = await network.join("/hanging")

@@ -27,7 +27,7 @@ def entry(node: str) -> str:
         ("/**/arm/*", ["/arm/x", "/a/arm/x"], ["/arm", "/a/arm/x/y"]),
     ],
 )
-def test_whom_an_entry_is_for(pattern: str, matching: list[str], others: list[str]) -> None:
+def test_the_owner_of_an_entry(pattern: str, matching: list[str], others: list[str]) -> None:
     rules = parse_parameters(entry(pattern), "file")
     for node in matching:
         assert rules.for_node(node) == {"a": 1}

@@ -89,7 +89,7 @@ async def test_a_definition_that_is_not_the_installed_one_is_refused() -> None:
     await context.close()
 
 
-async def test_a_payload_that_is_malformed_is_left_out(
+async def test_a_payload_that_is_malformed_is_skipped(
     context: RclpyContext, caplog: pytest.LogCaptureFixture
 ) -> None:
     node, inbox = await context.join("/node"), Inbox()
@@ -105,7 +105,7 @@ async def test_a_payload_that_is_malformed_is_left_out(
 
 
 @pytest.mark.parametrize("message_type", [STRING, ANY_MESSAGE])
-async def test_a_nodes_own_messages_can_be_left_out(context: RclpyContext, message_type: MessageType) -> None:
+async def test_a_nodes_own_messages_can_be_omitted(context: RclpyContext, message_type: MessageType) -> None:
     node, other, inbox = await context.join("/node"), await context.join("/other"), Inbox()
     own, theirs = await node.advertise("/chat", STRING), await other.advertise("/chat", STRING)
     await node.subscribe("/chat", message_type, inbox.take, skip_own=True)

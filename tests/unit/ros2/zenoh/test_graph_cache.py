@@ -35,7 +35,7 @@ def test_a_snapshot_matches_the_tokens() -> None:
     assert graph.snapshot() is snapshot
 
 
-def test_what_goes_is_gone() -> None:
+def test_removed_entries_are_forgotten() -> None:
     graph = GraphCache()
     graph.apply_tokens([(TALKER, True), (SERVER, True)])
     graph.apply_tokens([(TALKER, True), (TALKER, False), (SERVER, False), (SERVER, False), (CLIENT, False)])
@@ -59,7 +59,7 @@ def test_a_change_makes_only_its_own_entries_again() -> None:
     assert last.services["/switch"].providers == ("/server", "/twin")
 
 
-def test_what_is_no_token_is_passed_over() -> None:
+def test_what_is_not_a_token_is_skipped() -> None:
     graph = GraphCache()
     graph.apply_tokens([("", True), ("@ros2_lv/0/nonsense", True), ("x" * 100_000, True)])
     assert graph.snapshot().nodes == ()

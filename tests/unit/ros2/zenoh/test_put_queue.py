@@ -46,7 +46,7 @@ def payloads(count: int, size: int = 1000) -> list[bytes]:
     return [b"%06d" % number + bytes(size - 6) for number in range(count)]
 
 
-async def test_a_thread_waits_for_room_and_the_loop_goes_on(threads: ThreadPoolExecutor) -> None:
+async def test_a_thread_waits_for_room_and_the_loop_continues(threads: ThreadPoolExecutor) -> None:
     link = Link()
     queue = PutQueue(link.take, link.note, threads, 1 << 20)
     assert queue.is_idle

@@ -97,7 +97,7 @@ async def test_a_server_that_ends_during_the_call(session: ZenohSession) -> None
         await asyncio.wait_for(call, 60)
 
 
-async def test_a_server_whose_machine_is_gone(session: ZenohSession) -> None:
+async def test_a_server_whose_machine_has_ended(session: ZenohSession) -> None:
     near, port = await open_router()
     far = await open_session(port, is_router=False)
     server, client = await far.join("server"), await near.join("client")
@@ -172,7 +172,7 @@ async def test_clients_are_listed_and_forgotten(
     assert sorted(text.split("/")[9] for text in found) == ["%a", "%c"]
 
 
-async def test_a_caller_that_hangs_delays_no_other(
+async def test_a_caller_that_hangs_does_not_delay_others(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     room = threading.Event()

@@ -73,7 +73,7 @@ def test_an_enclave_is_kept() -> None:
         NODE + "x" * MAX_TOKEN_CHARACTERS,
     ],
 )
-def test_what_is_no_token_is_none(text: str) -> None:
+def test_what_is_not_a_token_is_none(text: str) -> None:
     assert parse_token(text) is None
 
 

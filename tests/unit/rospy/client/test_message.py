@@ -82,7 +82,7 @@ def test_misfits_are_reported(types: MessageTypes) -> None:
         text().deserialize(b"\xff")
 
 
-def test_bytes_that_are_no_text_are_replaced(types: MessageTypes) -> None:
+def test_bytes_that_are_not_text_are_replaced(types: MessageTypes) -> None:
     text = made(types, "std_msgs/String")
     assert text().deserialize(b"\x02\0\0\0a\xff").data == "a\ufffd"
 

@@ -34,7 +34,7 @@ def test_after_init_node() -> None:
     assert names.remap("q") == "q"
 
 
-def test_special_names_are_no_topics() -> None:
+def test_special_names_are_not_topics() -> None:
     names = NodeNames(["__name:=other", "__log:=/tmp/x.log"], {})
     names.set_node_name("node")
     assert names.mappings["__name"] == "other"
@@ -49,6 +49,6 @@ def test_arguments(argument: str, is_ours: bool) -> None:
     assert is_remap_argument(argument) is is_ours
 
 
-def test_a_parameter_that_is_no_yaml() -> None:
+def test_a_parameter_that_is_not_yaml() -> None:
     with pytest.raises(ROSInitException, match="_p:="):
         NodeNames(["_p:=[1"], {})

@@ -93,7 +93,7 @@ def test_every_cut_and_excess_is_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PAYLOADS)
-def test_padding_behind_cdr_is_no_part_of_it(name: str) -> None:
+def test_padding_after_cdr_is_not_part_of_it(name: str) -> None:
     ros1, ros2, payload, cdr = PAYLOADS[name]
     assert pair(ros1, ros2).from_cdr(HEAD + cdr + bytes(3)) == payload
 

@@ -20,7 +20,7 @@ async def start() -> AsyncIterator[Start]:
         async def start_board(program: Path, *words: str, **given: Any) -> SimulatedBoard:
             options: dict[str, Any] = {"realtime": False, "paused": True, "link": "none"} | given
             return await stack.enter_async_context(
-                await SimulatedBoard.start(program, words=words, **options)
+                await SimulatedBoard.start(program, commands=words, **options)
             )
 
         yield start_board

@@ -71,7 +71,7 @@ async def test_a_stack_that_reaches_the_variables_is_reported(start: Start) -> N
     assert named(board, "stack_overflow")
 
 
-async def test_a_heap_that_came_and_went_is_no_stack(start: Start) -> None:
+async def test_a_heap_that_came_and_went_is_not_a_stack(start: Start) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     before = await board.free_stack_bytes()

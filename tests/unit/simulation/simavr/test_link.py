@@ -147,7 +147,7 @@ async def test_a_port_in_use_is_reported() -> None:
 
 
 async def test_autoreset_is_what_usb_boards_do() -> None:
-    async with await SimulatedBoard.start(build("echo"), words=["autoreset on"]) as board:
+    async with await SimulatedBoard.start(build("echo"), commands=["autoreset on"]) as board:
         waiting = asyncio.create_task(board.wait_for("reset", lambda event: event["cause"] == "host"))
         await asyncio.sleep(0)
         terminal = open_terminal(board)

@@ -53,7 +53,7 @@ async def server() -> AsyncIterator[
 
 
 def networked(program: Path, place: str) -> Coroutine[Any, Any, SimulatedBoard]:
-    return SimulatedBoard.start(program, link="none", words=[f"network {place}"])
+    return SimulatedBoard.start(program, link="none", commands=[f"network {place}"])
 
 
 async def test_a_sketch_reaches_the_host_it_is_given(tmp_path: Path) -> None:

@@ -187,7 +187,7 @@ async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
     ],
     ids=["empty", "magic", "zeros", "end", "checksum", "far", "text", "sh"],
 )
-async def test_files_that_are_no_programs(start: Start, tmp_path: Path, content: bytes, said: str) -> None:
+async def test_files_that_are_not_programs(start: Start, tmp_path: Path, content: bytes, said: str) -> None:
     path = tmp_path / "program"
     path.write_bytes(content)
     with pytest.raises(BoardError, match=said):

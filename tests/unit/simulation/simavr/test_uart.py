@@ -80,7 +80,7 @@ async def test_bytes_are_as_long_as_their_bits(start: Start) -> None:
     assert (await board.cycles() - begun) / CLOCK_HZ == pytest.approx(20 / real_baud(9600), abs=0.0011)
 
 
-async def test_what_is_no_hexadecimal_is_not_sent(start: Start) -> None:
+async def test_what_is_not_hexadecimal_is_not_sent(start: Start) -> None:
     board = await start(build("echo"))
     with pytest.raises(Exception, match="hexadecimal"):
         await board.send_command("send xyz")

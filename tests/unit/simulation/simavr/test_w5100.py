@@ -77,7 +77,7 @@ def in_group(event: BoardEvent) -> bool:
 
 async def start(folder: Path, text: str, group: GroupAddress, *words: str) -> SimulatedBoard:
     program = await build_text(folder, text.replace("GROUPS_PLACE", str(group.port)))
-    board = await SimulatedBoard.start(program, link="none", words=words)
+    board = await SimulatedBoard.start(program, link="none", commands=words)
     if not any(in_group(event) for event in named(board, "w5100")):
         await board.wait_for("w5100", in_group, timeout_s=PATIENCE_S)
     return board

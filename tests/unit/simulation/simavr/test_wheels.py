@@ -34,7 +34,7 @@ async def test_odometry_of_a_route(tmp_path: Path) -> None:
     program = await build_text(tmp_path, ROUTE)
     words = ["wheels speed=0.5,track=0.2"]
     async with await SimulatedBoard.start(
-        program, link="none", realtime=False, paused=True, words=words
+        program, link="none", realtime=False, paused=True, commands=words
     ) as board:
         await board.run("900ms")
         event = await board.ask("wheels", "wheels")

@@ -188,7 +188,7 @@ async def test_a_board_that_sends_while_it_closes_gets_no_transport(
     assert (arrivals.count, len(listener.peers)) == (1, 0)
 
 
-async def test_a_forged_broadcast_address_is_no_board(
+async def test_a_forged_broadcast_address_is_not_a_board(
     listener: XbeeListener, coordinator: Coordinator, arrivals: Arrivals
 ) -> None:
     everyone = encode_frame(b"\x80" + b"\xff" * 8 + b"\x28\x00x")

@@ -96,7 +96,7 @@ def test_a_full_queue_refuses_bytes() -> None:
     assert queue.put("b", b"x")
 
 
-def test_a_board_that_is_gone_still_gets_what_waits() -> None:
+def test_a_disconnected_board_still_gets_what_waits() -> None:
     radio = Radio()
     radio.queue.put("a", bytes(10))
     radio.queue.put("b", b"")

@@ -250,7 +250,7 @@ async def test_defaults_of_parameters(gateway: MemoryGraph) -> None:
 
 
 @pytest.mark.parametrize("value", ["", "plain", "{", "null", "[" * 100_000, "[" * 200 + "]" * 200])
-async def test_a_value_that_is_no_json_is_reported(gateway: MemoryGraph, value: str) -> None:
+async def test_a_value_that_is_not_json_is_reported(gateway: MemoryGraph, value: str) -> None:
     with pytest.raises(SerializationError) as error:
         await ask(api_of(gateway), "set_param", name="/x", value=value)
     assert len(str(error.value)) < 300
