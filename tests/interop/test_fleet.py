@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from interop.fleet_robots import KEY, ROBOTS, STILL, Robot, fleet_on_bad_wifi
 from interop.lossy_air import LossyAir
 from programs import started
@@ -38,12 +40,28 @@ async def is_loss_reported(options: Sequence[str]) -> bool:
 
 
 async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
-    async with fleet_on_bad_wifi(tmp_path) as (robots, air, senders, options):
+    for number in range(5):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        if await is_driven_and_stopped(folder):
+            return
+    pytest.fail("each time, the second sender found a robot that had stopped")
+
+
+async def is_driven_and_stopped(folder: Path) -> bool:
+    """Drive and stop the robots; return False if a robot obeys the second sender.
+
+    It may do so where the first one pauses, as it does on a busy machine.
+    """
+    async with fleet_on_bad_wifi(folder) as (robots, air, senders, options):
         async with started("fleet", "drive", "--all", "--speed", "0.5", *options) as first:
             await until(lambda: all(len(robot.commands) > 20 for robot in robots))
             # The second one is refused by a robot, and leaves it moving.
             async with started("fleet", "drive", "3", *options) as second:
-                assert await asyncio.wait_for(second.process.wait(), 60) == 1
+                try:
+                    assert await asyncio.wait_for(second.process.wait(), 20) == 1
+                except TimeoutError:
+                    return False
                 await second.wait_for(" commands it; stop that sender, or: rostether fleet stop 3")
                 assert sum("robot 3 does not obey" in line for line in second.lines) == 1
             await until(lambda: not robots[2].is_still)
@@ -65,6 +83,7 @@ async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
     good = {STILL, struct.pack("<dd", 0.0, 0.3)}
     for robot, count in zip(robots, counts, strict=True):
         assert {payload for payload, _ in robot.commands[count:]} == good
+    return True
 
 
 async def send_bad_commands(air: LossyAir, senders: GroupAddress) -> None:

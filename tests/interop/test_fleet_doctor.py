@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -49,10 +50,17 @@ def test_faults_of_robots_and_of_their_network(tmp_path: Path) -> None:
         ("unicast", False, "no robot answers at 10.77.0.99"),
         ("ids", False, "2 robots have the id 1: 10.77.0.2, 10.77.0.5"),
         ("robot to robot", False, "robot 2 does not reach robot 3; turn off client isolation"),
-        ("clocks", False, "the clock of robot 1 (10.77.0.2) is 5.0 s ahead of that of this machine"),
+        ("clocks", False, "the clock of robot 1 (10.77.0.2) is N s ahead of that of this machine"),
         ("IGMP querier", None, "none in 4 s"),
     ]
     for (what, is_well, begin), found in zip(expected, findings[:-1], strict=True):
         assert (found["what"], found["ok"]) == (what, is_well)
-        assert str(found["text"]).startswith(begin)
+        text = str(found["text"])
+        if what == "clocks":
+            # As exactly as an answer takes to arrive, which is longer on a busy machine.
+            ahead = re.search(r"[\d.]+(?= s ahead)", text)
+            assert ahead is not None
+            assert abs(float(ahead[0]) - 5.0) < 1.0
+            text = text.replace(ahead[0], "N", 1)
+        assert text.startswith(begin)
     assert json.loads(later) == {"hears_querier": True}
