@@ -90,7 +90,7 @@ def _is_believable(version: int, frames: Frames) -> bool:
     if frames.topic_id in ids.ANNOUNCEMENTS:
         return TopicInfo.decode(payload) is not None
     if frames.topic_id == ids.TIME:
-        return len(payload) == TIME_BYTES
+        return len(payload) == TIME_BYTES or (version == 2 and not payload)
     if frames.topic_id == ids.LOG:
         return Log.decode(payload) is not None
     if frames.topic_id == ids.PARAMETER:

@@ -274,7 +274,7 @@ class PeerTable(Generic[PeerKey]):
 
     def _make_place(self, now_s: float) -> None:
         self.expire(now_s)
-        if self.entry is None or len(self._peers) < self._max_peers:
+        if len(self._peers) < self._max_peers:
             return
         silent = [peer for peer in self._peers.values() if peer.is_replaceable(now_s)]
         if silent:

@@ -44,6 +44,11 @@ def test_a_message_proves_version_2_but_not_version_1() -> None:
     assert one.decoder is not None
 
 
+def test_an_empty_time_request_proves_version_2() -> None:
+    assert detector().feed(frame(ids.TIME, b"", 1), 0.0) == []
+    assert detector().feed(frame(ids.TIME, b""), 0.0) == [Frames(ids.TIME, [b""])]
+
+
 @pytest.mark.parametrize("payload", [bytes(7), bytes(9)])
 def test_damage_is_ignored(payload: bytes) -> None:
     for version in (1, 2):

@@ -140,6 +140,21 @@ async def test_a_peer_too_many_is_refused() -> None:
     medium.table.end_all(None)
 
 
+async def test_a_radio_that_stopped_sending_gives_its_place_to_a_new_one() -> None:
+    medium = Medium(max_peers=2)
+    for key in ("forged", "board"):
+        medium.table.receive(key, b"x")
+    _, forged = await medium.arrivals.next_started()
+    medium.now_s = 3.0
+    medium.table.receive("board", b"x")
+    medium.now_s = 6.0
+    medium.table.receive("new", b"x")
+    assert "disconnected it to make room" in str(await forged.until_lost())
+    medium.table.receive("one too many", b"x")
+    assert medium.table.refusals.count == 1, "the board and the new one have sent lately"
+    medium.table.end_all(None)
+
+
 def entering(max_peers: int = 4) -> Medium:
     """A medium whose senders become peers by data with `F` in it, and are asked by `????`."""
     medium = Medium(max_peers)
