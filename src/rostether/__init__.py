@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Device", "join", "sync"]
 
-# Imported when first asked for: the command line starts without them.
+# Imported on first use: the command line starts without them.
 _HOMES = {"Device": "rostether.device", "join": "rostether.joining", "sync": "rostether.sync"}
 
 

@@ -1,8 +1,8 @@
 """Reads YAML from files and command lines within limits: the only place that calls a YAML loader.
 
 A YAML text can be much smaller than its value. Aliases (`*name`) and merges (`<<`) repeat a part, `1:1:1`
-is a number to the base 60, and brackets nest without end. So the text's events are counted, with each alias
-counted as what it repeats, before any value is made.
+is a number to the base 60, and brackets can be nested without a limit. So the events of the text are counted
+before any value is made; an alias costs as much as the part that it repeats.
 """
 
 from __future__ import annotations

@@ -39,8 +39,9 @@ async def join(  # noqa: PLR0913 - each is an independent setting
     machines in these networks (`192.168.1.0/24`) may connect to the node, and this one.
 
     With `ros2` it is a node of a ROS 2 graph, over zenoh or an installed rclpy: ROS_DOMAIN_ID and the
-    variables of that middleware say which. Messages have ROS 2's fields then (a stamp's `sec` and `nanosec`,
-    no `seq`), types may be spelled `std_msgs/msg/String`, and parameters are those of nodes.
+    variables of that middleware select the graph. Messages then have the fields of ROS 2 (a stamp has `sec`
+    and `nanosec`, and there is no `seq`), types may be spelled `std_msgs/msg/String`, and parameters belong
+    to nodes.
 
     With `numpy`, arrays of numbers in received messages are numpy arrays: read-only views without a copy.
     Raises MasterUnreachableError, InvalidNameError, ConfigError.

@@ -18,7 +18,7 @@ from rostether.xmlrpc.values import MAX_INT, MIN_INT
 
 T = TypeVar("T")
 
-# XML-RPC documents end there; YAML's anchors can nest without end.
+# The limit of XML-RPC documents; YAML's anchors can be nested without a limit.
 MAX_NESTING = 100
 
 # Of all documents in one text. A robot description has 100 KB; a master holds what is loaded in memory.

@@ -94,7 +94,7 @@ class ParameterRelay:
             self._working = asyncio.get_running_loop().create_task(self._work())
 
     def close(self) -> None:
-        """Cancel all requests, because the board is gone."""
+        """Cancel all requests, because the board has disconnected."""
         self._names.clear()
         if self._working is not None:
             self._working.cancel()

@@ -42,7 +42,7 @@ _SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
 
 _PRIMITIVES = {
     "bool": "bool",
-    # The two old names: byte is signed, char is not (whatever C says).
+    # The two old names: byte is signed, char is not, unlike in C.
     "byte": "int8_t",
     "char": "uint8_t",
     **{f"{sign}int{bits}": f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)},

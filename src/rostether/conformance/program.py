@@ -5,7 +5,7 @@
     REAL      subscriber real_in, publisher real_out          sends each std_msgs/Float64 back
     PING      subscriber ping (std_msgs/Empty),               sends its clock's time
               publisher pong (std_msgs/Time)
-    COMMAND   subscriber command (std_msgs/UInt8)             does what the number says, see Command
+    COMMAND   subscriber command (std_msgs/UInt8)             executes the number's Command
     SWITCH    service server switch (std_srvs/SetBool)        success = data, message "on" or "off"
     TRIGGER   service client trigger (std_srvs/Trigger)       called by Command.CALL
 

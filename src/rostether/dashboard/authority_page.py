@@ -40,6 +40,6 @@ _PAGE = """<!doctype html>
 
 
 def authority_files(authority: Path, host: str) -> dict[str, bytes]:
-    """Return the files to serve beside the page: the authority's certificate, and how to install it."""
+    """Return the files to serve with the page: the authority's certificate, and how to install it."""
     page = _PAGE.format(host=html.escape(host), file=AUTHORITY_FILE)
     return {AUTHORITY_FILE: authority.read_bytes(), PAGE_FILE: page.encode()}

@@ -15,7 +15,7 @@ from rostether.errors import ConfigError
 _MAX_ZOOM = 24
 # A picture of 256 x 256 pixels has about 20 kB.
 _MAX_TILE_BYTES = 2 << 20
-# Steps of SQLite's virtual machine: a view in a file may be a query without end. A tile needs about a
+# Steps of SQLite's virtual machine: a view in a file may be a query that never ends. A tile needs about a
 # hundred, without an index about five for each tile of the file; 20 million take a second.
 _MAX_STEPS = 20_000_000
 _STEPS_AT_ONCE = 100_000

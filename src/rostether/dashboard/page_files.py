@@ -13,5 +13,5 @@ PAGE = Path(__file__).parent / "page"
 def load_page(
     more: Mapping[str, bytes] | None = None, downloads: Downloads | None = None, tiles: Tiles | None = None
 ) -> Site:
-    """Return the page, with more files beside it; reads and compresses all of them. Raises ConfigError."""
+    """Return the page, and more files; reads and compresses all of them. Raises ConfigError."""
     return Site.of_folder(PAGE, more, downloads, tiles)

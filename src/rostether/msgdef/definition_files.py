@@ -1,7 +1,7 @@
-"""Where .msg, .srv and .action texts are: packages on disk, plain folders, and those we bring along.
+"""Where .msg, .srv and .action texts are: packages on disk, plain folders, and the bundled ones.
 
 A package's definitions are in its `msg`, `srv` and `action` folders or directly in its root. Outside of any
-package, `X/Foo.msg` and `X/msg/Foo.msg` are X/Foo. Folders are read when first asked for, not before.
+package, `X/Foo.msg` and `X/msg/Foo.msg` are X/Foo. Folders are read on first use.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def find_definitions(msg_paths: Iterable[Path], package_path: Iterable[Path]) ->
     return found
 
 
-# Boards and peers make up names of packages without end.
+# Boards and peers can invent any number of package names.
 MAX_LISTED_PACKAGES = 1024
 
 
@@ -115,7 +115,7 @@ def bundled_packages() -> frozenset[str]:
 
 @functools.lru_cache(maxsize=MAX_LISTED_PACKAGES)
 def bundled_names(package: str, kind: Kind) -> frozenset[str]:
-    """Return the type names of one kind that we bring along for a package; empty for an unknown package."""
+    """Return the type names of one kind that are bundled for a package; empty for an unknown package."""
     if package not in bundled_packages():
         return frozenset()
     try:
@@ -125,7 +125,7 @@ def bundled_names(package: str, kind: Kind) -> frozenset[str]:
 
 
 def bundled_file(package: str, kind: Kind, name: str) -> Path | None:
-    """Return the file of a definition that we bring along, or None."""
+    """Return the file of a bundled definition, or None."""
     # Looked up in the listing: some file systems would also find Name under `name`.
     if name not in bundled_names(package, kind):
         return None

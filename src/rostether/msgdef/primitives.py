@@ -14,7 +14,7 @@ INTEGER_RANGES = MappingProxyType(
         "uint32": (0, (1 << 32) - 1),
         "int64": (-(1 << 63), (1 << 63) - 1),
         "uint64": (0, (1 << 64) - 1),
-        # The two old names: byte is signed, char is not (whatever C says).
+        # The two old names: byte is signed, char is not, unlike in C.
         "byte": (-(1 << 7), (1 << 7) - 1),
         "char": (0, (1 << 8) - 1),
     }

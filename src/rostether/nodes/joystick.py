@@ -59,7 +59,7 @@ class Joystick:
         return when
 
     def release(self) -> None:
-        """Move all axes to where they are without a hand, and release all buttons."""
+        """Move all axes to their resting positions, and release all buttons."""
         self.axes = list(self._released_axes)
         self.buttons = [0] * len(self.buttons)
 

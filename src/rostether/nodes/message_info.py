@@ -1,4 +1,4 @@
-"""rosserial_python's message_info_service.py: tells programs the md5sum and the text of definitions.
+"""rosserial_python's message_info_service.py: returns the md5sum and the text of definitions to programs.
 
 message_info (rosserial_msgs/RequestMessageInfo)   service_info (rosserial_msgs/RequestServiceInfo)
 """

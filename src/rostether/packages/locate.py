@@ -5,7 +5,7 @@ The first of two packages with one name is used, as in a catkin overlay. The ord
 1. the folders of ROS_PACKAGE_PATH,
 2. `src` of the catkin workspace around the current folder, and `./src`,
 3. everything below the current folder,
-4. the package around the current folder and those beside it.
+4. the package around the current folder and those next to it.
 """
 
 from __future__ import annotations

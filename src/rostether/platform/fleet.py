@@ -89,7 +89,7 @@ class FleetSender:
             self._report(Level.WARN, silence_text(self._settings))
 
     async def stop(self) -> list[Robot]:
-        """Stop, and return the robots that answer; `has_stopped` says which of them confirm it.
+        """Stop, and return the robots that answer; `has_stopped` is true for those that confirm it.
 
         There are more rounds until the target robot confirms, or no other robot of a group answers.
         """

@@ -4,7 +4,7 @@ init          registered, has not published yet
 ready         publishes, or a camera that waits for a subscriber
 sleeping      connected, but silent
 alert         connected; the sensor reports a problem
-disconnected  its publisher has gone
+disconnected  its publisher has ended
 lost          not connected for `LOST_S`, or its lease has expired
 """
 

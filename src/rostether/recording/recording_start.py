@@ -9,7 +9,7 @@ from rostether.errors import GraphError
 from rostether.graph.ports import Graph
 from rostether.mechanisms.text import did_you_mean
 
-# How often the first message on /clock is looked for: simulations publish it at 100 Hz or more.
+# How often the first message on /clock is checked: simulations publish it at 100 Hz or more.
 TIME_POLL_S = 0.01
 
 # The time for a publisher of a named topic to connect: DDS takes more than a second on a busy machine.

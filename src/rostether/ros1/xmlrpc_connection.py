@@ -20,7 +20,7 @@ class ServerConnection(asyncio.Protocol):
     served first: `schedule` calls `resume` soon.
 
     While an answer is computed, or the client does not take what was written, at most one more chunk is read
-    (to notice that the client has gone): what a client can make us hold is bounded.
+    (to notice that the client has disconnected): what a client can make us hold is bounded.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class ServerConnection(asyncio.Protocol):
 
     @property
     def unsent_bytes(self) -> int:
-        """How much of its answers the client has not taken yet."""
+        """The size of the answers that the client has not read yet."""
         return self._transport.get_write_buffer_size() if self._transport is not None else 0
 
     @property

@@ -215,7 +215,7 @@ class DeviceLink:
     def request_parameter(self, name: str, now_s: float, *, timeout_s: float = 1.0) -> None:
         """Request a parameter; ParameterReceived or ParameterTimedOut follows. One request at a time is sent.
 
-        Raises LocalProtocolError for a name that cannot be asked for, or when too many requests wait.
+        Raises LocalProtocolError for a name that cannot be requested, or when too many requests wait.
         """
         self._send_parameter_request(self._parameters.add(name, timeout_s, now_s))
 

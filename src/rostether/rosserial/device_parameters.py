@@ -21,7 +21,7 @@ class ParameterQueue:
     def add(self, name: str, timeout_s: float, now_s: float) -> str | None:
         """Queue a request; return the name to send now, None if it must wait its turn.
 
-        Raises LocalProtocolError for a name that cannot be asked for, or when too many requests wait.
+        Raises LocalProtocolError for a name that cannot be requested, or when too many requests wait.
         """
         if ParameterRequest.decode(ParameterRequest(name).encode()) is None:
             raise LocalProtocolError(f"{name!r} is not a parameter name; use at most 255 printable bytes")

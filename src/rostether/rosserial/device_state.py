@@ -17,7 +17,7 @@ from enum import Enum, auto
 
 
 class State(Enum):
-    """Whether a host has asked for the topics and still answers."""
+    """Whether a host has requested the topics and still answers."""
 
     UNCONFIGURED = auto()
     CONFIGURED = auto()

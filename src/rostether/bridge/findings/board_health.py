@@ -128,6 +128,6 @@ class FindingLedger:
         return news
 
     def forget(self, *codes: Code) -> None:
-        """Report the next finding of these codes again, because its cause was certainly gone."""
+        """Report the next finding of these codes again, because its cause has certainly ended."""
         for key in [key for key in self._reported if key[0] in codes]:
             del self._reported[key]

@@ -177,7 +177,7 @@ class Outbox:
         self._progress_s = self._loop.time()
 
     def resume_writing(self) -> None:
-        """Write topics again: the transport's buffer has room."""
+        """Continue to write topics: the transport's buffer has room."""
         self._blocked = False
         self._stalled = False
         if not self._scheduled:

@@ -106,7 +106,7 @@ class FoundPort:
             await self._leave_alone(ask_again.next_delay_s() if is_expected else None)
 
     async def _open(self) -> TunableTransport | None:
-        """Open the port as soon as no other program uses it; None if it has gone."""
+        """Open the port as soon as no other program uses it; None if it was removed."""
         attempts = OpenAttempts(
             Backoff(first_s=FIRST_RETRY_S, limit_s=MAX_RETRY_S),
             lambda reason: self._report(Level.WARN, reason),

@@ -84,7 +84,7 @@ class _Probing:
         self._woken.set()
 
     def connection_lost(self, error: TransportError | None) -> None:
-        """End the probe: the port is gone."""
+        """End the probe: the port was removed."""
         self._lost = error or TransportClosedError(f"{self._transport.peer} was closed during the probe")
         self._woken.set()
 

@@ -45,5 +45,5 @@ class ConsoleReporter:
             stream.write(f"[{_NAMES[level]}] [{self._clock():.6f}]: {place}{text}\n")
             stream.flush()
         except OSError:
-            # The reader of the lines is gone (`| head`, a closed terminal); keep serving the boards.
+            # The reader of the lines has ended (`| head`, a closed terminal); keep serving the boards.
             forget(stream)

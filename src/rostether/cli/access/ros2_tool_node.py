@@ -133,7 +133,7 @@ async def tool_node(
     """Run a hidden node until the end of the block; a quiet one gives no advice.
 
     With `needs_router`, a missing zenoh router is an error, not a warning. Without `needs_definitions`,
-    messages of unknown types are handed on as CDR.
+    messages of unknown types are delivered as CDR.
 
     Raises ConfigError, GraphError with advice.
     """

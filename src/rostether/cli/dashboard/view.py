@@ -36,7 +36,7 @@ _MAX_RVIZ_BYTES = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A panel with its settings; `files` are served beside the page."""
+    """A panel with its settings; `files` are served with the page."""
 
     panel: str
     settings: Mapping[str, object] = field(default_factory=dict)

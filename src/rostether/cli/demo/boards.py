@@ -46,7 +46,7 @@ PlugIn = Callable[[Supervisor, JoinGraph], AbstractAsyncContextManager[None]]
 
 @dataclass(frozen=True, slots=True)
 class DemoBoard:
-    """A running board: its description, link and topics, and its part beside the bridge on the graph."""
+    """A running board: its description, link and topics, and its other node on the graph."""
 
     title: str
     link: Address
@@ -60,7 +60,7 @@ async def demo_board(
 ) -> AsyncIterator[DemoBoard]:
     """Run the board of this kind until the end of the block; None is a simulated Uno if one can run here.
 
-    Raises BoardError and FirmwareError if an Uno is asked for and cannot run.
+    Raises BoardError and FirmwareError if an Uno is requested and cannot run.
     """
     if kind == PYTHON:
         yield _python_board(name, obstacle)

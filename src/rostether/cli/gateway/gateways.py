@@ -87,7 +87,7 @@ async def gateway_graph(
 
 
 def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnvironment) -> GatewayGraph:
-    """Return how gateways join a ROS 1 graph, alone or beside another."""
+    """Return how gateways join a ROS 1 graph, alone or in addition to another."""
 
     async def ask_type(service: str) -> str:
         async with master_client(environment) as client:

@@ -1,4 +1,4 @@
-"""`node kill` and `node cleanup`: ending nodes, and forgetting those that have ended unseen."""
+"""`node kill` and `node cleanup`: ends nodes, and removes the entries of nodes that have crashed."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def _detector(file: str) -> CascadeDetector:
 async def _first_parameters(graph: TypedGraph, parameters: Parameters) -> Mapping[str, ParamValue]:
     """Return the parameters of the platform's first camera node, such as Robot3-pi_camera/vflip."""
     key = f"{await parameters.text(default_platform(), 'platform_name')}-pi_camera"
-    # The hyphen is not allowed in names, so that only the whole tree can be asked for.
+    # The hyphen is not allowed in names, so only the whole tree can be requested.
     if not any(name.startswith(f"/{key}/") for name in await graph.raw.list_params()):
         return {}
     tree = await graph.raw.get_param("/")

@@ -28,7 +28,7 @@ _DASHBOARD = "http://127.0.0.1:8765"
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """The answers about this machine; what is not given is asked for."""
+    """The answers about this machine; missing ones are requested from the user."""
 
     machine: str | None = option("--machine", "A base station, a robot, or both.", type=click.Choice(_KINDS))
     name: str | None = option("--name", "Name of this machine: PLATFORM_NAME.")

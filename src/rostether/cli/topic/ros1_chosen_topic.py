@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
-# How often the master is asked for a topic that is not there yet, as rostopic does.
+# How often the master is asked for a topic that does not exist yet, as in rostopic.
 POLL_S = 0.1
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.serde.field_path import FieldPath
 
-# How often the graph is asked for a topic that is not there yet.
+# How often the graph is asked for a topic that does not exist yet.
 POLL_S = 0.1
 
 

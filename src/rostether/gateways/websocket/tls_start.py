@@ -41,7 +41,7 @@ async def encrypted(
                     spare.send(_PLAIN_ANSWER)
                 return None
     except OSError:
-        # asyncio's time limit, a client that has gone, and too many open files.
+        # asyncio's time limit, a client that has disconnected, and too many open files.
         transport.abort()
         return None
     return None if wire is None or wire.is_closing() else wire

@@ -2,7 +2,7 @@
 
 A recorder that was killed leaves no index. Its last chunk may have no size, because some recorders (roscpp's)
 write messages before the chunk is complete; these messages are found one by one. After damage, the search
-goes on at the next chunk.
+continues at the next chunk.
 """
 
 from __future__ import annotations

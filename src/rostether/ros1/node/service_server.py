@@ -75,7 +75,7 @@ class ServiceServer:
 
 
 class ServiceConnection(asyncio.Protocol):
-    """One client: requests are answered in order. A handler finishes even if its client has gone."""
+    """One client: requests are answered in order. A handler finishes even if its client has disconnected."""
 
     def __init__(
         self,

@@ -71,7 +71,7 @@ class Subscription:
         return len(self.connections)
 
     def set_publishers(self, uris: Sequence[str]) -> None:
-        """Connect to new publishers, and disconnect from those that are gone."""
+        """Connect to new publishers, and disconnect from those that have ended."""
         for uri in self._links.keys() - set(uris):
             task = asyncio.ensure_future(self._links.pop(uri).close())
             self._closing_links.add(task)

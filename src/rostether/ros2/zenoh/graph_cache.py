@@ -61,7 +61,7 @@ class GraphCache:
                 call_contained(f"listener of {place[1]}", listener)
 
     def show_problem(self, problem: str) -> None:
-        """Say in the snapshots why the graph is not complete now; an empty text when it is again."""
+        """Report in the snapshots why the graph is not complete now; an empty text when it is again."""
         if problem != self._problem:
             self._problem = problem
             self._snapshot = None

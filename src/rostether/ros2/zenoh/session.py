@@ -252,7 +252,7 @@ class ZenohSession:
     def _handle_token(self, sample: zenoh.Sample) -> None:
         stay_known()
         key = str(sample.key_expr)
-        # The session's own tokens are ignored here: zenoh reports them as gone to a client that loses its
+        # The session's own tokens are ignored here: zenoh reports them as removed to a client that loses its
         # router.
         if f"/{self.session_id}/" not in key:
             self._news.put((key, sample.kind == zenoh.SampleKind.PUT))

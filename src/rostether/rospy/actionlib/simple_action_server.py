@@ -49,7 +49,7 @@ class SimpleActionServer:
         )
         self.execute_thread: threading.Thread | None = None
         if execute_cb is not None:
-            # No daemon: a program whose main function has ended goes on serving.
+            # No daemon: a program whose main function has ended continues to serve.
             self.execute_thread = threading.Thread(target=self._execute_goals, name=f"actionlib {name}")
             self.execute_thread.start()
 

@@ -92,7 +92,7 @@ class _OwnGraph:
         return getattr(self._graph, name)
 
     async def close(self) -> None:
-        """Do nothing: the program goes on."""
+        """Do nothing: the program continues."""
 
 
 def _serve(address: Address) -> None:

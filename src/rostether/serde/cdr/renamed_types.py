@@ -57,7 +57,7 @@ def ros2_service_name(ros1_name: str) -> str:
 
 
 def ros1_message_name(ros2_name: str) -> str:
-    """Return the ROS 1 name to look for, of a message `package/msg/Name` or `package/srv/Name_Request`."""
+    """Return the ROS 1 name of a message `package/msg/Name` or `package/srv/Name_Request`."""
     if ros2_name in ROS1_MESSAGES:
         return ROS1_MESSAGES[ros2_name]
     package, kind, name = (*ros2_name.split("/"), "", "")[:3]
@@ -65,6 +65,6 @@ def ros1_message_name(ros2_name: str) -> str:
 
 
 def ros1_service_name(ros2_name: str) -> str:
-    """Return the ROS 1 name to look for, of a service `package/srv/Name`."""
+    """Return the ROS 1 name of a service `package/srv/Name`."""
     package, _, name = ros2_name.partition("/srv/")
     return f"{package}/{name}"

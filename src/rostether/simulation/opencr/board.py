@@ -52,8 +52,8 @@ class OpenCrBoard:
     """One board on a robot. It ends with `close`, and with this process.
 
     `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
-    `watched`: the outputs whose changes `on_event` gets, beside the tones, and BLUETOOTH for the lines that
-    the sketch prints to SerialBT2. `last_words`: what the program reported before it ended.
+    `watched`: the outputs whose changes `on_event` gets in addition to the tones, and BLUETOOTH for the lines
+    that the sketch prints to SerialBT2. `last_words`: what the program reported before it ended.
     """
 
     def __init__(

@@ -34,7 +34,7 @@ def parse_event(line: bytes) -> BoardEvent:
         raise BoardError(f"the simulated board's runner printed an unknown line: {line[:80]!r}") from error
 
 
-# What a problem means for the user, where its name and values do not say it.
+# The meaning of a problem for the user, if its name and values do not show it.
 _MEANINGS = {
     "behind": "this computer was too busy to simulate the board in real time",
     "overrun": "the program had interrupts off for too long, and received bytes were lost",

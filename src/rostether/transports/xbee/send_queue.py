@@ -29,7 +29,7 @@ QUEUE_LIMIT_BYTES = 4 * 1024
 STATUS_LIMIT_S = 1.0
 
 _MAX_FRAME_ID = 255
-# Bytes that wait for boards that are gone are still sent (they ask them to stop); forged senders must not
+# Bytes that wait for disconnected boards are still sent (they request a stop); forged senders must not
 # fill the memory.
 _MAX_BOARDS = 128
 
@@ -90,7 +90,7 @@ class SendQueue(Generic[Key]):
         return len(board.data) if board is not None else 0
 
     def release(self, key: Key) -> None:
-        """Forget a board that is gone, as soon as what waits for it is sent."""
+        """Forget a disconnected board, as soon as its waiting data is sent."""
         board = self._boards.get(key)
         if board is None:
             return
