@@ -80,11 +80,11 @@ async def test_button_example(kind: str) -> None:
             await board.drive_pin("D7", level)
             await board.run("2ms")
         await board.send_command("run")
-        assert (await pushed.next()).data is True
+        await pushed.reached(1)
         assert await board.pin_level("D13")
         await board.drive_pin("D7", None)
-        assert (await pushed.next()).data is False
-        assert len(pushed.heard) == 2
+        await pushed.reached(2)
+        assert [each.data for each in pushed.heard] == [True, False]
 
 
 async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> None:

@@ -16,7 +16,7 @@ from unit.codegen.cpp_assignments import Assignments
 from unit.codegen.wire_program import WireProgram
 from unit.serde.random_messages import RandomMessages
 
-pytestmark = [pytest.mark.gcc, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.gcc, pytest.mark.timeout(900)]
 
 MESSAGES_PER_TYPE = 6
 DAMAGES_PER_TYPE = 8
