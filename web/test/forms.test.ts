@@ -84,7 +84,7 @@ test("constants are choices of the field that they belong to", () => {
   assert.deepEqual(names(range, "radiation_type"), ["ULTRASOUND=0", "INFRARED=1"]);
   assert.deepEqual(names(range, "range"), []);
   const battery = "uint8 STATUS_FULL=4\nuint8 HEALTH_GOOD=1\nuint8 status\nuint8 health\nuint8 other";
-  assert.deepEqual(names(battery, "health"), ["HEALTH_GOOD=1"]);
+  assert.deepEqual(names(battery, "health"), ["GOOD=1"]);
   assert.deepEqual(names(battery, "other"), []);
   // It cannot be known which of two fields has them.
   assert.deepEqual(names("uint8 A=0\nuint8 x\nuint8 y", "x"), []);

@@ -20,7 +20,9 @@ export function choicesOf(type: StructNode, field: Field): Choice[] {
   if (of === undefined) return [];
   const isPrefixed = (name: string, one: Field) => name.startsWith(`${one.name.toUpperCase()}_`);
   const named = type.constants.filter((each) => isPrefixed(each.name, field));
-  if (named.length > 0) return named.flatMap(({ name, value }) => choice(of, name, value));
+  // The field's name is beside them already.
+  const rest = (name: string) => name.slice(field.name.length + 1);
+  if (named.length > 0) return named.flatMap(({ name, value }) => choice(of, rest(name), value));
   if (type.fields.some((each) => each !== field && typeOf(each) === of)) return [];
   return type.constants
     .filter((each) => (OLDER_NAMES[each.type] ?? each.type) === of)

@@ -96,6 +96,7 @@ function ChoiceField(props: {
     String(value ?? (typeof each.value === "string" ? "" : 0)) === String(each.value);
   return (
     <select
+      class="form-choice"
       aria-label={label}
       value={choices.findIndex(isChosen)}
       onChange={(event) => {

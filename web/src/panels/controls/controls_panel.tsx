@@ -7,6 +7,7 @@ import type { PanelContext } from "../panel.ts";
 import { preactPanel } from "../preact_panel.tsx";
 import { Control } from "./control.tsx";
 import { controllableTopics } from "./controllable.ts";
+import { fitsCard } from "./controls.ts";
 import { ServiceControl, tappableServices } from "./service_control.tsx";
 
 interface ControlsSettings {
@@ -18,22 +19,27 @@ function ControlsPanel({ context }: { context: PanelContext }) {
   const { topic } = (context.settings as Signal<ControlsSettings>).value;
   const { robot } = context;
   if (topic !== undefined) return <Control context={context} topicName={topic} />;
-  const topics = controllableTopics(graphOf(robot));
+  const graph = graphOf(robot);
+  const topics = controllableTopics(graph);
+  // Long forms come after what takes one tap.
+  const isForm = (name: string) => !fitsCard(graph.topics.get(name)!);
+  const topicCard = (name: string) => (
+    <section class="control-card" key={name}>
+      <Control context={context} topicName={name} />
+    </section>
+  );
   const services = tappableServices(robot.services.value.values());
   if (topics.length === 0 && services.length === 0)
     return <EmptyState icon="controls" title={texts.controls.none} text={texts.controls.noneText} />;
   return (
     <div class="controls-grid">
-      {topics.map((each) => (
-        <section class="control-card" key={each}>
-          <Control context={context} topicName={each} />
-        </section>
-      ))}
+      {topics.filter((each) => !isForm(each)).map(topicCard)}
       {services.map((each) => (
         <section class="control-card" key={each.name}>
           <ServiceControl context={context} service={each} />
         </section>
       ))}
+      {topics.filter(isForm).map(topicCard)}
     </div>
   );
 }

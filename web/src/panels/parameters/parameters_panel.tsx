@@ -15,6 +15,8 @@ interface ParametersSettings {
 
 // A robot description is a parameter of 100 kB, too large to edit in a field.
 const MAX_EDITED = 2000;
+// Longer texts scroll.
+const MAX_ROWS = 8;
 const REFRESH_MS = 5000;
 
 /** The descriptions of parameters from their nodes; requested once for each. */
@@ -111,8 +113,17 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
     }
   };
   const text = valueText(value);
+  // `roscore` ends its version with an end of line.
+  const line = text.replace(/\n+$/, "");
   const known = limits.value.get(parameter.name);
   const isReadOnly = !context.robot.mayAct.value || known?.isReadOnly === true;
+  const read = (text: string) => {
+    try {
+      void set(readValue(text, value));
+    } catch (error) {
+      problem.value = (error as Error).message;
+    }
+  };
   const title = [parameter.name, known?.description, known?.isReadOnly && texts.parameters.readOnly];
   return (
     <div class="parameter">
@@ -130,18 +141,20 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
           <span class="parameter-long">{texts.parameters.tooLong(text.length)}</span>
         ) : typeof value === "number" && known?.min !== undefined ? (
           <RangeField value={value} limits={known} isReadOnly={isReadOnly} set={(next) => void set(next)} />
+        ) : line.includes("\n") ? (
+          // A field of one line would drop the ends of lines.
+          <textarea
+            rows={Math.min(text.split("\n").length, MAX_ROWS)}
+            value={text}
+            disabled={isReadOnly}
+            onChange={(event) => read(event.currentTarget.value)}
+          />
         ) : (
           <input
             type="text"
-            value={text}
+            value={line}
             disabled={isReadOnly}
-            onChange={(event) => {
-              try {
-                void set(readValue(event.currentTarget.value, value));
-              } catch (error) {
-                problem.value = (error as Error).message;
-              }
-            }}
+            onChange={(event) => read(event.currentTarget.value + text.slice(line.length))}
           />
         )}
       </label>

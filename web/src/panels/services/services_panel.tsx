@@ -1,5 +1,6 @@
 // The services of the robot: choose one, fill its request, read its response.
 import { type Signal, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import type { Service } from "../../connection/protocol.ts";
 import { type Draft, MessageForm } from "../../forms/message_form.tsx";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
@@ -86,6 +87,11 @@ function CallForm({ context, service }: { context: PanelContext; service: Servic
   const draft = useSignal<Draft>({});
   const answer = useSignal<Answer | undefined>(undefined);
   const isCalling = useSignal(false);
+  const result = useRef<HTMLDivElement>(null);
+  // Below a long form, the answer is not on the screen.
+  useEffect(() => {
+    if (answer.value !== undefined) result.current?.scrollIntoView({ block: "nearest" });
+  }, [answer.value]);
   const types = readTypes(service);
   if (typeof types === "string") return <p class="problem">{types}</p>;
   const call = async () => {
@@ -123,13 +129,15 @@ function CallForm({ context, service }: { context: PanelContext; service: Servic
       <button type="submit" class="button primary" disabled={isCalling.value || !context.robot.mayAct.value}>
         {isCalling.value ? texts.services.calling : texts.services.call}
       </button>
-      {current && "error" in current && <p class="problem">{current.error}</p>}
-      {current && "message" in current && (
-        <div class="answer">
-          <p class="empty-line">{texts.services.answered(current.ms)}</p>
-          <MessageTree message={current.message} />
-        </div>
-      )}
+      <div ref={result}>
+        {current && "error" in current && <p class="problem">{current.error}</p>}
+        {current && "message" in current && (
+          <div class="answer">
+            <p class="empty-line">{texts.services.answered(current.ms)}</p>
+            <MessageTree message={current.message} />
+          </div>
+        )}
+      </div>
     </form>
   );
 }
