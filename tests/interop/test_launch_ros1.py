@@ -80,7 +80,7 @@ async def parameters(master_uri: str) -> Any:
 
 
 async def run_both(peers: Ros1Peers, tmp_path: Path, *words: str) -> list[tuple[Any, Any]]:
-    """Run the same launch with both; returns for each what the nodes told, and the parameters afterwards."""
+    """Run the same launch with both; return for each what its nodes reported, and the parameters after."""
     results = []
     for name, command in (("theirs", ("roslaunch",)), ("ours", OURS)):
         told = tmp_path / name

@@ -9,7 +9,7 @@
 #include <ros.h>
 #include <std_msgs/String.h>
 
-const uint8_t BLINKM = 0x09;  // the address that they all leave the factory with
+const uint8_t BLINKM = 0x09;  // the default address of every BlinkM
 
 ros::NodeHandle nh;
 
@@ -42,7 +42,7 @@ void setup() {
   nh.subscribe(sub);
   Wire.begin();
   Wire.beginTransmission(BLINKM);
-  Wire.write('o');  // ends the light show that it begins with
+  Wire.write('o');  // stops the light show that runs after power-on
   Wire.endTransmission();
 }
 

@@ -1,4 +1,4 @@
-// IMU: how an MPU-9150 lies in space, on the topic "imu_data" and as the transform base_link -> imu_link.
+// IMU: the orientation of an MPU-9150, on the topic "imu_data" and as the transform base_link -> imu_link.
 //
 // Wiring:  sensor VCC - 3.3V, GND - GND, SDA - A4, SCL - A5 (on a Mega SDA - 20, SCL - 21).
 // Try it:  rostether serve /dev/ttyACM0          rostether topic echo /imu_data          rviz, fixed frame base_link

@@ -11,7 +11,7 @@ struct Vector3 {
 
 class Mpu9150 {
  public:
-  Vector3 acceleration;      // m/s^2; level and at rest it reads z = 9.81: it feels what holds it up
+  Vector3 acceleration;      // m/s^2; level and at rest z is 9.81, the reaction to gravity
   Vector3 angular_velocity;  // rad/s
   Vector3 magnetic_field;    // tesla
 

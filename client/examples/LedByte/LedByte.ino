@@ -10,7 +10,7 @@
 
 #if defined(BDPIN_LED_USER_1)
 const int LEDS[4] = {BDPIN_LED_USER_1, BDPIN_LED_USER_2, BDPIN_LED_USER_3, BDPIN_LED_USER_4};
-const int LIT = LOW;  // they hang between the supply and the pin
+const int LIT = LOW;  // the LEDs are wired from the supply to the pin
 const int DARK = HIGH;
 #else
 const int LEDS[4] = {4, 5, 6, 7};

@@ -1,11 +1,11 @@
-// Two driven wheels: turns speeds into motor signals, and wheel angles into where the robot is.
+// Two driven wheels: turns speeds into motor signals, and wheel angles into the robot's position.
 #ifndef DRIVE_H
 #define DRIVE_H
 
 #include <Arduino.h>
 
-// Remove the slashes when the wheels have encoders: left A on pin 2, right A on pin 3. Without, the robot takes
-// for granted that its motors do what they are told.
+// Remove the slashes when the wheels have encoders: left A on pin 2, right A on pin 3. Without
+// encoders, the robot assumes that its motors turn exactly as fast as commanded.
 // #define ENCODERS
 
 // A TurtleBot3 Burger.
@@ -61,7 +61,7 @@ void command(float forward, float turn) {
 
 void turnWheel(Wheel& wheel, float dt) {
   if (!has_power) wheel.target = 0;
-  // All of the supply's voltage at full speed, straight on.
+  // The whole supply voltage at full speed, straight ahead.
   const float duty = fabs(wheel.target) * (255 * WHEEL_RADIUS / MAX_SPEED);
   digitalWrite(wheel.direction_pin, wheel.target < 0);
   analogWrite(wheel.pwm_pin, duty < 255 ? duty + 0.5 : 255);

@@ -86,7 +86,7 @@ ros::MulticastCommand<arduino_control::ArduinoControl, EthernetUDP> commands(&dr
 void connect() {
   byte mac[] = {0x00, 0xAA, 0xBB, 0xCC, 0xDE, ROBOT};
   while (!Ethernet.begin(mac)) {}
-  // A sender that has gone must not keep the chip waiting: the motors turn meanwhile.
+  // Do not wait for a sender that disappeared: the motors are running.
   Ethernet.setRetransmissionTimeout(20);
   Ethernet.setRetransmissionCount(1);
 }

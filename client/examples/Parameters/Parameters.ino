@@ -27,7 +27,7 @@ void setup() {
   nh.initNode();
   nh.advertise(pub_gains);
   nh.advertise(pub_name);
-  while (!nh.connected()) nh.spinOnce();  // without a host there is nobody to ask
+  while (!nh.connected()) nh.spinOnce();  // parameters come from the host
 
   // Each waits at most a second for its answer. Without one, it returns false and the value stays.
   if (!nh.getParam("~gains", gains, 3)) nh.loginfo("~gains is not set: 1.0, 0.0, 0.1");

@@ -25,7 +25,7 @@ ros::Publisher chatter("chatter", &text);
 unsigned long said_ms;
 
 void setup() {
-  Serial.begin(115200);  // free for our own words: ROS does not use it
+  Serial.begin(115200);  // free for debug output: ROS does not use it
   Ethernet.begin(mac, ip);
   Serial.print(F("my address is "));
   Serial.println(Ethernet.localIP());

@@ -1,4 +1,4 @@
-// TcpSharedKey: TcpHelloWorld among strangers: the board and the host prove to each other that they have a key.
+// TcpSharedKey: TcpHelloWorld on an untrusted network: board and host prove to each other that they have the key.
 //
 // Wiring:  an Ethernet shield (W5100, W5500) on the board, a cable to the network of the host; nothing on A0.
 // Try it:  rostether serve "tcp://0.0.0.0:11411?psk=board.key"          rostether topic echo /chatter
@@ -38,7 +38,7 @@ void explain(Client_::Refusal refusal) {
 }
 
 void setup() {
-  Serial.begin(115200);  // free for our own words: ROS does not use it
+  Serial.begin(115200);  // free for debug output: ROS does not use it
   Ethernet.begin(mac, ip);
   nh.getHardware()->client().setKey(F(KEY), analogRead(A0));
   nh.getHardware()->setConnection(server, serverPort);

@@ -183,7 +183,7 @@ async def running(
     uses_network: bool = False,
     options: str = "",
 ) -> AsyncIterator[Stage]:
-    """Run an example. `words` are told to the board at its start; `prepare` has the graph before that.
+    """Run an example. `words` are commands to the board at its start; `prepare` has the graph before that.
 
     A sketch that uses the network finds the bridge there, at a link address with `options`, others on
     the serial line.

@@ -32,7 +32,7 @@ Happening = Callable[[SimulatedBoard], Awaitable[None]]
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A sketch, what its board is told at its start, and what happens to the board meanwhile.
+    """A sketch, the commands to its board at its start, and what happens to the board meanwhile.
 
     `baud` is the sketch's, for a line on which both sides need the same one, and the doctor begins at 57600.
     `sent_as` are definitions that the sketch is built with, by file.

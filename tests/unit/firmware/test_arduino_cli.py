@@ -1,4 +1,4 @@
-"""Building with arduino-cli: a program in its place notes what it is told."""
+"""Building with arduino-cli: a program in its place records its arguments."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def test_states_that_come_too_early_are_skipped() -> None:
     assert children(state, ["j0"], NOW) == ["turret"]
     assert children(state, ["j0"], NOW + INTERVAL - 1, NOW + 1) == []
     assert children(state, ["j0"], NOW + INTERVAL, NOW + 2) == ["turret"]
-    # A joint that was not told yet is due at once.
+    # A joint that was not published yet is due at once.
     assert children(state, ["j0", "j1"], NOW + INTERVAL + 1, NOW + 3) == ["turret", "upper"]
 
 

@@ -15,7 +15,7 @@ from unit.transports.recorder import Recorder
 
 
 class Desk:
-    """A writer, and what it told."""
+    """A writer, and the list of what it reports."""
 
     def __init__(self, path: Path, limit_bytes: int = 1_000_000) -> None:
         self.told: list[str] = []

@@ -31,7 +31,6 @@ _CACHES = {".cache", "Caches", "Cache"}
 # The tallest terminal does not show more.
 MAX_LINES = 100
 
-
 KEYS = "Keys: l LED, arrows obstacle, q quit"
 # Columns that a narrower terminal omits, in characters; the curve stays in all of them.
 _TYPE_FROM_WIDTH = 100

@@ -1,4 +1,4 @@
-"""Long waits are told, short ones are not."""
+"""Long waits are announced, short ones are not."""
 
 from __future__ import annotations
 

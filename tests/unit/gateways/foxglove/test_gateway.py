@@ -284,7 +284,7 @@ async def test_simulated_time_is_sent_and_stamps_messages() -> None:
         clock = await there.robot.advertise("/clock", clock_type)
         chatter = await there.robot.advertise("/chatter", string_type(there))
         async with there.client() as client:
-            # Clients are told once in a connection which clock there is: they come back.
+            # A connection announces its clock only once, so the clients connect again.
             await there.robot.set_param("/use_sim_time", True)
             assert await client.wait_closed() == 1012
         async with there.client() as client:

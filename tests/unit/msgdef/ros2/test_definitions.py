@@ -184,7 +184,7 @@ def test_distinguishes_ros2_definitions_from_ros1(tmp_path: Path) -> None:
     assert not definitions.has("loose_msgs/msg/Old")
     assert definitions.has("own_msgs/msg/Uses")
     assert names(definitions, "new_msgs/msg/Good") == ["header"]
-    # The package says that it is ROS 2's: its mistake is told, not passed over.
+    # The package says that it is ROS 2's: its mistake is reported, not ignored.
     with pytest.raises(DefinitionError, match=r"Broken\.msg:1:1: 'time' is a type of ROS 1"):
         definitions.message("new_msgs/msg/Broken")
 

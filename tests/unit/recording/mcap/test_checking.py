@@ -1,4 +1,4 @@
-"""Sound files of several writers have no fault; files damaged in one place have theirs told."""
+"""Sound files of several writers have no fault; the fault of a file damaged in one place is reported."""
 
 from __future__ import annotations
 

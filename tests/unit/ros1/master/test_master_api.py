@@ -1,4 +1,4 @@
-"""The Master API without a network: answers, and what nodes are told."""
+"""The Master API without a network: its answers, and its calls to nodes."""
 
 from __future__ import annotations
 

@@ -165,7 +165,7 @@ async def test_a_node_whose_name_was_taken_unnoticed_leaves(stage: Stage) -> Non
     client = XmlRpcClient(stage.uri)
     server = XmlRpcServer({})
     await server.start()
-    # A server without the shutdown method: the old node is told of it by nobody else.
+    # A server without the shutdown method: the master's call is the only notice the old node gets.
     node._endpoints._server._methods._methods.pop("shutdown")
     await client.call_status("registerPublisher", "/node", "/chat", STRING.name, server.uri)
     assert "has taken the name /node" in await asyncio.wait_for(node.wait_closed(), 60)

@@ -192,7 +192,7 @@ async def test_a_publisher_that_is_not_there_is_reported_once(uri: str) -> None:
         await until(lambda: stage.topic.publisher_count == 1 and stage.reports)
         assert uri in stage.reports[0][1]
         assert "ROS_IP" in stage.reports[0][1]
-        # It would be told again before three rounds of somebody who breaks all the time.
+        # Less than three rounds of a publisher that always fails: then it is reported again.
         for count in range(1, 4):
             await until(lambda: len(publisher.peers) == count)  # noqa: B023 - awaited at once
             await publisher.peers[-1].close()

@@ -81,7 +81,7 @@ async def test_a_node_without_parameters_is_named_and_skipped_in_lists() -> None
         await parameters.get("/bare/gain")
     parameters._client = ParameterClient(me, timeout_s=0.05)
     assert await parameters.names() == ["/me/a", "/me/use_sim_time"]
-    # It hangs until it is told to go.
+    # It hangs until the test releases it.
     await hanging.close()
 
 

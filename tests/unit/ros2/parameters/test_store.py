@@ -1,4 +1,4 @@
-"""A node's own parameters: settings as a whole, changes told, limits."""
+"""A node's own parameters: settings applied as a whole, announced changes, limits."""
 
 from __future__ import annotations
 

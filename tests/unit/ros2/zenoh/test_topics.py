@@ -61,7 +61,7 @@ async def test_messages_of_a_publisher_without_a_token_are_received(session: Zen
     session.zenoh.put(key_of("/chat"), CDR_HELLO)
     await until(lambda: typed.payloads and anything.payloads)
     assert typed.payloads == anything.payloads == [string("hello")]
-    # Who takes anything is told what it is.
+    # A subscriber to any type learns which type the topic has.
     assert typed.headers == []
     assert anything.headers[0]["type"] == "std_msgs/String"
 

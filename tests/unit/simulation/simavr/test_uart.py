@@ -76,7 +76,7 @@ async def test_bytes_are_as_long_as_their_bits(start: Start) -> None:
     await board.send(b"x")
     while not board.serial:
         await board.run("1ms")
-    # There and back, ten bits each; it is told with the slice of a millisecond.
+    # There and back, ten bits each; it is reported at the end of a slice, up to a millisecond later.
     assert (await board.cycles() - begun) / CLOCK_HZ == pytest.approx(20 / real_baud(9600), abs=0.0011)
 
 
