@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from collections.abc import Awaitable
 from dataclasses import replace
+from pathlib import Path
 from typing import Protocol
 
 from rostether.bridge.identity import identify_peer
@@ -20,6 +22,7 @@ from rostether.ports.port_watch import ListPorts
 from rostether.ports.settings import DeviceSettings
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.opening import list_serial_ports
+from rostether.transports.serial_errors import is_pseudo_terminal
 from rostether.transports.transport import Transport
 
 # Messages should flow half a second after a board is back, including the time to open its port; a check costs
@@ -57,6 +60,7 @@ class LinkKeeper:
         self._reporter = reporter
         self._devices = devices if devices is not None else DeviceBook()
         self._finder: PortFinder | None = None
+        self._terminal_made_ns: int | None = None
         if isinstance(address, SerialAddress) and _comes_and_goes(address):
             self._finder = PortFinder(address.path, list_ports, asyncio.get_running_loop().time)
 
@@ -91,6 +95,7 @@ class LinkKeeper:
             except TransportError as error:
                 await attempts.wait_after(str(error))
                 continue
+            self._terminal_made_ns = None if path is None else _terminal_made_ns(path)
             baud = f" at {address.baud} baud" if isinstance(address, SerialAddress) else ""
             self._reporter.line(Level.INFO, f"Connecting to {path or address}{baud}")
             return address, identity, transport
@@ -99,15 +104,22 @@ class LinkKeeper:
         """Return the path to open, None if it is not a serial port with a path."""
         if self._finder is None:
             return None
-        reported = False
-        while (path := self._finder.find()) is None:
-            if not reported:
-                reported = True
-                self._reporter.line(
-                    Level.WARN, f"{self._address} does not exist; waiting until it is plugged in"
+        reported: set[str] = set()
+        while True:
+            path = self._finder.find()
+            if path is None:
+                reason = f"{self._address} does not exist; waiting until it is plugged in"
+            elif self._terminal_made_ns not in (None, _terminal_made_ns(path)):
+                reason = (
+                    f"{self._address} is now the terminal of another program and stays closed; "
+                    "restart rostether with the new address of the board"
                 )
+            else:
+                return path
+            if reason not in reported:
+                reported.add(reason)
+                self._reporter.line(Level.WARN, reason)
             await asyncio.sleep(PRESENCE_POLL_S)
-        return path
 
     async def _wait_gone(self, finder: PortFinder) -> None:
         while finder.find() is not None:  # noqa: ASYNC110 - systems report this in different ways
@@ -148,6 +160,19 @@ def with_settings(address: SerialAddress, device: DeviceSettings) -> SerialAddre
 def _comes_and_goes(address: Address) -> bool:
     """Return whether a link's port exists; a Windows port is not a path and shows this only when opened."""
     return isinstance(address, SerialAddress) and "/" in address.path
+
+
+def _terminal_made_ns(path: str) -> int | None:
+    """Return when a pseudo-terminal was made, None for other ports and for a link, which its program moves.
+
+    The system gives the number of a closed pseudo-terminal to the next program that makes one.
+    """
+    if Path(path).is_symlink() or not is_pseudo_terminal(path):
+        return None
+    try:
+        return os.stat(path).st_ctime_ns  # noqa: PTH116 - ten times a second
+    except OSError:
+        return None
 
 
 def _at(address: Address, path: str) -> Address:

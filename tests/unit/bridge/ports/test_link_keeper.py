@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -143,3 +145,27 @@ async def test_a_refusal_that_lasts_is_one_line(tmp_path: Path, monkeypatch: pyt
     await bench.serving(1)
     assert bench.reporter.having("no permission") == ["no permission; join the group dialout (trying again)"]
     await bench.end()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+async def test_a_terminal_whose_number_another_program_got_stays_closed() -> None:
+    near, far = os.openpty()
+    path = Path(os.ttyname(far))
+    bench = Bench(str(path))
+    await bench.serving(1)
+    bench.lost.set_result(TransportClosedError(f"{path} is gone"))
+    await bench.serving(2)
+    made_ns = path.stat().st_ctime_ns
+
+    def is_another() -> bool:
+        # As a terminal that was made later, this one now has a later time.
+        path.chmod(0o600)
+        return path.stat().st_ctime_ns != made_ns
+
+    await until(is_another, "a later time")
+    bench.lost.set_result(TransportClosedError(f"{path} is gone"))
+    await until(lambda: bench.reporter.having("is now the terminal of another program"), "the line")
+    assert len(bench.opened) == 2
+    await bench.end()
+    os.close(near)
+    os.close(far)

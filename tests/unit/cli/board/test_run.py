@@ -57,7 +57,8 @@ def test_lines_of_input_are_words() -> None:
     result = run_to_end(str(build("tick")), "--json", words=words)
     assert result.returncode == 0
     names = [json.loads(line)["event"] for line in result.stdout.splitlines()]
-    assert names == ["ready", "reset", "memory", "cycles"]
+    # On a busy machine the board may be behind.
+    assert [each for each in names if each != "behind"] == ["ready", "reset", "memory", "cycles"]
     errors = result.stderr.splitlines()
     assert errors[0].startswith("rostether: error: nonsense: no such command; the commands are adc aref ")
     assert errors[1].startswith("rostether: error: adc A0=9: volts are written as")
@@ -69,7 +70,7 @@ def test_the_end_of_input_does_not_end_it(tmp_path: Path) -> None:
     lines.write_text("watch D13")
     with (
         lines.open() as given,
-        running(*RUN, str(build("tick")), "--for", "300ms", stdin=given.fileno()) as process,
+        running(*RUN, str(build("tick")), "--for", "2s", stdin=given.fileno()) as process,
     ):
         stdout, _ = process.communicate(timeout=60)
     assert "pin D13 level=0" in stdout
