@@ -11,6 +11,7 @@ import pytest
 from rostether.errors import ConfigError, GraphError, MasterUnreachableError, SerializationError
 from rostether.ros1.xmlrpc_client import MAX_IDLE_CONNECTIONS, XmlRpcClient
 from rostether.ros1.xmlrpc_server import XmlRpcServer
+from rostether.transports.sockets import close_servers
 from rostether.xmlrpc.document_writer import dump_response
 from rostether.xmlrpc.http_message import HttpServerSide
 
@@ -40,7 +41,7 @@ async def peer(session: Session) -> AsyncIterator[str]:
     try:
         yield f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
     finally:
-        server.close()
+        await close_servers([server])
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)

@@ -16,6 +16,7 @@ from rostether.errors import BoardError, ConfigError
 from rostether.platform.sensors.gps import MESSAGE_TYPE, positions, publish_positions
 from rostether.platform.sensors.nmea import NmeaReader, Position
 from rostether.transports.address_parser import parse_address
+from rostether.transports.sockets import close_servers
 from unit.platform.datagrams import running
 from unit.platform.sensors.shown_sensors import described, shown_sensors
 from waiting import until
@@ -86,7 +87,7 @@ async def tcp_receiver() -> AsyncGenerator[tuple[str, list[asyncio.StreamWriter]
     try:
         yield f"tcp://127.0.0.1:{server.sockets[0].getsockname()[1]}?connect=yes", writers
     finally:
-        server.close()
+        await close_servers([server])
         for writer in writers:
             writer.close()
 

@@ -12,6 +12,7 @@ from contract.graphs import STRING
 from rostether.ros1.xmlrpc_server import XmlRpcServer
 from rostether.tcpros.handshake import publisher_fields, subscriber_fields
 from rostether.tcpros.header import decode_fields, encode_header
+from rostether.transports.sockets import close_servers
 from waiting import until
 
 __all__ = ["STRING", "FakePublisher", "RawPeer", "until"]
@@ -97,7 +98,7 @@ class FakePublisher:
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        self._server.close()
+        await close_servers([self._server])
         for peer in self.peers:
             await peer.close()
         await self._server.wait_closed()

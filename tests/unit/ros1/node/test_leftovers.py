@@ -10,6 +10,7 @@ from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.leftovers import Leftovers
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import join_ros1
+from rostether.transports.sockets import close_servers
 
 
 async def test_only_nodes_that_have_ended_are_forgotten() -> None:
@@ -31,7 +32,7 @@ async def test_only_nodes_that_have_ended_are_forgotten() -> None:
     # One that answers with nonsense may only be slow to start; after three times it counts as gone.
     assert not await leftovers.forget_if_gone("/killed")
     assert "/killed" in (await node.snapshot()).nodes
-    listener.close()
+    await close_servers([listener])
     await listener.wait_closed()
     assert await leftovers.forget_if_gone("/killed")
     snapshot = await node.snapshot()

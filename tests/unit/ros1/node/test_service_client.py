@@ -21,6 +21,7 @@ from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.tcpros.handshake import server_fields
 from rostether.tcpros.service_framing import encode_error, encode_response
+from rostether.transports.sockets import close_servers
 from unit.ros1.node.raw_peers import RawPeer
 from waiting import until
 
@@ -40,7 +41,7 @@ class FakeServer:
         await master.register_service("/switch", f"rosrpc://127.0.0.1:{port}", "http://127.0.0.1:1/")
 
     async def close(self) -> None:
-        self._server.close()
+        await close_servers([self._server])
         await self._server.wait_closed()
 
     async def answer_all(self, peer: RawPeer) -> None:

@@ -17,6 +17,7 @@ from rostether.ros2.zenoh.configuration import (
     peer_configuration,
     router_configuration,
 )
+from rostether.transports.sockets import close_servers
 
 
 def endpoints(configuration: zenoh.Config, path: str) -> list[str]:
@@ -102,7 +103,7 @@ async def test_a_router_is_looked_for() -> None:
     server = await asyncio.start_server(lambda _, writer: writer.close(), "127.0.0.1", 0)
     port = server.sockets[0].getsockname()[1]
     assert await is_router_there(f"tcp/127.0.0.1:{port}")
-    server.close()
+    await close_servers([server])
     await server.wait_closed()
     assert not await is_router_there(f"tcp/127.0.0.1:{port}")
     assert await is_router_there("unixsock-stream//tmp/somewhere")
