@@ -113,7 +113,7 @@ class Shell:
         `before` is called before each try.
         """
         result = None
-        for seconds in ("0.5", "5", "50"):
+        for seconds in ("2", "20", "60"):
             before()
             result = self(*arguments, "--duration", seconds)
             if re.search(pattern, result.out, re.DOTALL):

@@ -67,7 +67,7 @@ def test_the_user_s_own_settings_do_not_spoil_the_demo(
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     with running(*PYTHON_DEMO, "--join", ROS_MASTER_URI=graph.uri) as process:
         # A line that is printed once a message was received.
-        assert "Hz" in read_until(process, "discarded")[-1]
+        assert "ultrasound" in read_until(process, " Hz (")[-1]
 
 
 def test_demos_side_by_side_have_separate_masters(shell: Shell) -> None:
