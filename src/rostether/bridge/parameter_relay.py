@@ -158,7 +158,7 @@ class ParameterRelay:
             self._report(
                 name,
                 "a board can read a 32-bit integer, a float, a string, a bool or a list of one of these, "
-                "but this is {_describe(value)}",
+                f"but this is {_describe(value)}",
             )
             return Answer()
         return answer

@@ -125,6 +125,20 @@ async def test_unknown_answers_are_empty_with_one_line(world: World, name: str) 
     assert len(world.reporter.texts) == 1
 
 
+@pytest.mark.parametrize(
+    ("value", "reason"),
+    [({"a": 1}, "this is a mapping"), ([1, "a"], "other or mixed types"), (2**31, "outside these ranges")],
+)
+async def test_the_reason_names_what_a_board_cannot_read(
+    world: World, value: ParamValue, reason: str
+) -> None:
+    answers = Answers()
+    relay(world, answers, BrokenGraph(0, value)).ask("gain")
+    await until(lambda: answers.given, "the answer")
+    [text] = world.reporter.texts
+    assert reason in text
+
+
 async def test_a_master_that_was_away_for_a_moment_is_asked_again(world: World) -> None:
     answers = Answers()
     relay(world, answers, BrokenGraph(2)).ask("gain")
