@@ -5,8 +5,8 @@ from __future__ import annotations
 
 def short_type(name: str) -> str:
     """Return a type's name without the middle part of ROS 2: `std_msgs/msg/String` -> `std_msgs/String`."""
-    package, *middle, short_name = name.split("/")
-    return f"{package}/{short_name}" if len(middle) == 1 else name
+    parts = name.split("/")
+    return f"{parts[0]}/{parts[2]}" if len(parts) == 3 else name
 
 
 def long_type(name: str, kind: str) -> str:

@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterable, Sequence
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove.server_messages import Channel
 from rostether.gateways.foxglove.settings import NameFilter
-from rostether.gateways.rosbridge.type_names import short_type
 from rostether.gateways.shared_subscriptions import (
     PublisherConnection,
     SharedSubscription,
     SharedSubscriptions,
 )
+from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Snapshot, TopicEntry
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
@@ -170,8 +170,7 @@ class Channels:
         if not actual.definition.strip():
             return False
         try:
-            learned = Registry(bundled=False)
-            learned.add_full_text(actual.name, actual.definition)
+            learned = Registry.of_full_text(actual.name, actual.definition)
             # Clients decode with this text; a text that differs from the data would show wrong values.
             return learned.message_type(actual.name).md5sum == actual.md5sum
         except RostetherError:

@@ -12,11 +12,12 @@ from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_parameters import ClientParameters
 from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
 from rostether.gateways.foxglove.client_recordings import ClientRecordings
-from rostether.gateways.foxglove.client_topics import ClientTopic, drained
+from rostether.gateways.foxglove.client_topics import ClientTopic
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
+from rostether.gateways.new_topic import DRAIN_S
 from rostether.gateways.websocket.admission import Rights
 
 if TYPE_CHECKING:
@@ -29,27 +30,6 @@ MAX_REPORTED_MISTAKES = 100
 
 # The refusal for a client that may only view.
 _VIEW_ONLY = "this connection may only view: open the page with the full token to publish, call and set"
-_ACTIONS = (
-    requests.Advertise,
-    requests.MessageData,
-    requests.ServiceRequest,
-    requests.SetParameters,
-    requests.StartRecording,
-    requests.StopRecording,
-    requests.PlayRecording,
-    requests.PausePlayback,
-    requests.StopPlayback,
-)
-
-_CAPABILITY_OF: dict[type, str] = {
-    requests.Advertise: "clientPublish",
-    requests.GetParameters: "parameters",
-    requests.SetParameters: "parameters",
-    requests.SubscribeParameters: "parametersSubscribe",
-    requests.ServiceRequest: "services",
-    requests.SubscribeConnectionGraph: "connectionGraph",
-    requests.FetchAsset: "assets",
-}
 
 
 class Client:
@@ -106,11 +86,10 @@ class Client:
         except RemoteProtocolError as error:
             self.report_mistake(str(error))
             return
-        capability = _CAPABILITY_OF.get(type(request))
-        if capability is not None and capability not in self._gateway.settings.capabilities:
-            self.report_mistake(f"this gateway does not offer {capability}")
+        if request.capability and request.capability not in self._gateway.settings.capabilities:
+            self.report_mistake(f"this gateway does not offer {request.capability}")
             return
-        if self.rights is Rights.VIEW and isinstance(request, _ACTIONS):
+        if self.rights is Rights.VIEW and isinstance(request, requests.Action):
             self._refuse(request)
             return
         self._handlers[type(request)](request)
@@ -228,7 +207,7 @@ class Client:
         self._waiting_publishers += 1
         self.line.pause_reading()
         try:
-            await drained(behind)
+            await behind.drained(DRAIN_S)
         finally:
             self._waiting_publishers -= 1
             if not self._waiting_publishers:

@@ -6,18 +6,33 @@ Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, ClassVar
+
+
+class ClientMessage:
+    """A message of a client."""
+
+    __slots__ = ()
+
+    # The capability of the gateway that it needs; empty: none.
+    capability: ClassVar[str] = ""
+
+
+class Action(ClientMessage):
+    """A message that acts on the robot or on the recordings: clients that may only view cannot send it."""
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Subscribe:
+class Subscribe(ClientMessage):
     """Subscribes to channels: pairs of an id that the client chose and the channel's id."""
 
     subscriptions: tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Unsubscribe:
+class Unsubscribe(ClientMessage):
     """Ends subscriptions."""
 
     subscription_ids: tuple[int, ...]
@@ -39,21 +54,23 @@ class ClientChannel:
 
 
 @dataclass(frozen=True, slots=True)
-class Advertise:
+class Advertise(Action):
     """Announces that the client publishes topics."""
+
+    capability = "clientPublish"
 
     channels: tuple[ClientChannel, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Unadvertise:
+class Unadvertise(ClientMessage):
     """Announces that the client stops publishing."""
 
     channel_ids: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class MessageData:
+class MessageData(Action):
     """A message on one of the client's channels."""
 
     channel_id: int
@@ -61,8 +78,10 @@ class MessageData:
 
 
 @dataclass(frozen=True, slots=True)
-class ServiceRequest:
+class ServiceRequest(Action):
     """A service call."""
+
+    capability = "services"
 
     service_id: int
     call_id: int
@@ -71,8 +90,10 @@ class ServiceRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class GetParameters:
+class GetParameters(ClientMessage):
     """Requests values; no names means all."""
+
+    capability = "parameters"
 
     names: tuple[str, ...]
     request_id: str | None
@@ -88,52 +109,60 @@ class GivenParameter:
 
 
 @dataclass(frozen=True, slots=True)
-class SetParameters:
+class SetParameters(Action):
     """Sets values."""
+
+    capability = "parameters"
 
     parameters: tuple[GivenParameter, ...]
     request_id: str | None
 
 
 @dataclass(frozen=True, slots=True)
-class SubscribeParameters:
+class SubscribeParameters(ClientMessage):
     """Subscribes to changes of values."""
+
+    capability = "parametersSubscribe"
 
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class UnsubscribeParameters:
+class UnsubscribeParameters(ClientMessage):
     """Unsubscribes from changes of values."""
 
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class SubscribeConnectionGraph:
+class SubscribeConnectionGraph(ClientMessage):
     """Subscribes to the lists of publishers, subscribers and services."""
+
+    capability = "connectionGraph"
 
 
 @dataclass(frozen=True, slots=True)
-class UnsubscribeConnectionGraph:
+class UnsubscribeConnectionGraph(ClientMessage):
     """Unsubscribes from these lists."""
 
 
 @dataclass(frozen=True, slots=True)
-class FetchAsset:
+class FetchAsset(ClientMessage):
     """Requests a file."""
+
+    capability = "assets"
 
     uri: str
     request_id: int
 
 
 @dataclass(frozen=True, slots=True)
-class ListRecordings:
+class ListRecordings(ClientMessage):
     """Requests the recordings, now and when they change; an op of this gateway."""
 
 
 @dataclass(frozen=True, slots=True)
-class StartRecording:
+class StartRecording(Action):
     """Starts a recording; no topics means all. An op of this gateway."""
 
     topics: tuple[str, ...]
@@ -141,12 +170,12 @@ class StartRecording:
 
 
 @dataclass(frozen=True, slots=True)
-class StopRecording:
+class StopRecording(Action):
     """Ends the recording; an op of this gateway."""
 
 
 @dataclass(frozen=True, slots=True)
-class PlayRecording:
+class PlayRecording(Action):
     """Plays a recording; an op of this gateway. `start_s` is a time of the recording."""
 
     name: str
@@ -156,43 +185,19 @@ class PlayRecording:
 
 
 @dataclass(frozen=True, slots=True)
-class PausePlayback:
+class PausePlayback(Action):
     """Pauses or continues the playback; an op of this gateway."""
 
     is_paused: bool
 
 
 @dataclass(frozen=True, slots=True)
-class StopPlayback:
+class StopPlayback(Action):
     """Ends the playback; an op of this gateway."""
 
 
 @dataclass(frozen=True, slots=True)
-class AskTime:
+class AskTime(ClientMessage):
     """Requests the robot's time; an op of this gateway. The answer has the id."""
 
     request_id: int
-
-
-ClientMessage: TypeAlias = (
-    Subscribe
-    | Unsubscribe
-    | Advertise
-    | Unadvertise
-    | MessageData
-    | ServiceRequest
-    | GetParameters
-    | SetParameters
-    | SubscribeParameters
-    | UnsubscribeParameters
-    | SubscribeConnectionGraph
-    | UnsubscribeConnectionGraph
-    | FetchAsset
-    | ListRecordings
-    | StartRecording
-    | StopRecording
-    | PlayRecording
-    | PausePlayback
-    | StopPlayback
-    | AskTime
-)

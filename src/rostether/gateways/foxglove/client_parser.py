@@ -13,31 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.foxglove.client_messages import (
-    Advertise,
-    AskTime,
-    ClientChannel,
-    ClientMessage,
-    FetchAsset,
-    GetParameters,
-    GivenParameter,
-    ListRecordings,
-    MessageData,
-    PausePlayback,
-    PlayRecording,
-    ServiceRequest,
-    SetParameters,
-    StartRecording,
-    StopPlayback,
-    StopRecording,
-    Subscribe,
-    SubscribeConnectionGraph,
-    SubscribeParameters,
-    Unadvertise,
-    Unsubscribe,
-    UnsubscribeConnectionGraph,
-    UnsubscribeParameters,
-)
+from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.large_json import check_few_values
 
 # Subscriptions, channels or names in one message; a large system has some thousand topics.
@@ -54,23 +30,23 @@ _MAX_ID = (1 << 32) - 1
 _MAX_NUMBER = 3.2e9
 
 
-def parse_binary(data: bytes) -> MessageData | ServiceRequest:
+def parse_binary(data: bytes) -> requests.MessageData | requests.ServiceRequest:
     """Return a binary message. Raises RemoteProtocolError."""
     opcode = data[0] if data else -1
     if opcode == _MESSAGE_DATA and len(data) >= _CHANNEL_ID.size:
-        return MessageData(_CHANNEL_ID.unpack_from(data)[1], data[_CHANNEL_ID.size :])
+        return requests.MessageData(_CHANNEL_ID.unpack_from(data)[1], data[_CHANNEL_ID.size :])
     if opcode == _SERVICE_REQUEST and len(data) >= _SERVICE_HEADER.size:
         _, service_id, call_id, encoding_bytes = _SERVICE_HEADER.unpack_from(data)
         start = _SERVICE_HEADER.size + encoding_bytes
         if encoding_bytes <= MAX_TEXT_CHARACTERS and start <= len(data):
             encoding = data[_SERVICE_HEADER.size : start].decode("utf-8", "replace")
-            return ServiceRequest(service_id, call_id, encoding, data[start:])
+            return requests.ServiceRequest(service_id, call_id, encoding, data[start:])
     raise RemoteProtocolError(
         f"a binary message of {len(data)} bytes with opcode {opcode} is not part of the protocol"
     )
 
 
-def parse_text(text: str) -> ClientMessage:
+def parse_text(text: str) -> requests.ClientMessage:
     """Return a JSON message. Raises RemoteProtocolError with the mistake."""
     check_few_values(text)
     try:
@@ -163,8 +139,8 @@ def _shown(value: object) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def _client_channel(fields: _Fields) -> ClientChannel:
-    return ClientChannel(
+def _client_channel(fields: _Fields) -> requests.ClientChannel:
+    return requests.ClientChannel(
         fields.id("id"),
         fields.text("topic"),
         fields.text("encoding"),
@@ -174,7 +150,7 @@ def _client_channel(fields: _Fields) -> ClientChannel:
     )
 
 
-def _given_parameter(fields: _Fields) -> GivenParameter:
+def _given_parameter(fields: _Fields) -> requests.GivenParameter:
     name, value, kind = fields.text("name"), fields.value("value"), fields.optional_text("type")
     if kind == "byte_array" and value is not None:
         try:
@@ -183,38 +159,42 @@ def _given_parameter(fields: _Fields) -> GivenParameter:
             raise RemoteProtocolError(
                 f"parameter {name[:80]} is not a byte_array: it is not base64"
             ) from None
-    return GivenParameter(name, value, kind)
+    return requests.GivenParameter(name, value, kind)
 
 
-_PARSERS: dict[str, Callable[[_Fields], ClientMessage]] = {
-    "subscribe": lambda fields: Subscribe(
+_PARSERS: dict[str, Callable[[_Fields], requests.ClientMessage]] = {
+    "subscribe": lambda fields: requests.Subscribe(
         tuple((each.id("id"), each.id("channelId")) for each in fields.objects("subscriptions"))
     ),
-    "unsubscribe": lambda fields: Unsubscribe(fields.ids("subscriptionIds")),
-    "advertise": lambda fields: Advertise(tuple(map(_client_channel, fields.objects("channels")))),
-    "unadvertise": lambda fields: Unadvertise(fields.ids("channelIds")),
-    "getParameters": lambda fields: GetParameters(fields.texts("parameterNames"), fields.optional_text("id")),
-    "setParameters": lambda fields: SetParameters(
+    "unsubscribe": lambda fields: requests.Unsubscribe(fields.ids("subscriptionIds")),
+    "advertise": lambda fields: requests.Advertise(tuple(map(_client_channel, fields.objects("channels")))),
+    "unadvertise": lambda fields: requests.Unadvertise(fields.ids("channelIds")),
+    "getParameters": lambda fields: requests.GetParameters(
+        fields.texts("parameterNames"), fields.optional_text("id")
+    ),
+    "setParameters": lambda fields: requests.SetParameters(
         tuple(map(_given_parameter, fields.objects("parameters"))), fields.optional_text("id")
     ),
-    "subscribeParameterUpdates": lambda fields: SubscribeParameters(fields.texts("parameterNames")),
-    "unsubscribeParameterUpdates": lambda fields: UnsubscribeParameters(fields.texts("parameterNames")),
-    "subscribeConnectionGraph": lambda _: SubscribeConnectionGraph(),
-    "unsubscribeConnectionGraph": lambda _: UnsubscribeConnectionGraph(),
-    "listRecordings": lambda _: ListRecordings(),
-    "startRecording": lambda fields: StartRecording(
+    "subscribeParameterUpdates": lambda fields: requests.SubscribeParameters(fields.texts("parameterNames")),
+    "unsubscribeParameterUpdates": lambda fields: requests.UnsubscribeParameters(
+        fields.texts("parameterNames")
+    ),
+    "subscribeConnectionGraph": lambda _: requests.SubscribeConnectionGraph(),
+    "unsubscribeConnectionGraph": lambda _: requests.UnsubscribeConnectionGraph(),
+    "listRecordings": lambda _: requests.ListRecordings(),
+    "startRecording": lambda fields: requests.StartRecording(
         fields.texts("topics") if fields.value("topics") is not None else (),
         fields.optional_text("format") or "bag",
     ),
-    "stopRecording": lambda _: StopRecording(),
-    "playRecording": lambda fields: PlayRecording(
+    "stopRecording": lambda _: requests.StopRecording(),
+    "playRecording": lambda fields: requests.PlayRecording(
         fields.text("name"),
         fields.number("start", 0.0),
         fields.number("rate", 1.0),
         fields.flag("prefixed", default=True),
     ),
-    "pausePlayback": lambda fields: PausePlayback(fields.flag("paused", default=True)),
-    "stopPlayback": lambda _: StopPlayback(),
-    "askTime": lambda fields: AskTime(fields.id("id")),
-    "fetchAsset": lambda fields: FetchAsset(fields.text("uri"), fields.id("requestId")),
+    "pausePlayback": lambda fields: requests.PausePlayback(fields.flag("paused", default=True)),
+    "stopPlayback": lambda _: requests.StopPlayback(),
+    "askTime": lambda fields: requests.AskTime(fields.id("id")),
+    "fetchAsset": lambda fields: requests.FetchAsset(fields.text("uri"), fields.id("requestId")),
 }

@@ -11,9 +11,11 @@ from rostether.gateways.foxglove.client_messages import ClientChannel
 from rostether.gateways.foxglove.json_messages import decode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING
 from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Publisher
+from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
+from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 
 MAX_EARLY_MESSAGES = 10_000
@@ -60,15 +62,13 @@ class ClientTopic:
             await asyncio.wait([self._opening])
         if self._publisher is not None:
             publisher, self._publisher = self._publisher, None
-            await drained(publisher)
+            await publisher.drained(DRAIN_S)
             await publisher.close()
 
     async def _open(self, graph: Graph, store: TypeStore) -> None:
         try:
-            type_name = short_type(self.channel.schema_name)
-            store = knowing(store, type_name, self.channel.schema)
-            self._encode = encoder(self.channel, store, type_name)
-            message_type = store.registry.message_type(type_name)
+            codec, message_type = types_of(self.channel, store)
+            self._encode = encoder(self.channel, codec)
             publisher = await graph.advertise(self.channel.topic, message_type)
         except RostetherError as error:
             self._report_once(f"{self.channel.topic[:200]} cannot be published: {error}")
@@ -96,27 +96,23 @@ class ClientTopic:
             self._report(text)
 
 
-async def drained(publisher: Publisher) -> None:
-    """Wait until the subscribers have caught up, or count as slow."""
-    await publisher.drained(DRAIN_S)
+def types_of(channel: ClientChannel, store: TypeStore) -> tuple[Codec, MessageType]:
+    """Return the type of a channel: the known definition, else the client's.
 
-
-def knowing(store: TypeStore, type_name: str, definition: str) -> TypeStore:
-    """Return a registry that includes the client's type: the known definition, else the client's."""
+    Raises UnknownTypeError, DefinitionError.
+    """
+    type_name = short_type(channel.schema_name)
     try:
         store.registry.message(type_name)
     except UnknownTypeError:
-        if not definition:
+        if not channel.schema:
             raise
-        registry = Registry(bundled=False)
-        registry.add_full_text(type_name, definition)
-        return TypeStore(registry)
-    return store
+        store = TypeStore(Registry.of_full_text(type_name, channel.schema))
+    return store.codec(type_name), store.registry.message_type(type_name)
 
 
-def encoder(channel: ClientChannel, store: TypeStore, type_name: str) -> Callable[[bytes], bytes]:
-    """Return a converter of a client's messages that checks them. Raises ConfigError, UnknownTypeError."""
-    codec = store.codec(type_name)
+def encoder(channel: ClientChannel, codec: Codec) -> Callable[[bytes], bytes]:
+    """Return a converter of a client's messages that checks them. Raises ConfigError."""
     if channel.encoding == JSON_ENCODING:
         return lambda payload: codec.encode(decode_json(codec, payload))
     if channel.encoding != ROS1_ENCODING:

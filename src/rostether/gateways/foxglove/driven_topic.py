@@ -10,8 +10,7 @@ from typing import Any
 
 from rostether.errors import InvalidNameError, RostetherError
 from rostether.gateways.foxglove.client_messages import ClientChannel
-from rostether.gateways.foxglove.client_topics import encoder, knowing
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.foxglove.client_topics import MAX_REPORTED_MISTAKES, encoder, types_of
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
 from rostether.graph.ports import Graph, Publisher
 from rostether.serde.store import TypeStore
@@ -97,12 +96,10 @@ class DrivenTopic:
 
     async def _open(self, graph: Graph, store: TypeStore) -> None:
         try:
-            type_name = short_type(self.channel.schema_name)
-            store = knowing(store, type_name, self.channel.schema)
-            encode = encoder(self.channel, store, type_name)
+            codec, message_type = types_of(self.channel, store)
+            encode = encoder(self.channel, codec)
             topic = graph.resolve(self.channel.topic)
-            message_type = store.registry.message_type(type_name)
-            commands = await self._teleop.enter(self, topic, message_type, store.codec(type_name))
+            commands = await self._teleop.enter(self, topic, message_type, codec)
         except (RostetherError, InvalidNameError) as error:
             self._warn_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
             self._has_ended = self._topic != ""
@@ -116,7 +113,7 @@ class DrivenTopic:
                 self.publish(early)
 
     def _warn_once(self, text: str) -> None:
-        if text not in self._warned and len(self._warned) < 20:
+        if text not in self._warned and len(self._warned) < MAX_REPORTED_MISTAKES:
             self._warned.add(text)
             self._warn(text)
 

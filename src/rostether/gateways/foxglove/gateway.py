@@ -13,8 +13,7 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Callable, Coroutine, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Coroutine, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -37,6 +36,7 @@ from rostether.gateways.teleop.teleop import Teleop
 from rostether.gateways.websocket.admission import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
+from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.graph.ports import Graph, Level
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
@@ -91,19 +91,17 @@ class FoxgloveGateway:
         )
         self.parameters = Parameters(graph, settings.parameters)
         self.connections = ConnectionGraph(self.channels.known)
-        self.assets = Assets(find_packages or _no_packages, self.limits.asset_bytes)
+        self.assets = Assets(find_packages or dict, self.limits.asset_bytes)
         self.clock = SimClock(graph, self.shared, self._send_time, self._restart_clients)
         self.teleop = Teleop(parts.join_teleop) if parts.join_teleop is not None else None
         self.recordings = RecordingReports(parts.recordings) if parts.recordings is not None else None
         self._report = report or (lambda level, text: None)
         self._server = WebSocketServer(
-            settings.label,
+            ServedProtocol(settings.label, replies.SUBPROTOCOLS, viewer_site=FOXGLOVE_SITE),
             settings,
             self.limits.of_connections(HIGH_WATER_BYTES),
             self._open_client,
             self._warn,
-            viewer_site=FOXGLOVE_SITE,
-            subprotocols=replies.SUBPROTOCOLS,
             site=parts.site,
             routes={SERIAL_PATH: parts.boards.open if parts.boards is not None else None},
         )
@@ -314,10 +312,6 @@ class FoxgloveGateway:
         self._session_id = str(time.time_ns())
         for client in list(self._clients):
             client.line.close(_SERVICE_RESTART, "the clock has changed")
-
-
-def _no_packages() -> Mapping[str, Path]:
-    return {}
 
 
 async def _contained(work: Coroutine[Any, Any, None]) -> None:

@@ -10,7 +10,7 @@ from rostether.errors import RostetherError, SerializationError, ServiceCallErro
 from rostether.gateways.foxglove.json_messages import decode_json, encode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, OfferedService
 from rostether.gateways.foxglove.settings import NameFilter
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Snapshot
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.serde.store import TypeStore

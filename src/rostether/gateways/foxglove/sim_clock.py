@@ -11,11 +11,11 @@ from collections.abc import Callable
 from rostether.errors import RostetherError
 from rostether.gateways.shared_subscriptions import Batch, SharedSubscription, SharedSubscriptions
 from rostether.graph.ports import Graph, ParamValue, Watch
+from rostether.rostime import NS_PER_S
 
 _CLOCK_TOPIC = "/clock"
 _USE_SIM_TIME = "/use_sim_time"
 _STAMP = struct.Struct("<II")
-_NS = 1_000_000_000
 _log = logging.getLogger("rostether.gateways")
 
 
@@ -91,5 +91,5 @@ class SimClock:
         payload = batch.payloads[-1]
         if self.is_simulated and len(payload) == _STAMP.size:
             seconds, nanoseconds = _STAMP.unpack(payload)
-            self._time_ns = seconds * _NS + nanoseconds
+            self._time_ns = seconds * NS_PER_S + nanoseconds
             self._on_time(self._time_ns)

@@ -18,7 +18,7 @@ from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.type_names import short_type
 
 # Responses that the gateway computes for one client at once: a page with many requests must not delay others.
 MAX_LOCAL_CALLS = 2

@@ -18,8 +18,8 @@ from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.rosbridge.status import show
-from rostether.gateways.rosbridge.type_names import short_type
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
+from rostether.gateways.type_names import short_type
 from rostether.msgdef.interface import ANY_TYPE
 
 # Smaller fragments would be mostly overhead, and a large message would need millions of them.

@@ -13,7 +13,7 @@ from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.publication import Publication
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, matches
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.type_names import short_type
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 
 _NOTHING: dict[str, Any] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from rostether.errors import RostetherError
@@ -34,33 +35,21 @@ class LocalServices(Protocol):
         """Return the handler of a service by its full name; it accepts and returns JSON values."""
 
 
+@dataclass(slots=True, eq=False)
 class GatewayContext:
     """The graph and everything that clients share; made by `RosbridgeServer`."""
 
-    def __init__(  # noqa: PLR0913 - each is an independent setting
-        self,
-        graph: Graph,
-        store: TypeStore,
-        settings: RosbridgeSettings,
-        *,
-        shared: SharedSubscriptions,
-        forms: MessageForms,
-        service_types: ServiceTypes,
-        offered: OfferedServices,
-        local_services: LocalServices | None,
-        report: Report,
-    ) -> None:
-        self.graph = graph
-        self.store = store
-        self.settings = settings
-        self.shared = shared
-        self.forms = forms
-        self.service_types = service_types
-        self.offered = offered
-        self.local_services = local_services
-        self.report = report
-        self._lingering: dict[Publication, asyncio.TimerHandle] = {}
-        self._ending: set[asyncio.Task[None]] = set()
+    graph: Graph
+    store: TypeStore
+    settings: RosbridgeSettings
+    shared: SharedSubscriptions
+    forms: MessageForms
+    service_types: ServiceTypes
+    offered: OfferedServices
+    local_services: LocalServices | None
+    report: Report
+    _lingering: dict[Publication, asyncio.TimerHandle] = field(default_factory=dict)
+    _ending: set[asyncio.Task[None]] = field(default_factory=set)
 
     def linger(self, publication: Publication) -> None:
         """End a publication after a while."""

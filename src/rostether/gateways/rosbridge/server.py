@@ -28,7 +28,7 @@ from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.gateways.websocket.server import WebSocketServer
-from rostether.gateways.websocket.settings import ConnectionLimits
+from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.msgdef.search_waiting import definitions_searched
@@ -71,7 +71,10 @@ class RosbridgeServer:
         self._leaving: asyncio.Task[None] | None = None
         self._ended = asyncio.Event()
         self._server = WebSocketServer(
-            "rosbridge",
+            # Clients may also send the token in their first message.
+            ServedProtocol(
+                "rosbridge", path=settings.path, deflates=settings.deflate, wants_token_first=False
+            ),
             settings,
             ConnectionLimits(
                 clients=MAX_CLIENTS,
@@ -83,10 +86,6 @@ class RosbridgeServer:
             ),
             self._open_session,
             lambda text: report(Level.WARN, f"rosbridge: {text}"),
-            path=settings.path,
-            # Clients may also send the token in their first message.
-            wants_token_first=False,
-            deflates=settings.deflate,
         )
 
     @property

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from rostether.errors import ServiceUnavailableError
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.serde.store import TypeStore

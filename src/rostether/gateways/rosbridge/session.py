@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import hashlib
 import time
+from collections.abc import Awaitable, Callable
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,6 @@ from rostether.gateways.rosbridge.client_services import ClientServices
 from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Delivery
 from rostether.gateways.rosbridge.client_topics import ClientTopics
 from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
-from rostether.gateways.rosbridge.operations import OPERATIONS
 from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.request import Request, read_request
@@ -60,21 +60,43 @@ class Session:
     """One connection from its authentication to its end."""
 
     def __init__(self, connection: MessageStream, context: GatewayContext, token: Token, name: str) -> None:
-        self.level = DEFAULT_LEVEL
+        self._level = DEFAULT_LEVEL
         self.name = name
         self._connection = connection
         self._context = context
         self._token = token
         self._outbox: Outbox[ClientSubscription] = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
-        self.topics: ClientTopics = ClientTopics(
+        self._topics = topics = ClientTopics(
             context, self._outbox, lambda text: self._report_mistake(text, None)
         )
-        self.services: ClientServices = ClientServices(context, self._send)
-        self.actions: ClientActions = ClientActions(context, self._send)
+        self._services = services = ClientServices(context, self._send)
+        self._actions = actions = ClientActions(context, self._send)
         self._fragments = Defragmenter(context.settings.max_message_bytes)
         self._fragment_ids = count()
         self._depth = 0
         self._logged: set[str] = set()
+        self._operations: dict[str, Callable[[Request], Awaitable[object] | None]] = {
+            "advertise": topics.advertise,
+            "unadvertise": topics.unadvertise,
+            "publish": topics.publish,
+            "subscribe": topics.subscribe,
+            "unsubscribe": topics.unsubscribe,
+            "call_service": services.call,
+            "advertise_service": self._advertise_service,
+            "unadvertise_service": services.unadvertise,
+            "service_response": services.answer,
+            "send_action_goal": actions.send_goal,
+            "cancel_action_goal": actions.cancel_goal,
+            "advertise_action": actions.advertise,
+            "unadvertise_action": actions.unadvertise,
+            "action_feedback": actions.feedback,
+            "action_result": actions.result,
+            "fragment": self._handle_fragment,
+            "png": self._handle_png,
+            "set_level": self._set_level,
+            "status": _ignore,
+            "auth": _ignore,
+        }
 
     async def run(self, *, is_authenticated: bool) -> None:
         """Serve the client until it closes the connection."""
@@ -87,20 +109,28 @@ class Session:
             sending.cancel()
             await asyncio.wait([sending])
             with contextlib.suppress(RostetherError):
-                await asyncio.gather(self.topics.close(), self.services.close(), self.actions.close())
+                await asyncio.gather(self._topics.close(), self._services.close(), self._actions.close())
 
-    def status(self, level: StatusLevel, text: str, request_id: object = None) -> None:
+    def _report_status(self, level: StatusLevel, text: str, request_id: object = None) -> None:
         """Send a status to the client, if it wants the level."""
-        if level <= self.level:
+        if level <= self._level:
             self._outbox.answer(status_message(level, text, request_id), is_status=True)
 
-    async def handle_fragment(self, request: Request) -> None:
+    async def _advertise_service(self, request: Request) -> None:
+        warning = await self._services.advertise(request)
+        if warning:
+            self._report_status(StatusLevel.WARNING, warning, request.id)
+
+    def _set_level(self, request: Request) -> None:
+        self._level = StatusLevel.read(request.fields.get("level"))
+
+    async def _handle_fragment(self, request: Request) -> None:
         """Handle one piece of a message; after the last one, handle the message."""
         whole = self._fragments.add(request.fields)
         if whole is not None:
             await self._execute_inner(whole)
 
-    async def handle_png(self, request: Request) -> None:
+    async def _handle_png(self, request: Request) -> None:
         """Handle a message that is packed into an image."""
         await self._execute_inner(unpack_png(request.text("data"), self._context.settings.max_message_bytes))
 
@@ -146,10 +176,11 @@ class Session:
         try:
             request = await read_request(data)
             request_id = request.id
-            operation = OPERATIONS.get(request.op)
+            operation = self._operations.get(request.op)
             if operation is None:
-                raise RemoteProtocolError(f"unknown op {show(request.op)}; known: {', '.join(OPERATIONS)}")
-            waiting = operation(self, request)
+                known = ", ".join(self._operations)
+                raise RemoteProtocolError(f"unknown op {show(request.op)}; known: {known}")
+            waiting = operation(request)
             if waiting is not None:
                 async with asyncio.timeout(OPERATION_LIMIT_S):
                     await waiting
@@ -164,7 +195,7 @@ class Session:
 
     def _report_mistake(self, text: str, request_id: object) -> None:
         text = fold_line(text)
-        self.status(StatusLevel.ERROR, text, request_id)
+        self._report_status(StatusLevel.ERROR, text, request_id)
         if len(self._logged) < MAX_LOGGED and text not in self._logged:
             self._logged.add(text)
             last = "; further errors are sent only to the client" if len(self._logged) == MAX_LOGGED else ""
@@ -236,10 +267,16 @@ class Session:
         subscription.reported_count += lost
         subscription.next_report_s = now_s + REPORT_INTERVAL_S
         topic, messages = subscription.topic, "message" if lost == 1 else "messages"
-        self.status(StatusLevel.WARNING, f"{topic} is too fast for this client: {lost} {messages} lost")
+        self._report_status(
+            StatusLevel.WARNING, f"{topic} is too fast for this client: {lost} {messages} lost"
+        )
         self._context.report(
             Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {lost} {messages} lost"
         )
+
+
+def _ignore(_: Request) -> None:
+    """Ignore a client's status, and a repeated authentication."""
 
 
 def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:

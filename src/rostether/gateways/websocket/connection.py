@@ -84,9 +84,9 @@ class Connection(asyncio.BufferedProtocol):
         self._server = server
         self._limits = server.limits
         self._websocket = ServerProtocol(
-            subprotocols=[Subprotocol(each) for each in server.subprotocols],
+            subprotocols=[Subprotocol(each) for each in server.protocol.subprotocols],
             select_subprotocol=_choose_subprotocol,
-            extensions=[ServerPerMessageDeflateFactory()] if server.deflates else None,
+            extensions=[ServerPerMessageDeflateFactory()] if server.protocol.deflates else None,
             max_size=self._limits.message_bytes,
         )
         self._loop = asyncio.get_running_loop()

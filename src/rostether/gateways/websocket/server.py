@@ -8,7 +8,7 @@ import os
 import socket
 import ssl
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from http import HTTPStatus
 
 from websockets.http11 import Request
@@ -17,7 +17,12 @@ from rostether.errors import ConfigError, TransportOpenError
 from rostether.gateways.websocket.admission import Admission
 from rostether.gateways.websocket.connection import Connection, ConnectionUser
 from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
-from rostether.gateways.websocket.settings import DEFAULT_HOST, ConnectionLimits, ServerSettings
+from rostether.gateways.websocket.settings import (
+    DEFAULT_HOST,
+    ConnectionLimits,
+    ServedProtocol,
+    ServerSettings,
+)
 from rostether.gateways.websocket.site import Site
 from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import close_servers, lengthen_backlog, system_bind_errors
@@ -36,40 +41,29 @@ class WebSocketServer:
     """Listens for connections.
 
     Args:
-        name: The prefix of log lines, such as `foxglove`.
+        protocol: The protocol of its WebSockets.
         settings: Where to listen, and who may connect.
         limits: The bounds of the server and its connections.
         open_user: Creates the user of a WebSocket after its handshake.
         report_refused: Gets a line, at a limited rate, when a connection is refused.
-        viewer_site: The web site of a viewer; its pages, and a copy of it on this machine, may connect.
-        path: The only path for WebSockets; empty for all paths.
-        wants_token_first: Whether a handshake without the token is refused; otherwise the user checks it.
-        subprotocols: The WebSocket subprotocols, the best first.
-        deflates: Whether messages are compressed for clients that support it.
         site: Files that are served by plain GET.
         routes: Functions that create users for other paths; only for this server's pages and programs with
         the full token. None: not offered.
     """
 
-    def __init__(  # noqa: PLR0913 - each is an independent setting
+    def __init__(
         self,
-        name: str,
+        protocol: ServedProtocol,
         settings: ServerSettings,
         limits: ConnectionLimits,
         open_user: Callable[[Connection], ConnectionUser],
         report_refused: Callable[[str], None],
         *,
-        viewer_site: str = "",
-        path: str = "",
-        wants_token_first: bool = True,
-        subprotocols: Sequence[str] = (),
-        deflates: bool = False,
         site: Site | None = None,
         routes: Mapping[str, Callable[[Connection], ConnectionUser] | None] | None = None,
     ) -> None:
         self.limits = limits
-        self.subprotocols = subprotocols
-        self.deflates = deflates
+        self.protocol = protocol
         self.site = site
         self.encryption: ssl.SSLContext | None = None
         self._open_user = open_user
@@ -80,11 +74,10 @@ class WebSocketServer:
             settings.token,
             own_names,
             view_token=settings.view_token,
-            viewer_site=viewer_site,
-            path=path,
-            wants_token_first=wants_token_first,
+            viewer_site=protocol.viewer_site,
+            path=protocol.path,
+            wants_token_first=protocol.wants_token_first,
         )
-        self._name = name
         self._settings = settings
         self._limiter = ConnectionLimiter(
             settings.allow, limits.clients + limits.others, report_refused, self._make_room
@@ -239,18 +232,17 @@ class WebSocketServer:
         self._limiter.report_refusal(self._connections[connection], reason)
 
     def _explain(self, port: int, error: OSError) -> TransportOpenError:
-        host = self._settings.host
+        name, host = self.protocol.name, self._settings.host
         if error.errno == errno.EADDRINUSE:
             return TransportOpenError(
-                f"{self._name}: port {port} is already in use on {host}; stop the program that listens "
+                f"{name}: port {port} is already in use on {host}; stop the program that listens "
                 "there, or choose another port"
             )
         if error.errno == errno.EADDRNOTAVAIL or isinstance(error, socket.gaierror):
             return TransportOpenError(
-                f"{self._name}: {host} is not an address of this machine; "
-                f"0.0.0.0:{port} listens on all of them"
+                f"{name}: {host} is not an address of this machine; 0.0.0.0:{port} listens on all of them"
             )
-        return TransportOpenError(f"{self._name}: cannot listen on {host}:{port}: {error.strerror}")
+        return TransportOpenError(f"{name}: cannot listen on {host}:{port}: {error.strerror}")
 
 
 def server_encryption(certificate: str, key: str) -> ssl.SSLContext | None:

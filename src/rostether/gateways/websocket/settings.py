@@ -33,6 +33,29 @@ class ConnectionLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class ServedProtocol:
+    """The protocol that a server speaks over its WebSockets."""
+
+    # The prefix of log lines, such as `foxglove`.
+    name: str
+
+    # The WebSocket subprotocols, the best first.
+    subprotocols: tuple[str, ...] = ()
+
+    # Whether messages are compressed for clients that support it.
+    deflates: bool = False
+
+    # The only path for WebSockets; empty for all paths.
+    path: str = ""
+
+    # The web site of a viewer; its pages, and a copy of it on this machine, may connect.
+    viewer_site: str = ""
+
+    # Whether a handshake without the token is refused; otherwise the user checks it.
+    wants_token_first: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class ServerSettings:
     """The address and the access rules of a server.
 

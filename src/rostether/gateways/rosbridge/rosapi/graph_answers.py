@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rostether.errors import RostetherError
-from rostether.gateways.rosbridge.type_names import long_type, short_type
+from rostether.gateways.rosbridge.service_types import AskServer
+from rostether.gateways.type_names import long_type, short_type
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot
 from rostether.msgdef.interface import ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.cdr_form import CdrForm
-
-# Takes a service's name, and returns its server's answer. Raises RostetherError.
-AskServer: TypeAlias = Callable[[str], Awaitable[str]]
 
 Allows: TypeAlias = Callable[[str], bool]
 

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 from rostether.errors import RemoteProtocolError, RostetherError
-from rostether.gateways.rosbridge.rosapi.graph_answers import AskServer, GraphAnswers
+from rostether.gateways.rosbridge.rosapi.graph_answers import GraphAnswers
 from rostether.gateways.rosbridge.rosapi.parameters import ParameterServices
 from rostether.gateways.rosbridge.rosapi.system import SystemAnswers
+from rostether.gateways.rosbridge.service_types import AskServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings, matches
-from rostether.gateways.rosbridge.type_names import short_type
 from rostether.gateways.rosbridge.values import JsonForm, Style
+from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, JoinGraph, ServiceHandler
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
@@ -165,12 +166,20 @@ def _by_name(request: Codec, args: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One service; `ask` returns the value of its response's field, or a tuple of all its fields' values."""
+    """One service: the fields of its response, and `ask`, which returns the field's value or a tuple of them.
+
+    `own_type` is set where the name of the type does not follow from the name of the service.
+    """
 
     name: str
-    type_name: str
-    ask: Callable[[Message], Awaitable[Any]]
     fields: tuple[str, ...]
+    ask: Callable[[Message], Awaitable[Any]]
+    own_type: str = ""
+
+    @property
+    def type_name(self) -> str:
+        """The name of its type, without the package: `topic_type` is a `TopicType`."""
+        return self.own_type or self.name.title().replace("_", "")
 
     async def answer(self, request: Message, *, has_success_field: bool) -> dict[str, Any]:
         """Return the fields of the response. Raises RostetherError, unless the response reports it."""
@@ -192,62 +201,38 @@ def service_rows(
     """Return all services of rosapi."""
     g, p, s = graph, parameters, system
     return (
-        Row("topics", "Topics", lambda _: g.topics(), ("topics", "types")),
+        Row("topics", ("topics", "types"), lambda _: g.topics()),
         Row(
-            "topics_and_raw_types",
-            "TopicsAndRawTypes",
-            lambda _: g.topics_and_texts(),
-            ("topics", "types", "typedefs_full_text"),
+            "topics_and_raw_types", ("topics", "types", "typedefs_full_text"), lambda _: g.topics_and_texts()
         ),
-        Row("topics_for_type", "TopicsForType", lambda asked: g.topics_for_type(asked.type), ("topics",)),
-        Row("topic_type", "TopicType", lambda asked: g.topic_type(asked.topic), ("type",)),
-        Row("publishers", "Publishers", lambda asked: g.publishers(asked.topic), ("publishers",)),
-        Row("subscribers", "Subscribers", lambda asked: g.subscribers(asked.topic), ("subscribers",)),
-        Row("nodes", "Nodes", lambda _: g.nodes(), ("nodes",)),
+        Row("topics_for_type", ("topics",), lambda asked: g.topics_for_type(asked.type)),
+        Row("topic_type", ("type",), lambda asked: g.topic_type(asked.topic)),
+        Row("publishers", ("publishers",), lambda asked: g.publishers(asked.topic)),
+        Row("subscribers", ("subscribers",), lambda asked: g.subscribers(asked.topic)),
+        Row("nodes", ("nodes",), lambda _: g.nodes()),
         Row(
             "node_details",
-            "NodeDetails",
-            lambda asked: g.node_details(asked.node),
             ("subscribing", "publishing", "services"),
+            lambda asked: g.node_details(asked.node),
         ),
-        Row("services", "Services", lambda _: g.services(), ("services",)),
-        Row(
-            "services_for_type",
-            "ServicesForType",
-            lambda asked: g.services_for_type(asked.type),
-            ("services",),
-        ),
-        Row("service_type", "ServiceType", lambda asked: g.service_type(asked.service), ("type",)),
-        Row("service_node", "ServiceNode", lambda asked: g.service_node(asked.service), ("node",)),
-        Row("service_host", "ServiceHost", lambda asked: g.service_host(asked.service), ("host",)),
-        Row(
-            "service_providers",
-            "ServiceProviders",
-            lambda asked: g.service_providers(asked.service),
-            ("providers",),
-        ),
-        Row("action_servers", "GetActionServers", lambda _: g.action_servers(), ("action_servers",)),
-        Row("message_details", "MessageDetails", lambda asked: s.message(asked.type), ("typedefs",)),
-        Row(
-            "service_request_details",
-            "ServiceRequestDetails",
-            lambda asked: s.request(asked.type),
-            ("typedefs",),
-        ),
-        Row(
-            "service_response_details",
-            "ServiceResponseDetails",
-            lambda asked: s.response(asked.type),
-            ("typedefs",),
-        ),
-        Row("get_time", "GetTime", lambda _: s.time(), ("time",)),
-        Row("get_ros_version", "GetROSVersion", lambda _: s.ros_version(), ("version", "distro")),
-        Row("get_param", "GetParam", lambda asked: p.get(asked.name, _default(asked)), ("value",)),
-        Row("set_param", "SetParam", lambda asked: p.set(asked.name, asked.value), ()),
-        Row("has_param", "HasParam", lambda asked: p.has(asked.name), ("exists",)),
-        Row("delete_param", "DeleteParam", lambda asked: p.delete(asked.name), ()),
-        Row("search_param", "SearchParam", lambda asked: p.search(asked.name), ("global_name",)),
-        Row("get_param_names", "GetParamNames", lambda _: p.names(), ("names",)),
+        Row("services", ("services",), lambda _: g.services()),
+        Row("services_for_type", ("services",), lambda asked: g.services_for_type(asked.type)),
+        Row("service_type", ("type",), lambda asked: g.service_type(asked.service)),
+        Row("service_node", ("node",), lambda asked: g.service_node(asked.service)),
+        Row("service_host", ("host",), lambda asked: g.service_host(asked.service)),
+        Row("service_providers", ("providers",), lambda asked: g.service_providers(asked.service)),
+        Row("action_servers", ("action_servers",), lambda _: g.action_servers(), "GetActionServers"),
+        Row("message_details", ("typedefs",), lambda asked: s.message(asked.type)),
+        Row("service_request_details", ("typedefs",), lambda asked: s.request(asked.type)),
+        Row("service_response_details", ("typedefs",), lambda asked: s.response(asked.type)),
+        Row("get_time", ("time",), lambda _: s.time()),
+        Row("get_ros_version", ("version", "distro"), lambda _: s.ros_version(), "GetROSVersion"),
+        Row("get_param", ("value",), lambda asked: p.get(asked.name, _default(asked))),
+        Row("set_param", (), lambda asked: p.set(asked.name, asked.value)),
+        Row("has_param", ("exists",), lambda asked: p.has(asked.name)),
+        Row("delete_param", (), lambda asked: p.delete(asked.name)),
+        Row("search_param", ("global_name",), lambda asked: p.search(asked.name)),
+        Row("get_param_names", ("names",), lambda _: p.names()),
     )
 
 

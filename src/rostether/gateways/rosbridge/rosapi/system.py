@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from rostether.errors import RostetherError
-from rostether.gateways.rosbridge.type_names import short_type
+from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import Field, MessageSpec
