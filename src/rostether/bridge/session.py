@@ -98,7 +98,7 @@ class Session:
         self._setup = node.setup
         self._setup.connected()
         self._was_reset = False
-        self._second_look = Rescan(self.link, self._handle)
+        self._rescan = Rescan(self.link, self._handle)
         self._held = HeldEvents(node.store.registry, self._act, self._fail)
         self._ended: asyncio.Future[TransportError | None] = self._loop.create_future()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {
@@ -192,7 +192,7 @@ class Session:
 
     def rescan(self, payload: bytes) -> None:
         """Handle frames inside a message that does not have its type's layout: noise covered them."""
-        self._second_look.rescan(payload, self._loop.time())
+        self._rescan.rescan(payload, self._loop.time())
         self._after_link()
 
     def call_started(self) -> None:

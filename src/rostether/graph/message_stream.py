@@ -69,8 +69,7 @@ class LearnedTypes:
             return self.store.codec(name)
         if definition:
             # A separate store: here, the same name and the types below it may have other definitions.
-            learned = Registry(bundled=False)
-            learned.add_full_text(name, definition)
+            learned = Registry.of_full_text(name, definition)
             return self.store.for_registry(learned).codec(name)
         raise TypeMismatchError(
             f"{name} has md5sum {md5sum} there and {known} here, and its publisher sends no definition: "

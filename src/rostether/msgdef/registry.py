@@ -191,11 +191,21 @@ class Registry:
         packages = self.packages() if package is None else [package]
         return sorted(f"{each}/{name}" for each in packages for name in self._names(Kind.SERVICE, each))
 
+    @staticmethod
+    def of_full_text(name: str, definition: str) -> Registry:
+        """Return a registry of only the messages in a full text, as one publisher defines them.
+
+        Raises DefinitionError.
+        """
+        registry = Registry(bundled=False)
+        registry.add_full_text(name, definition)
+        return registry
+
     def add_full_text(self, name: str, definition: str) -> None:
         """Add a message from a connection header's `message_definition`, with all messages below it.
 
-        Known types keep their definition: to read one connection exactly as its publisher defines it, use a
-        separate `Registry(bundled=False)`. Raises DefinitionError.
+        Known types keep their definition: to read one connection exactly as its publisher defines it, use
+        `of_full_text`. Raises DefinitionError.
         """
         texts = split_full_text(name, definition)
         new = {each: text for each, text in texts.items() if each not in self._learned}

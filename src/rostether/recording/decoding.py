@@ -25,8 +25,7 @@ class Decoder:
         key = (message_type.name, message_type.md5sum, message_type.definition)
         codec = self._codecs.get(key)
         if codec is None:
-            registry = Registry(bundled=not message_type.definition)
-            if message_type.definition:
-                registry.add_full_text(message_type.name, message_type.definition)
+            text = message_type.definition
+            registry = Registry.of_full_text(message_type.name, text) if text else Registry()
             codec = self._codecs[key] = TypeStore(registry).codec(message_type.name)
         return codec

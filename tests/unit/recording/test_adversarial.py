@@ -16,13 +16,13 @@ import zstandard
 from rostether.errors import RecordingError
 from rostether.recording.bag import chunks as bag_chunks
 from rostether.recording.bag.reader import BagReader
-from rostether.recording.bag.records import MAGIC, OP_CHUNK, OP_CONNECTION, U32, bag_header, encode_record
+from rostether.recording.bag.records import MAGIC, U32, Op, bag_header, encode_record
 from rostether.recording.compression import MAX_CHUNK_BYTES, decompress
 from rostether.recording.mcap import content as mcap_content
 from rostether.recording.mcap.reader import McapReader
-from rostether.recording.mcap.records import CHUNK_HEAD, OP_SCHEMA, encode_text
+from rostether.recording.mcap.records import CHUNK_HEAD, encode_text
 from rostether.recording.mcap.records import MAGIC as MCAP_MAGIC
-from rostether.recording.mcap.records import OP_CHUNK as MCAP_CHUNK
+from rostether.recording.mcap.records import Op as McapOp
 from rostether.recording.mcap.records import encode_record as encode_mcap
 
 PACKED = {
@@ -34,7 +34,7 @@ PACKED = {
 
 def _bag(plain: bytes, size: int | None = None) -> bytes:
     size_field = U32.pack(len(plain) if size is None else size)
-    chunk = encode_record(OP_CHUNK, {b"compression": b"bz2", b"size": size_field}, bz2.compress(plain))
+    chunk = encode_record(Op.CHUNK, {b"compression": b"bz2", b"size": size_field}, bz2.compress(plain))
     return MAGIC + bag_header(0, 0, 0) + chunk
 
 
@@ -55,7 +55,7 @@ def test_data_that_unpacks_to_more_than_its_stated_size_is_refused(name: str) ->
 def test_connections_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bag_chunks, "MAX_CONNECTIONS", 100)
     records = [
-        encode_record(OP_CONNECTION, {b"conn": U32.pack(number), b"topic": b"/a"}, b"")
+        encode_record(Op.CONNECTION, {b"conn": U32.pack(number), b"topic": b"/a"}, b"")
         for number in range(1000)
     ]
     path = tmp_path / "a.bag"
@@ -67,12 +67,12 @@ def test_connections_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_definitions_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mcap_content, "MAX_DEFINITION_BYTES", 10_000)
-    schema = encode_mcap(OP_SCHEMA, struct.pack("<H", 1) + encode_text("a/B") + encode_text("") * 2)
+    schema = encode_mcap(McapOp.SCHEMA, struct.pack("<H", 1) + encode_text("a/B") + encode_text("") * 2)
     plain = schema * 10_000
     packed = lz4.frame.compress(plain)
     head = CHUNK_HEAD.pack(0, 0, len(plain), 0) + encode_text("lz4") + struct.pack("<Q", len(packed))
     path = tmp_path / "a.mcap"
-    path.write_bytes(MCAP_MAGIC + encode_mcap(1, bytes(8)) + encode_mcap(MCAP_CHUNK, head + packed))
+    path.write_bytes(MCAP_MAGIC + encode_mcap(1, bytes(8)) + encode_mcap(McapOp.CHUNK, head + packed))
     assert "it has more than 10000 bytes of definitions" in McapReader(path).damage
 
 

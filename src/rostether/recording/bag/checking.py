@@ -7,14 +7,7 @@ import struct
 from rostether.errors import RecordingError
 from rostether.recording.bag.chunks import BagChunk, messages_in
 from rostether.recording.bag.content import read_content
-from rostether.recording.bag.records import (
-    OP_INDEX,
-    OP_MESSAGE,
-    op_of,
-    read_record,
-    time_field,
-    u32_field,
-)
+from rostether.recording.bag.records import Op, op_of, read_record, time_field, u32_field
 from rostether.recording.compression import Buffer, decompress
 from rostether.recording.time_order import TimeOrder
 from rostether.rostime import NS_PER_S
@@ -72,7 +65,7 @@ def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int,
     indexed = dict.fromkeys(counts, 0)
     while position < len(data):
         fields, start, end = read_record(data, position)
-        if op_of(fields) != OP_INDEX:
+        if op_of(fields) != Op.INDEX:
             break
         number = u32_field(fields, b"conn")
         if (end - start) % _ENTRY.size:
@@ -81,7 +74,7 @@ def _check_indexes(data: Buffer, position: int, plain: Buffer, counts: dict[int,
         for secs, nsecs, offset in _ENTRY.iter_unpack(data[start:end]):
             there, _, _ = read_record(plain, offset)
             if (
-                op_of(there) != OP_MESSAGE
+                op_of(there) != Op.MESSAGE
                 or u32_field(there, b"conn") != number
                 or time_field(there, b"time") != secs * NS_PER_S + nsecs
             ):

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 
 from rostether.errors import RecordingError
 from rostether.recording.bag.records import (
-    OP_CONNECTION,
-    OP_MESSAGE,
     U32,
     U32_PAIR,
     Fields,
+    Op,
     decode_fields,
     op_of,
     read_record,
@@ -19,6 +18,7 @@ from rostether.recording.bag.records import (
     u32_field,
 )
 from rostether.recording.chunk_order import Entry
+from rostether.recording.chunked_reader import Damage
 from rostether.recording.compression import Buffer
 from rostether.recording.packed_chunks import StoredChunk
 from rostether.recording.recorded import Connection
@@ -30,10 +30,6 @@ MAX_CONNECTIONS = 100_000
 MAX_CONNECTIONS_BYTES = 256 << 20
 
 
-# The limit of reported reasons: every chunk may be damaged in another way.
-MAX_DAMAGE_CHARS = 500
-
-
 @dataclass(frozen=True, slots=True)
 class BagChunk(StoredChunk):
     """A chunk of a bag, with the number of messages of each connection."""
@@ -42,18 +38,12 @@ class BagChunk(StoredChunk):
 
 
 @dataclass(slots=True)
-class BagContent:
-    """The content of a bag; `damage` is the reason for a search."""
+class BagContent(Damage):
+    """The content of a bag."""
 
     connections: dict[int, Connection] = field(default_factory=dict)
     chunks: list[BagChunk] = field(default_factory=list)
-    damage: str = ""
     connections_bytes: int = 0
-
-    def note(self, damage: str) -> None:
-        """Add a reason why the file is damaged; only the first reasons are kept."""
-        if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
-            self.damage = f"{self.damage}; {damage}"
 
     def add_connection(self, fields: Fields, header: Buffer) -> None:
         """Handle a connection record. Raises RecordingError, also if there are too many."""
@@ -96,8 +86,8 @@ def messages_in(
         else:
             fields, start, end = read_record(plain, position)
             op = op_of(fields)
-            if op == OP_MESSAGE:
+            if op == Op.MESSAGE:
                 yield time_field(fields, b"time"), start, end, u32_field(fields, b"conn")
-            elif op == OP_CONNECTION and on_connection is not None:
+            elif op == Op.CONNECTION and on_connection is not None:
                 on_connection(fields, plain[start:end])
         position = end

@@ -9,12 +9,10 @@ from rostether.recording.bag.chunks import MAX_CONNECTIONS, BagChunk, BagContent
 from rostether.recording.bag.records import (
     BAG_HEADER_BYTES,
     MAGIC,
-    OP_BAG,
-    OP_CHUNK,
-    OP_CHUNK_INFO,
-    OP_CONNECTION,
+    MAGIC_START,
     U32_PAIR,
     Fields,
+    Op,
     op_of,
     read_record,
     time_field,
@@ -31,11 +29,11 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
     Raises RecordingError if the file is not a bag.
     """
     start = len(MAGIC)
-    if bytes(data[:start]) != MAGIC:
-        raise RecordingError("it is not a bag of format 2.0")
+    if (magic := bytes(data[:start])) != MAGIC:
+        raise RecordingError(_other_format(magic))
     try:
         fields, _, data_end = read_record(data, start)
-        if op_of(fields) != OP_BAG:
+        if op_of(fields) != Op.BAG:
             raise RecordingError("it does not start with a bag header")
         index_position = u64_field(fields, b"index_pos")
         chunk_count = u32_field(fields, b"chunk_count")
@@ -55,14 +53,24 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
         return search(data, data_end, f"its index is broken: {error}")
 
 
+def _other_format(start: bytes) -> str:
+    if MAGIC.startswith(start):
+        return f"it is truncated: it has only {len(start)} bytes"
+    if start.startswith(MAGIC_START):
+        version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
+        version = version.strip().encode("unicode_escape").decode()
+        return f"it is a bag of format {version}; only 2.0 can be read"
+    return "it is not a bag: bags start with '#ROSBAG V2.0'"
+
+
 def _by_index(data: Buffer, position: int, chunk_count: int) -> BagContent:
     content = BagContent()
     while position < len(data):
         fields, start, position = read_record(data, position)
         op = op_of(fields)
-        if op == OP_CONNECTION:
+        if op == Op.CONNECTION:
             content.add_connection(fields, data[start:position])
-        elif op == OP_CHUNK_INFO:
+        elif op == Op.CHUNK_INFO:
             content.chunks.append(_indexed_chunk(data, fields, data[start:position]))
     if len(content.chunks) != chunk_count:
         raise RecordingError(f"it lists {len(content.chunks)} of {chunk_count} chunks")
@@ -78,7 +86,7 @@ def _indexed_chunk(data: Buffer, fields: Fields, counts: Buffer) -> BagChunk:
     if len(counts) % U32_PAIR.size or len(counts) > MAX_CONNECTIONS * U32_PAIR.size:
         raise RecordingError("the counts of a chunk are truncated")
     chunk_fields, start, end = read_record(data, u64_field(fields, b"chunk_pos"))
-    if op_of(chunk_fields) != OP_CHUNK:
+    if op_of(chunk_fields) != Op.CHUNK:
         raise RecordingError("there is no chunk at a listed position")
     by_number = dict(U32_PAIR.iter_unpack(counts))
     return BagChunk(

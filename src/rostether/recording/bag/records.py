@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
+from enum import IntEnum
 from typing import TypeAlias
 
 from rostether.errors import RecordingError
@@ -22,12 +23,17 @@ from rostether.rostime import NS_PER_S
 MAGIC = b"#ROSBAG V2.0\n"
 MAGIC_START = b"#ROSBAG V"
 
-OP_MESSAGE = 0x02
-OP_BAG = 0x03
-OP_INDEX = 0x04
-OP_CHUNK = 0x05
-OP_CHUNK_INFO = 0x06
-OP_CONNECTION = 0x07
+
+class Op(IntEnum):
+    """The kinds of records."""
+
+    MESSAGE = 0x02
+    BAG = 0x03
+    INDEX = 0x04
+    CHUNK = 0x05
+    CHUNK_INFO = 0x06
+    CONNECTION = 0x07
+
 
 # The bag header and its padding, without the length fields: rosbag overwrites exactly this many bytes.
 BAG_HEADER_BYTES = 4096
@@ -130,7 +136,7 @@ def bag_header(index_position: int, connection_count: int, chunk_count: int) -> 
     """Return the first record of a file, padded; an index position of 0 means that there is no index yet."""
     header = encode_fields(
         {
-            b"op": bytes((OP_BAG,)),
+            b"op": bytes((Op.BAG,)),
             b"index_pos": U64.pack(index_position),
             b"conn_count": U32.pack(connection_count),
             b"chunk_count": U32.pack(chunk_count),

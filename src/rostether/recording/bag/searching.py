@@ -13,18 +13,8 @@ from collections.abc import Callable, Iterator
 
 from rostether.errors import RecordingError
 from rostether.recording.bag.chunks import BagChunk, BagContent, messages_in
-from rostether.recording.bag.records import (
-    OP_CHUNK,
-    OP_CHUNK_INFO,
-    OP_CONNECTION,
-    OP_INDEX,
-    OP_MESSAGE,
-    U32,
-    Fields,
-    op_of,
-    read_record,
-    u32_field,
-)
+from rostether.recording.bag.records import U32, Fields, Op, op_of, read_record, u32_field
+from rostether.recording.chunked_reader import tally
 from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check_unpacked_size, decompress
 
 # A chunk's header has the fields op, compression and size in any order: the field op, and the numbers of
@@ -42,7 +32,7 @@ def search(data: Buffer, position: int, damage: str, content: BagContent | None 
     content = content or BagContent(damage=damage)
     check_unpacked_size(_define_connections(content, data, position), len(data))
     for op, fields, start, end in _records(data, position, content.note):
-        if op != OP_CHUNK:
+        if op != Op.CHUNK:
             continue
         compression = _compression_of(fields)
         try:
@@ -70,7 +60,7 @@ def _records(
             note(str(error))
             position = _next_chunk(data, position + 1)
             continue
-        if op == OP_CHUNK:
+        if op == Op.CHUNK:
             if start == end and _compression_of(fields) == NONE:
                 end = _end_of_messages(data, start)
             try:
@@ -86,7 +76,7 @@ def _records(
 def _known_record(data: Buffer, position: int) -> tuple[int, Fields, int, int]:
     fields, start, end = read_record(data, position)
     op = op_of(fields)
-    if op not in (OP_CHUNK, OP_INDEX, OP_CONNECTION, OP_CHUNK_INFO):
+    if op not in (Op.CHUNK, Op.INDEX, Op.CONNECTION, Op.CHUNK_INFO):
         raise RecordingError(f"there is a record of an unknown kind ({op:#x}) at byte {position}")
     return op, fields, start, end
 
@@ -116,9 +106,9 @@ def _define_connections(content: BagContent, data: Buffer, position: int) -> int
     total = 0
     for op, fields, start, end in _records(data, position, lambda _: None):
         with contextlib.suppress(RecordingError):
-            if op == OP_CONNECTION:
+            if op == Op.CONNECTION:
                 content.add_connection(fields, data[start:end])
-            elif op == OP_CHUNK and _compression_of(fields) != NONE:
+            elif op == Op.CHUNK and _compression_of(fields) != NONE:
                 total += min(u32_field(fields, b"size"), MAX_CHUNK_BYTES)
     return total
 
@@ -129,7 +119,7 @@ def _end_of_messages(data: Buffer, position: int, *, leaves_last: bool = False) 
     try:
         while position < len(data):
             fields, _, end = read_record(data, position)
-            if op_of(fields) not in (OP_MESSAGE, OP_CONNECTION):
+            if op_of(fields) not in (Op.MESSAGE, Op.CONNECTION):
                 break
             before, position = position, end
     except RecordingError:
@@ -141,15 +131,8 @@ def _add_found(
     content: BagContent, data: Buffer, span: tuple[int, int], compression: str, size_bytes: int
 ) -> None:
     plain = decompress(compression, memoryview(data)[slice(*span)], size_bytes)
-    counts: dict[int, int] = {}
-    first_ns, last_ns = 1 << 64, -1
-    for time_ns, _, _, number in messages_in(plain, content.add_connection):
-        if number not in content.connections:
-            content.note(f"messages belong to connection {number}, which is not defined")
-            continue
-        counts[number] = counts.get(number, 0) + 1
-        first_ns = min(first_ns, time_ns)
-        last_ns = max(last_ns, time_ns)
+    found = messages_in(plain, content.add_connection)
+    counts, first_ns, last_ns = tally(found, content.connections, content.note, "connection")
     if counts:
         numbers = frozenset(counts)
         content.chunks.append(BagChunk(*span, compression, size_bytes, first_ns, last_ns, numbers, counts))

@@ -18,14 +18,10 @@ from rostether.recording.bag.records import (
     CHUNK_INFO_VERSION,
     INDEX_VERSION,
     MAGIC,
-    OP_CHUNK,
-    OP_CHUNK_INFO,
-    OP_CONNECTION,
-    OP_INDEX,
-    OP_MESSAGE,
     U32,
     U32_PAIR,
     U64,
+    Op,
     bag_header,
     encode_fields,
     encode_record,
@@ -74,7 +70,7 @@ class BagWriter(ChunkedWriter):
             fields = {_encoded(name): _encoded(value) for name, value in connection.fields().items()}
             header = encode_fields(fields)
             self._records.append(
-                encode_record(OP_CONNECTION, {b"conn": U32.pack(number), b"topic": fields[b"topic"]}, header)
+                encode_record(Op.CONNECTION, {b"conn": U32.pack(number), b"topic": fields[b"topic"]}, header)
             )
         return number
 
@@ -90,7 +86,7 @@ class BagWriter(ChunkedWriter):
             self._index = {number: _sorted(entries) for number, entries in self._index.items()}
         counts = tuple((number, len(entries) // 3) for number, entries in self._index.items())
         record = encode_record(
-            OP_CHUNK,
+            Op.CHUNK,
             {b"compression": self._compression.encode(), b"size": U32.pack(len(plain))},
             stored,
         )
@@ -114,7 +110,7 @@ class BagWriter(ChunkedWriter):
         known = sorted(self._known)
         infos = (
             encode_record(
-                OP_CHUNK_INFO,
+                Op.CHUNK_INFO,
                 {
                     b"ver": U32.pack(CHUNK_INFO_VERSION),
                     b"chunk_pos": U64.pack(info.position),
@@ -133,7 +129,7 @@ class BagWriter(ChunkedWriter):
 
 
 def _message_head(number: int) -> bytes:
-    op = b"op=" + bytes((OP_MESSAGE,))
+    op = b"op=" + bytes((Op.MESSAGE,))
     return _MESSAGE_HEAD.pack(_MESSAGE_HEADER_BYTES, 9, b"conn=", number, 4, op, 13, b"time=")
 
 
@@ -141,7 +137,7 @@ def _index_record(number: int, entries: array[int]) -> bytes:
     if sys.byteorder == "big":
         entries.byteswap()
     return encode_record(
-        OP_INDEX,
+        Op.INDEX,
         {
             b"ver": U32.pack(INDEX_VERSION),
             b"conn": U32.pack(number),

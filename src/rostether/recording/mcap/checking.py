@@ -21,18 +21,10 @@ from rostether.recording.mcap.decoding import (
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
     MAGIC,
-    OP_ATTACHMENT,
-    OP_CHANNEL,
-    OP_CHUNK,
-    OP_CHUNK_INDEX,
-    OP_HEADER,
-    OP_METADATA,
-    OP_SCHEMA,
-    OP_STATISTICS,
-    OP_SUMMARY_OFFSET,
     SUMMARY_OFFSET,
     U32,
     ChunkIndex,
+    Op,
     Statistics,
 )
 
@@ -72,7 +64,7 @@ class _Check:
         if bytes(data[: len(MAGIC)]) != MAGIC:
             raise RecordingError("it does not start with MCAP's magic bytes")
         op, start, position = read_record(data, len(MAGIC))
-        if op != OP_HEADER:
+        if op != Op.HEADER:
             raise RecordingError(f"there is a record ({kind_of(op)}) instead of the header")
         decode_header(data, start, position)
         position = self._found.run(position)
@@ -105,13 +97,13 @@ class _Check:
                 self.report(f"records of its summary ({kind_of(op)}) are not grouped together")
             last_op = op
             groups[op] = (groups[op][0] if op in groups else before, position)
-            if op in (OP_SCHEMA, OP_CHANNEL):
+            if op in (Op.SCHEMA, Op.CHANNEL):
                 repeated.define(op, data, start, position)
-            elif op == OP_STATISTICS:
+            elif op == Op.STATISTICS:
                 if statistics is not None:
                     self.report("it has two statistics records")
                 statistics = decode_statistics(data, start, position)
-            elif op == OP_CHUNK_INDEX:
+            elif op == Op.CHUNK_INDEX:
                 self._check_chunk_index(decode_chunk_index(data, start, position))
         for found in self._found.chunks.values():
             self.report(f"its summary does not list the chunk at byte {found.position}")
@@ -159,9 +151,9 @@ class _Check:
             ("messages", statistics.message_count, sum(self._found.counts.values())),
             ("schemas", statistics.schema_count, len(self._found.defined.schemas)),
             ("channels", statistics.channel_count, len(self._found.defined.channels)),
-            ("attachments", statistics.attachment_count, self._found.kinds.get(OP_ATTACHMENT, 0)),
-            ("records of metadata", statistics.metadata_count, self._found.kinds.get(OP_METADATA, 0)),
-            ("chunks", statistics.chunk_count, self._found.kinds.get(OP_CHUNK, 0)),
+            ("attachments", statistics.attachment_count, self._found.kinds.get(Op.ATTACHMENT, 0)),
+            ("records of metadata", statistics.metadata_count, self._found.kinds.get(Op.METADATA, 0)),
+            ("chunks", statistics.chunk_count, self._found.kinds.get(Op.CHUNK, 0)),
             ("ns at the first message", statistics.start_ns, first),
             ("ns at the last message", statistics.end_ns, last),
         )
@@ -176,7 +168,7 @@ class _Check:
         data = self._data
         while position < end:
             op, start, position = read_record(data, position, end)
-            if op != OP_SUMMARY_OFFSET or position - start < SUMMARY_OFFSET.size:
+            if op != Op.SUMMARY_OFFSET or position - start < SUMMARY_OFFSET.size:
                 self.report(f"there is a record ({kind_of(op)}) among its summary offsets")
                 continue
             kind, begin, length = SUMMARY_OFFSET.unpack_from(data, start)

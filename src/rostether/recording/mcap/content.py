@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry
+from rostether.recording.chunked_reader import Damage, tally
 from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size
 from rostether.recording.mcap.decoding import (
     decode_channel,
@@ -24,19 +25,11 @@ from rostether.recording.mcap.records import (
     FOOTER_BYTES,
     MAGIC,
     MESSAGE_HEAD,
-    OP_CHANNEL,
-    OP_CHUNK,
-    OP_CHUNK_INDEX,
-    OP_DATA_END,
-    OP_FOOTER,
-    OP_HEADER,
-    OP_MESSAGE,
-    OP_SCHEMA,
-    OP_STATISTICS,
     RECORD_HEAD,
     Channel,
     Chunk,
     ChunkIndex,
+    Op,
     Schema,
     Statistics,
 )
@@ -44,9 +37,6 @@ from rostether.recording.packed_chunks import StoredChunk, unpack_chunk
 
 # The limit for all schemas and channels, a few KB each: a compressed chunk could define gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
-
-# The limit of reported reasons: every chunk may be damaged in another way.
-MAX_DAMAGE_CHARS = 500
 
 # A chunk's kind, its length below 1 TB, its times, size and checksum, and its compression.
 _CHUNK_HEAD = re.compile(rb"\x06.{5}\0\0\0.{28}(?:\0\0\0\0|\x03\0\0\0lz4|\x04\0\0\0zstd)", re.DOTALL)
@@ -56,8 +46,8 @@ MAX_LOOSE_BYTES = 4 << 20
 
 
 @dataclass(slots=True)
-class McapContent:
-    """The content of a file; `damage` is the reason for a search."""
+class McapContent(Damage):
+    """The content of a file."""
 
     profile: str = ""
     library: str = ""
@@ -66,20 +56,14 @@ class McapContent:
     chunks: list[StoredChunk] = field(default_factory=list)
     counts: dict[int, int] = field(default_factory=dict)
     span_ns: tuple[int, int] | None = None
-    damage: str = ""
     definition_bytes: int = 0
-
-    def note(self, damage: str) -> None:
-        """Add a reason why the file is damaged; only the first reasons are kept."""
-        if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
-            self.damage = f"{self.damage}; {damage}"
 
     def define(self, op: int, data: Buffer, start: int, end: int) -> None:
         """Add a schema or a channel; duplicates are allowed. Raises RecordingError."""
         self.definition_bytes += end - start
         if self.definition_bytes > MAX_DEFINITION_BYTES:
             raise RecordingError(f"it has more than {MAX_DEFINITION_BYTES} bytes of definitions")
-        if op == OP_SCHEMA:
+        if op == Op.SCHEMA:
             schema = decode_schema(data, start, end)
             self.schemas[schema.number] = schema
         else:
@@ -118,7 +102,7 @@ def footer_of(data: Buffer) -> tuple[int, int, int]:
     if start < len(MAGIC) or bytes(data[-len(MAGIC) :]) != MAGIC:
         raise RecordingError("it was not closed")
     op, content, end = read_record(data, start)
-    if op != OP_FOOTER:
+    if op != Op.FOOTER:
         raise RecordingError("it ends without a footer")
     return decode_footer(data, content, end)
 
@@ -126,7 +110,7 @@ def footer_of(data: Buffer) -> tuple[int, int, int]:
 def _by_summary(data: Buffer) -> McapContent:
     content = McapContent()
     op, start, end = read_record(data, len(MAGIC))
-    if op != OP_HEADER:
+    if op != Op.HEADER:
         raise RecordingError("it does not start with a header")
     content.profile, content.library = decode_header(data, start, end)
     position = footer_of(data)[0]
@@ -137,11 +121,11 @@ def _by_summary(data: Buffer) -> McapContent:
     summary_end = len(data) - len(MAGIC) - FOOTER_BYTES
     while position < summary_end:
         op, start, position = read_record(data, position, summary_end)
-        if op in (OP_SCHEMA, OP_CHANNEL):
+        if op in (Op.SCHEMA, Op.CHANNEL):
             content.define(op, data, start, position)
-        elif op == OP_STATISTICS:
+        elif op == Op.STATISTICS:
             statistics = decode_statistics(data, start, position)
-        elif op == OP_CHUNK_INDEX:
+        elif op == Op.CHUNK_INDEX:
             indexes.append(decode_chunk_index(data, start, position))
     if statistics is None:
         raise RecordingError("it has no statistics")
@@ -165,7 +149,7 @@ def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
     if index.position > len(data):
         raise RecordingError("its index lists a chunk after the end of the file")
     op, start, end = read_record(data, index.position)
-    if op != OP_CHUNK:
+    if op != Op.CHUNK:
         raise RecordingError("there is no chunk at a position in its index")
     numbers = frozenset(index.indexes) if index.indexes else None
     return _stored(decode_chunk(data, start, end), numbers)
@@ -196,11 +180,11 @@ def search(data: Buffer, damage: str) -> McapContent:
         before = position
         try:
             op, start, position = _known_record(data, before)
-            if op == OP_MESSAGE:
+            if op == Op.MESSAGE:
                 loose.add(before, position)
                 continue
             loose.flush()
-            if op == OP_DATA_END:
+            if op == Op.DATA_END:
                 break
             _add_record(content, data, op, start, position)
         except RecordingError as error:
@@ -258,11 +242,11 @@ class _LooseMessages:
 
 
 def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: int) -> None:
-    if op == OP_CHUNK:
+    if op == Op.CHUNK:
         _add_found(content, data, _stored(decode_chunk(data, start, end), None))
-    elif op in (OP_SCHEMA, OP_CHANNEL):
+    elif op in (Op.SCHEMA, Op.CHANNEL):
         content.define(op, data, start, end)
-    elif op == OP_HEADER:
+    elif op == Op.HEADER:
         content.profile, content.library = decode_header(data, start, end)
 
 
@@ -276,9 +260,9 @@ def _define_channels(content: McapContent, data: Buffer) -> int:
         before = position
         try:
             op, start, position = _known_record(data, before)
-            if op in (OP_SCHEMA, OP_CHANNEL):
+            if op in (Op.SCHEMA, Op.CHANNEL):
                 content.define(op, data, start, position)
-            elif op == OP_CHUNK and (chunk := decode_chunk(data, start, position)).compression:
+            elif op == Op.CHUNK and (chunk := decode_chunk(data, start, position)).compression:
                 total += min(chunk.size_bytes, MAX_CHUNK_BYTES)
         except RecordingError:
             end = position if position > before else len(data)
@@ -289,7 +273,7 @@ def _define_channels(content: McapContent, data: Buffer) -> int:
 def _add_cut_chunk(content: McapContent, data: Buffer, position: int, limit: int) -> None:
     """Read the complete messages of an uncompressed chunk that is broken, up to a position."""
     start = position + RECORD_HEAD.size
-    if data[position] != OP_CHUNK:
+    if data[position] != Op.CHUNK:
         return
     head = bytes(data[start : start + 32])
     if len(head) < 32 or int.from_bytes(head[28:32], "little"):
@@ -308,15 +292,8 @@ def _add_cut_chunk(content: McapContent, data: Buffer, position: int, limit: int
 
 def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
     plain = unpack_chunk(memoryview(data), chunk)
-    counts: dict[int, int] = {}
-    first_ns, last_ns = 1 << 64, -1
-    for time_ns, _, _, number in messages_in(plain, content):
-        if number not in content.channels:
-            content.note(f"messages belong to channel {number}, which is not defined")
-            continue
-        counts[number] = counts.get(number, 0) + 1
-        first_ns = min(first_ns, time_ns)
-        last_ns = max(last_ns, time_ns)
+    found = messages_in(plain, content)
+    counts, first_ns, last_ns = tally(found, content.channels, content.note, "channel")
     if not counts:
         return
     for number, count in counts.items():
@@ -336,6 +313,7 @@ def messages_in(plain: Buffer, defined: McapContent | None = None) -> Iterator[E
     head = MESSAGE_HEAD.unpack_from
     record = RECORD_HEAD.unpack_from
     record_bytes, head_bytes = RECORD_HEAD.size, MESSAGE_HEAD.size
+    message, definitions = Op.MESSAGE, (Op.SCHEMA, Op.CHANNEL)
     while position < length:
         start = position + record_bytes
         if start > length:
@@ -344,10 +322,10 @@ def messages_in(plain: Buffer, defined: McapContent | None = None) -> Iterator[E
         position = start + size
         if position > length:
             raise RecordingError("a chunk ends within a record")
-        if op == OP_MESSAGE:
+        if op == message:
             if size < head_bytes:
                 raise RecordingError("a message is shorter than its header")
             number, _, time_ns, _ = head(plain, start)
             yield time_ns, start + head_bytes, position, number
-        elif op in (OP_SCHEMA, OP_CHANNEL) and defined is not None:
+        elif op in definitions and defined is not None:
             defined.define(op, plain, start, position)

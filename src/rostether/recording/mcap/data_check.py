@@ -17,19 +17,7 @@ from rostether.recording.mcap.decoding import (
     decode_schema,
     read_record,
 )
-from rostether.recording.mcap.records import (
-    KINDS,
-    MESSAGE_HEAD,
-    OP_ATTACHMENT,
-    OP_CHANNEL,
-    OP_CHUNK,
-    OP_DATA_END,
-    OP_MESSAGE,
-    OP_MESSAGE_INDEX,
-    OP_METADATA,
-    OP_SCHEMA,
-    Chunk,
-)
+from rostether.recording.mcap.records import KINDS, MESSAGE_HEAD, Chunk, Op
 from rostether.recording.time_order import TimeOrder
 
 
@@ -69,28 +57,28 @@ class DataCheck:
         while True:
             before = position
             op, start, position = read_record(data, position)
-            if op != OP_MESSAGE_INDEX:
+            if op != Op.MESSAGE_INDEX:
                 self._check_indexed(last)
                 last = None
             self.kinds[op] = self.kinds.get(op, 0) + 1
-            if op == OP_DATA_END:
+            if op == Op.DATA_END:
                 crc = int.from_bytes(bytes(data[start:position]), "little")
                 if crc and zlib.crc32(data[:before]) != crc:
                     self._report("the checksum (CRC) of its data is wrong")
                 return position
-            if op == OP_CHUNK:
+            if op == Op.CHUNK:
                 last = self._check_chunk(before, start, position)
-            elif op == OP_MESSAGE_INDEX:
+            elif op == Op.MESSAGE_INDEX:
                 self._check_message_index(last, before, start, position)
-            elif op in (OP_SCHEMA, OP_CHANNEL):
+            elif op in (Op.SCHEMA, Op.CHANNEL):
                 self._define(data, op, start, position)
-            elif op == OP_MESSAGE:
+            elif op == Op.MESSAGE:
                 self._count(*_message(data, start, position))
-            elif op == OP_ATTACHMENT:
+            elif op == Op.ATTACHMENT:
                 crc = int.from_bytes(bytes(data[max(position - 4, start) : position]), "little")
                 if crc and zlib.crc32(data[start : position - 4]) != crc:
                     self._report(f"the checksum (CRC) of the attachment at byte {before} is wrong")
-            elif op != OP_METADATA and op < 0x80:
+            elif op != Op.METADATA and op < 0x80:
                 raise RecordingError(f"there is a record ({kind_of(op)}) among the data at byte {before}")
 
     def _check_chunk(self, position: int, start: int, end: int) -> FoundChunk:
@@ -113,9 +101,9 @@ class DataCheck:
         first, last = 1 << 64, -1
         try:
             for op, record, begin, stop in _records(plain):
-                if op in (OP_SCHEMA, OP_CHANNEL):
+                if op in (Op.SCHEMA, Op.CHANNEL):
                     self._define(plain, op, begin, stop)
-                elif op == OP_MESSAGE:
+                elif op == Op.MESSAGE:
                     number, time_ns = _message(plain, begin, stop)
                     self._count(number, time_ns)
                     first, last = min(first, time_ns), max(last, time_ns)
@@ -152,7 +140,7 @@ class DataCheck:
             found.places.clear()
 
     def _define(self, data: Buffer, op: int, start: int, end: int) -> None:
-        if op == OP_SCHEMA:
+        if op == Op.SCHEMA:
             schema = decode_schema(data, start, end)
             if not schema.number:
                 self._report("a schema has the invalid number 0")

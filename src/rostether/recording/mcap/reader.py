@@ -6,24 +6,20 @@ Source: mcap.dev/spec
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.errors import RecordingError
-from rostether.recording.chunk_order import messages_of
-from rostether.recording.mcap.content import messages_in, read_content
+from rostether.recording.chunked_reader import ChunkedReader
+from rostether.recording.mcap.content import McapContent, messages_in, read_content
 from rostether.recording.mcap.records import Channel, Schema
-from rostether.recording.packed_chunks import compression_shares
 from rostether.recording.recorded import (
-    CompressionShare,
     Connection,
     RecordedMessage,
     Ros2Origin,
     Wanted,
     wanted_connections,
 )
-from rostether.recording.regular_file import MappedFile
 
 if TYPE_CHECKING:
     from rostether.recording.ros2_reading import Ros2Topics
@@ -31,7 +27,7 @@ if TYPE_CHECKING:
 _ENCODING = "ros1"
 
 
-class McapReader:
+class McapReader(ChunkedReader[McapContent]):
     """An MCAP file being read; see `recording.recorded.RecordingReader`.
 
     Only ROS 1 and CDR messages are returned; CDR is converted to ROS 1 bytes, with the fields of ROS 2 if
@@ -47,28 +43,15 @@ class McapReader:
         unpack: Callable[[bytes], bytes] | None = None,
         damage: str = "",
     ) -> None:
-        self.path = path
+        super().__init__(path, lambda view: read_content(view, damage))
         self._unpack_message = unpack
         self._is_native = is_native
         self._ros2: Ros2Topics | None = None
-        self._file = MappedFile(path)
-        self.size_bytes = self._file.size_bytes
-        self._view = self._file.view
-        try:
-            self._content = read_content(self._view, damage)
-        except RecordingError as error:
-            self.close()
-            raise RecordingError(f"{path}: {error}") from None
         self._connections: dict[int, Connection] = {}
         for number, channel in self._content.channels.items():
             connection = self._connection(self._content.schemas.get(channel.schema), channel)
             if connection is not None:
                 self._connections[number] = connection
-
-    @property
-    def damage(self) -> str:
-        """Why the file had to be searched for its messages, or an empty string."""
-        return self._content.damage
 
     @property
     def format_version(self) -> str:
@@ -98,40 +81,20 @@ class McapReader:
         """The times of the first and the last message; None in an empty file."""
         return self._content.span_ns
 
-    @property
-    def compressions(self) -> Sequence[CompressionShare]:
-        """How the chunks are compressed, the most frequent first."""
-        return compression_shares(self._content.chunks)
-
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
-        found = messages_of(
-            self._view,
-            self._content.chunks,
-            connections.keys(),
-            messages_in,
-            start_ns=start_ns,
-            end_ns=end_ns,
-        )
-        try:
-            for number, time_ns, payload in found:
-                connection = connections[number]
-                if connection.origin is None or self._ros2 is None:
-                    yield RecordedMessage(connection, time_ns, payload)
-                    continue
-                cdr = payload if self._unpack_message is None else self._unpack_message(payload)
-                converted = self._ros2.convert(connection, cdr)
-                if converted is not None:
-                    yield RecordedMessage(connection, time_ns, converted)
-        except RecordingError as error:
-            raise RecordingError(f"{self.path}: {error}; `rostether bag reindex` keeps the rest") from None
-
-    def close(self) -> None:
-        """Close the file. Idempotent."""
-        self._file.close()
+        for message in self._messages(connections, messages_in, start_ns, end_ns):
+            connection, time_ns, payload = message
+            if connection.origin is None or self._ros2 is None:
+                yield message
+                continue
+            cdr = payload if self._unpack_message is None else self._unpack_message(payload)
+            converted = self._ros2.convert(connection, cdr)
+            if converted is not None:
+                yield RecordedMessage(connection, time_ns, converted)
 
     def _connection(self, schema: Schema | None, channel: Channel) -> Connection | None:
         """Return a channel as a connection; None if its messages cannot be converted."""
@@ -166,8 +129,6 @@ def _md5sum(name: str, definition: str) -> str:
     from rostether.msgdef.registry import Registry
 
     try:
-        registry = Registry(bundled=False)
-        registry.add_full_text(name, definition)
-        return registry.message_type(name).md5sum
+        return Registry.of_full_text(name, definition).message_type(name).md5sum
     except RostetherError:
         return "*"

@@ -13,42 +13,32 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 
 MAGIC = b"\x89MCAP0\r\n"
 
-OP_HEADER = 0x01
-OP_FOOTER = 0x02
-OP_SCHEMA = 0x03
-OP_CHANNEL = 0x04
-OP_MESSAGE = 0x05
-OP_CHUNK = 0x06
-OP_MESSAGE_INDEX = 0x07
-OP_CHUNK_INDEX = 0x08
-OP_ATTACHMENT = 0x09
-OP_ATTACHMENT_INDEX = 0x0A
-OP_STATISTICS = 0x0B
-OP_METADATA = 0x0C
-OP_METADATA_INDEX = 0x0D
-OP_SUMMARY_OFFSET = 0x0E
-OP_DATA_END = 0x0F
 
-KINDS = {
-    OP_HEADER: "header",
-    OP_FOOTER: "footer",
-    OP_SCHEMA: "schema",
-    OP_CHANNEL: "channel",
-    OP_MESSAGE: "message",
-    OP_CHUNK: "chunk",
-    OP_MESSAGE_INDEX: "message index",
-    OP_CHUNK_INDEX: "chunk index",
-    OP_ATTACHMENT: "attachment",
-    OP_ATTACHMENT_INDEX: "attachment index",
-    OP_STATISTICS: "statistics",
-    OP_METADATA: "metadata",
-    OP_METADATA_INDEX: "metadata index",
-    OP_SUMMARY_OFFSET: "summary offset",
-    OP_DATA_END: "data end",
-}
+class Op(IntEnum):
+    """The kinds of records."""
+
+    HEADER = 0x01
+    FOOTER = 0x02
+    SCHEMA = 0x03
+    CHANNEL = 0x04
+    MESSAGE = 0x05
+    CHUNK = 0x06
+    MESSAGE_INDEX = 0x07
+    CHUNK_INDEX = 0x08
+    ATTACHMENT = 0x09
+    ATTACHMENT_INDEX = 0x0A
+    STATISTICS = 0x0B
+    METADATA = 0x0C
+    METADATA_INDEX = 0x0D
+    SUMMARY_OFFSET = 0x0E
+    DATA_END = 0x0F
+
+
+KINDS = {op.value: op.name.lower().replace("_", " ") for op in Op}
 
 RECORD_HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")
@@ -163,7 +153,7 @@ def encode_statistics(statistics: Statistics) -> bytes:
         statistics.start_ns,
         statistics.end_ns,
     )
-    return encode_record(OP_STATISTICS, head + encode_numbers(statistics.counts))
+    return encode_record(Op.STATISTICS, head + encode_numbers(statistics.counts))
 
 
 def encode_chunk_index(index: ChunkIndex) -> bytes:
@@ -175,4 +165,4 @@ def encode_chunk_index(index: ChunkIndex) -> bytes:
         encode_text(index.compression),
         TIME_AND_OFFSET.pack(index.compressed_bytes, index.size_bytes),
     )
-    return encode_record(OP_CHUNK_INDEX, b"".join(parts))
+    return encode_record(Op.CHUNK_INDEX, b"".join(parts))

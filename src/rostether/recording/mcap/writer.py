@@ -19,17 +19,6 @@ from rostether.recording.mcap.records import (
     FOOTER,
     MAGIC,
     MESSAGE_HEAD,
-    OP_CHANNEL,
-    OP_CHUNK,
-    OP_CHUNK_INDEX,
-    OP_DATA_END,
-    OP_FOOTER,
-    OP_HEADER,
-    OP_MESSAGE,
-    OP_MESSAGE_INDEX,
-    OP_SCHEMA,
-    OP_STATISTICS,
-    OP_SUMMARY_OFFSET,
     RECORD_HEAD,
     SUMMARY_OFFSET,
     TIME_AND_OFFSET,
@@ -38,6 +27,7 @@ from rostether.recording.mcap.records import (
     U32,
     U64,
     ChunkIndex,
+    Op,
     Statistics,
     encode_chunk_index,
     encode_map,
@@ -79,7 +69,7 @@ class McapWriter(ChunkedWriter):
         self._counts: dict[int, int] = {}
         self._data_crc = 0
         header = encode_text(self.profile) + encode_text("rostether")
-        super().__init__(path, compression, chunk_bytes, MAGIC + encode_record(OP_HEADER, header))
+        super().__init__(path, compression, chunk_bytes, MAGIC + encode_record(Op.HEADER, header))
 
     def schema_of(self, connection: Connection) -> tuple[str, str, bytes]:
         """Return name, encoding and definition of a connection's type."""
@@ -104,10 +94,10 @@ class McapWriter(ChunkedWriter):
                 schema = len(self._schemas) + 1
                 self._schemas[key] = schema
                 parts = (U16.pack(schema), *(encode_text(each) for each in key))
-                self._schema_records[schema] = encode_record(OP_SCHEMA, b"".join(parts))
+                self._schema_records[schema] = encode_record(Op.SCHEMA, b"".join(parts))
             encoding, metadata = self.channel_of(connection)
             head = U16_PAIR.pack(number, schema) + encode_text(connection.topic) + encode_text(encoding)
-            self._channels[number] = (schema, encode_record(OP_CHANNEL, head + encode_map(metadata)))
+            self._channels[number] = (schema, encode_record(Op.CHANNEL, head + encode_map(metadata)))
             self._numbers[connection] = number
         return number
 
@@ -124,7 +114,7 @@ class McapWriter(ChunkedWriter):
         name = "" if self._compression == NONE else self._compression
         head = CHUNK_HEAD.pack(self._start_ns, self._end_ns, len(plain), zlib.crc32(plain))
         content = b"".join((head, encode_text(name), U64.pack(len(stored)), stored))
-        record = encode_record(OP_CHUNK, content)
+        record = encode_record(Op.CHUNK, content)
         position = self._file.position
         place = position + len(record)
         places: dict[int, int] = {}
@@ -162,7 +152,7 @@ class McapWriter(ChunkedWriter):
     def _message_form(self, number: int, time_ns: int) -> tuple[tuple[int, ...], Callable[[int], bytes]]:
         # No sequence number (0): all headers of a batch are then equal, and the order in the file is enough.
         inner = MESSAGE_HEAD.pack(number, 0, time_ns, time_ns)
-        return (time_ns,), lambda size: RECORD_HEAD.pack(OP_MESSAGE, len(inner) + size) + inner
+        return (time_ns,), lambda size: RECORD_HEAD.pack(Op.MESSAGE, len(inner) + size) + inner
 
     def _append(self, data: bytes) -> None:
         self._file.append(data)
@@ -173,13 +163,13 @@ class McapWriter(ChunkedWriter):
             for record in self._pop_unwritten(number):  # those of topics without messages
                 self._append(record)
                 self._known.add(record)
-        data_end = encode_record(OP_DATA_END, U32.pack(self._data_crc))
+        data_end = encode_record(Op.DATA_END, U32.pack(self._data_crc))
         start = self._file.position + len(data_end)
         groups = (
-            (OP_SCHEMA, list(self._schema_records.values())),
-            (OP_CHANNEL, [record for _, record in self._channels.values()]),
-            (OP_STATISTICS, [encode_statistics(self._statistics())]),
-            (OP_CHUNK_INDEX, [encode_chunk_index(each) for each in self._indexes]),
+            (Op.SCHEMA, list(self._schema_records.values())),
+            (Op.CHANNEL, [record for _, record in self._channels.values()]),
+            (Op.STATISTICS, [encode_statistics(self._statistics())]),
+            (Op.CHUNK_INDEX, [encode_chunk_index(each) for each in self._indexes]),
         )
         parts: list[bytes] = []
         offsets: list[bytes] = []
@@ -188,10 +178,10 @@ class McapWriter(ChunkedWriter):
             length = sum(map(len, records))
             if records:
                 parts += records
-                offsets.append(encode_record(OP_SUMMARY_OFFSET, SUMMARY_OFFSET.pack(op, position, length)))
+                offsets.append(encode_record(Op.SUMMARY_OFFSET, SUMMARY_OFFSET.pack(op, position, length)))
                 position += length
         parts += offsets
-        parts.append(RECORD_HEAD.pack(OP_FOOTER, FOOTER.size) + TIME_AND_OFFSET.pack(start, position))
+        parts.append(RECORD_HEAD.pack(Op.FOOTER, FOOTER.size) + TIME_AND_OFFSET.pack(start, position))
         summary = b"".join(parts)
         self._file.append(data_end + summary + U32.pack(zlib.crc32(summary)) + MAGIC)
 
@@ -212,4 +202,4 @@ class McapWriter(ChunkedWriter):
 def _index_record(number: int, entries: array[int]) -> bytes:
     if sys.byteorder == "big":
         entries.byteswap()
-    return encode_record(OP_MESSAGE_INDEX, U16.pack(number) + encode_text(entries.tobytes()))
+    return encode_record(Op.MESSAGE_INDEX, U16.pack(number) + encode_text(entries.tobytes()))

@@ -6,6 +6,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 from rostether.errors import RecordingError
@@ -112,7 +113,7 @@ class Ros2BagReader:
                 raise RecordingError(
                     f"its messages are compressed with {metadata.compression_format!r}, not zstd"
                 )
-            unpack = _unpacked_message
+            unpack = partial(_unpacked_message, path)
         if path.suffix == ".zstd" or metadata.compression_mode == "file":
             path = self._unpacked_file(path)
         if path.name.removesuffix(ACTIVE_SUFFIX).endswith(".db3"):
@@ -141,13 +142,13 @@ class Ros2BagReader:
         return target
 
 
-def _unpacked_message(data: bytes) -> bytes:
+def _unpacked_message(path: Path, data: bytes) -> bytes:
     zstandard = zstandard_package()
     try:
         with zstandard.ZstdDecompressor().stream_reader(data) as stream:
             plain: bytes = stream.read(MAX_MESSAGE_BYTES + 1)
     except zstandard.ZstdError as error:
-        raise RecordingError(f"a message compressed with zstd is broken ({error})") from None
+        raise RecordingError(f"{path}: a message compressed with zstd is broken ({error})") from None
     if len(plain) > MAX_MESSAGE_BYTES:
-        raise RecordingError(f"a message decompresses to more than {MAX_MESSAGE_BYTES} bytes")
+        raise RecordingError(f"{path}: a message decompresses to more than {MAX_MESSAGE_BYTES} bytes")
     return plain

@@ -200,9 +200,7 @@ class Ros2Types:
             pass
         if not message_type.definition and message_type.md5sum != _MD5SUM_OF_NOTHING:
             return self.registry
-        learned = Registry(bundled=False)
-        learned.add_full_text(message_type.name, message_type.definition)
-        return learned
+        return Registry.of_full_text(message_type.name, message_type.definition)
 
     def _service_source(self, service_type: ServiceType) -> Registry:
         request, response = service_type.request, service_type.response

@@ -74,9 +74,7 @@ def _message_class(kind: MessageType) -> type[Message]:
     else:
         if own._md5sum == kind.md5sum or not kind.definition:
             return own
-    registry = Registry(bundled=False)
-    registry.add_full_text(kind.name, kind.definition)
-    return MessageTypes(registry).message_class(kind.name)
+    return MessageTypes(Registry.of_full_text(kind.name, kind.definition)).message_class(kind.name)
 
 
 class ROSBagException(Exception):  # noqa: N818 - the name is rosbag's

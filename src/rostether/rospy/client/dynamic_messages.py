@@ -9,7 +9,6 @@ from rostether.rospy.client.message_types import MessageTypes
 
 def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, type[Message]]:
     """Return the classes of a type and of those in its full text, by name. Raises DefinitionError."""
-    registry = Registry(bundled=False)
-    registry.add_full_text(core_type, msg_cat)
+    registry = Registry.of_full_text(core_type, msg_cat)
     types = MessageTypes(registry)
     return {name: types.message_class(name) for name in registry.messages()}

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rostether.recording.bag.checking import faults_of
-from rostether.recording.bag.records import OP_CHUNK, OP_CHUNK_INFO, OP_INDEX, op_of, read_record
+from rostether.recording.bag.records import Op, op_of, read_record
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.files import open_recording
 from rostether.recording.reindexing import reindex
@@ -38,21 +38,21 @@ def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
     [(0, "no message of connection"), (4, "no message of connection"), (8, "the index after it is wrong")],
 )
 def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, told: str) -> None:
-    _, start = _first(data, OP_INDEX)
+    _, start = _first(data, Op.INDEX)
     data[start + place] ^= 0x11
     (fault,) = faults_of(bytes(data))
     assert told in fault
 
 
 def test_an_index_of_another_connection(data: bytearray) -> None:
-    before, _ = _first(data, OP_INDEX)
+    before, _ = _first(data, Op.INDEX)
     data[data.index(b"conn=", before) + 5] ^= 1
     (fault,) = faults_of(bytes(data))
     assert "the index after it is wrong" in fault
 
 
 def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
-    before, start = _first(data, OP_CHUNK_INFO)
+    before, start = _first(data, Op.CHUNK_INFO)
     data[start + 4] ^= 1
     data[data.index(b"end_time=", before) + 9] ^= 1
     counts, times = faults_of(bytes(data))
@@ -63,7 +63,7 @@ def test_counts_and_times_of_the_bags_own_index(data: bytearray) -> None:
 def test_a_broken_chunk_is_reported(tmp_path: Path) -> None:
     write_bag(tmp_path / "a.bag", compression="bz2")
     data = bytearray((tmp_path / "a.bag").read_bytes())
-    _, start = _first(data, OP_CHUNK)
+    _, start = _first(data, Op.CHUNK)
     data[start + 30] ^= 0xFF
     (fault,) = faults_of(bytes(data))
     assert "compressed with bz2 is broken" in fault

@@ -9,10 +9,8 @@ from rostether.errors import RecordingError
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.records import (
     MAGIC,
-    OP_CHUNK,
-    OP_CONNECTION,
-    OP_MESSAGE,
     U32,
+    Op,
     bag_header,
     encode_fields,
     encode_record,
@@ -95,12 +93,12 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
     # roscpp writes messages behind a chunk header that says 0 bytes until the chunk is full.
     one = connection()
     fields = encode_fields({key.encode(): value.encode() for key, value in one.fields().items()})
-    known = encode_record(OP_CONNECTION, {b"conn": U32.pack(3), b"topic": b"/chatter"}, fields)
+    known = encode_record(Op.CONNECTION, {b"conn": U32.pack(3), b"topic": b"/chatter"}, fields)
     messages = [
-        encode_record(OP_MESSAGE, {b"conn": U32.pack(3), b"time": encode_time(START_NS + n)}, text(str(n)))
+        encode_record(Op.MESSAGE, {b"conn": U32.pack(3), b"time": encode_time(START_NS + n)}, text(str(n)))
         for n in range(3)
     ]
-    chunk = encode_record(OP_CHUNK, {b"compression": b"none", b"size": U32.pack(0)}, b"")
+    chunk = encode_record(Op.CHUNK, {b"compression": b"none", b"size": U32.pack(0)}, b"")
     data = MAGIC + bag_header(0, 0, 0) + chunk + known + b"".join(messages)
     path = tmp_path / "a.bag.active"
     path.write_bytes(data[:-2])

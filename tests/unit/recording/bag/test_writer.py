@@ -10,7 +10,7 @@ import pytest
 
 from rostether.errors import RecordingError
 from rostether.recording.bag.reader import BagReader
-from rostether.recording.bag.records import OP_CHUNK_INFO, OP_INDEX, op_of, read_record, time_field
+from rostether.recording.bag.records import Op, op_of, read_record, time_field
 from rostether.recording.bag.writer import BagWriter
 from rostether.recording.mcap.reader import McapReader
 from rostether.recording.mcap.writer import McapWriter
@@ -129,10 +129,10 @@ def test_indexes_are_in_the_order_of_time_whatever_came_first(tmp_path: Path, ch
     starts, position = [], 13
     while position < len(data):
         fields, start, position = read_record(data, position)
-        if op_of(fields) == OP_INDEX:
+        if op_of(fields) == Op.INDEX:
             times = [secs for secs, _, _ in struct.iter_unpack("<III", data[start:position])]
             assert times == sorted(times)
-        elif op_of(fields) == OP_CHUNK_INFO:
+        elif op_of(fields) == Op.CHUNK_INFO:
             starts.append(time_field(fields, b"start_time"))
     assert starts == sorted(starts)
     assert starts[0] == NS_PER_S

@@ -12,17 +12,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 from rostether.recording.mcap.checking import MAX_FAULTS, faults_of
 from rostether.recording.mcap.decoding import read_record
-from rostether.recording.mcap.records import (
-    MAGIC,
-    OP_CHANNEL,
-    OP_CHUNK,
-    OP_CHUNK_INDEX,
-    OP_DATA_END,
-    OP_MESSAGE_INDEX,
-    OP_STATISTICS,
-    OP_SUMMARY_OFFSET,
-    encode_record,
-)
+from rostether.recording.mcap.records import MAGIC, Op, encode_record
 from rostether.recording.mcap.writer import McapWriter
 from unit.recording.bags import IMU, START_NS, connection, text, write_reset
 
@@ -52,7 +42,7 @@ def _records(data: bytes | bytearray, wanted: int) -> list[tuple[int, int, int]]
 
 def _unsummed(data: bytearray) -> bytearray:
     """Take the sums of data and summary out, so that only what is damaged speaks."""
-    _, start, end = _records(data, OP_DATA_END)[0]
+    _, start, end = _records(data, Op.DATA_END)[0]
     data[start:end] = bytes(4)
     data[-12:-8] = bytes(4)
     return data
@@ -96,7 +86,7 @@ def test_those_of_the_package_are_sound(
 
 
 def test_a_sum_that_is_wrong(ours: bytearray) -> None:
-    _, start, end = _records(ours, OP_CHUNK)[1]
+    _, start, end = _records(ours, Op.CHUNK)[1]
     ours[end - 5] ^= 1
     told = faults_of(bytes(ours))
     assert any("the checksum (CRC) of its records is wrong" in fault for fault in told)
@@ -105,7 +95,7 @@ def test_a_sum_that_is_wrong(ours: bytearray) -> None:
 
 
 def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
-    _, start, _ = _records(ours, OP_STATISTICS)[0]
+    _, start, _ = _records(ours, Op.STATISTICS)[0]
     ours[start] ^= 1
     told = faults_of(bytes(ours))
     assert "the checksum (CRC) of its summary is wrong" in told
@@ -115,20 +105,20 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
 @pytest.mark.parametrize(
     ("op", "place", "which", "told"),
     [
-        (OP_CHUNK, 0, 0, "its times are"),
-        (OP_CHUNK, 16, 0, "instead of"),
-        (OP_CHUNK, 24, 0, "the checksum (CRC) of its records"),
-        (OP_MESSAGE_INDEX, 6, 0, "does not list the messages of channel 1"),
-        (OP_MESSAGE_INDEX, 0, 0, "does not list the messages"),
-        (OP_CHUNK_INDEX, 0, 1, "wrongly"),
-        (OP_CHUNK_INDEX, 16, 0, "but there is none"),
-        (OP_CHUNK_INDEX, 24, 0, "wrongly"),
-        (OP_STATISTICS, 8, 0, "schemas, but there are 2"),
-        (OP_STATISTICS, 10, 0, "channels, but there are 3"),
-        (OP_STATISTICS, 22, 0, "chunks, but there are"),
-        (OP_STATISTICS, 26, 0, "ns at the first message"),
-        (OP_SUMMARY_OFFSET, 1, 0, "its summary offset of schema is wrong"),
-        (OP_CHANNEL, 0, -1, "its summary lists channel"),
+        (Op.CHUNK, 0, 0, "its times are"),
+        (Op.CHUNK, 16, 0, "instead of"),
+        (Op.CHUNK, 24, 0, "the checksum (CRC) of its records"),
+        (Op.MESSAGE_INDEX, 6, 0, "does not list the messages of channel 1"),
+        (Op.MESSAGE_INDEX, 0, 0, "does not list the messages"),
+        (Op.CHUNK_INDEX, 0, 1, "wrongly"),
+        (Op.CHUNK_INDEX, 16, 0, "but there is none"),
+        (Op.CHUNK_INDEX, 24, 0, "wrongly"),
+        (Op.STATISTICS, 8, 0, "schemas, but there are 2"),
+        (Op.STATISTICS, 10, 0, "channels, but there are 3"),
+        (Op.STATISTICS, 22, 0, "chunks, but there are"),
+        (Op.STATISTICS, 26, 0, "ns at the first message"),
+        (Op.SUMMARY_OFFSET, 1, 0, "its summary offset of schema is wrong"),
+        (Op.CHANNEL, 0, -1, "its summary lists channel"),
     ],
 )
 def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, told: str) -> None:
@@ -142,9 +132,9 @@ def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, to
 
 def test_a_channel_without_its_schema_and_a_message_without_its_channel(ours: bytearray) -> None:
     data = MAGIC + encode_record(0x01, bytes(8))
-    data += encode_record(OP_CHANNEL, struct.pack("<HHIII", 1, 5, 0, 0, 0))
+    data += encode_record(Op.CHANNEL, struct.pack("<HHIII", 1, 5, 0, 0, 0))
     data += encode_record(0x05, struct.pack("<HIQQ", 9, 0, 1, 1))
-    data += encode_record(OP_DATA_END, bytes(4))
+    data += encode_record(Op.DATA_END, bytes(4))
     data += encode_record(0x02, bytes(20)) + MAGIC
     assert faults_of(data) == [
         "channel 1 uses schema 5, which is not defined",
@@ -169,7 +159,7 @@ def test_no_flipped_byte_of_the_data_is_missed(ours: bytearray) -> None:
 
 
 def test_the_number_of_reported_faults_is_limited() -> None:
-    stray = encode_record(OP_MESSAGE_INDEX, struct.pack("<HI", 1, 0))
+    stray = encode_record(Op.MESSAGE_INDEX, struct.pack("<HI", 1, 0))
     assert len(faults_of(MAGIC + encode_record(0x01, bytes(8)) + stray * 500)) == MAX_FAULTS + 1
 
 

@@ -1,0 +1,120 @@
+"""The common part of the bag and MCAP readers: a mapped file whose messages are in chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, NamedTuple, Protocol, TypeVar
+
+from rostether.errors import RecordingError
+from rostether.recording.chunk_order import Entry, messages_of
+from rostether.recording.compression import Buffer
+from rostether.recording.packed_chunks import StoredChunk, compression_shares
+from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage
+from rostether.recording.regular_file import MappedFile
+
+# The limit of reported reasons: every chunk may be damaged in another way.
+MAX_DAMAGE_CHARS = 500
+
+
+@dataclass(slots=True)
+class Damage:
+    """Why a file is searched for its messages; empty if its index is intact."""
+
+    damage: str = ""
+
+    def note(self, damage: str) -> None:
+        """Add a reason why the file is damaged; only the first reasons are kept."""
+        if damage not in self.damage and len(self.damage) < MAX_DAMAGE_CHARS:
+            self.damage = f"{self.damage}; {damage}"
+
+
+class ChunkedContent(Protocol):
+    """The content of a file, of any format."""
+
+    @property
+    def damage(self) -> str:
+        """Why the file had to be searched for its messages, or an empty string."""
+
+    @property
+    def chunks(self) -> Sequence[StoredChunk]:
+        """The chunks, sorted by the times of their first messages."""
+
+
+ContentT = TypeVar("ContentT", bound=ChunkedContent)
+
+
+class ChunkedReader(Generic[ContentT]):
+    """The reader of a file without its format; see `recording.recorded.RecordingReader`.
+
+    `read` returns the content of the file. Raises RecordingError if the file cannot be read.
+    """
+
+    def __init__(self, path: Path, read: Callable[[memoryview], ContentT]) -> None:
+        self.path = path
+        self._file = MappedFile(path)
+        self.size_bytes = self._file.size_bytes
+        try:
+            self._content = read(self._file.view)
+        except RecordingError as error:
+            self.close()
+            raise RecordingError(f"{path}: {error}") from None
+
+    @property
+    def damage(self) -> str:
+        """Why the file had to be searched for its messages, or an empty string."""
+        return self._content.damage
+
+    @property
+    def compressions(self) -> Sequence[CompressionShare]:
+        """How the chunks are compressed, the most frequent first."""
+        return compression_shares(self._content.chunks)
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._file.close()
+
+    def _messages(
+        self,
+        connections: Mapping[int, Connection],
+        entries_of: Callable[[Buffer], Iterator[Entry]],
+        start_ns: int | None,
+        end_ns: int | None,
+    ) -> Iterator[RecordedMessage]:
+        """Yield the messages of connections by time; `entries_of` reads an uncompressed chunk."""
+        found = messages_of(
+            self._file.view,
+            self._content.chunks,
+            connections.keys(),
+            entries_of,
+            start_ns=start_ns,
+            end_ns=end_ns,
+        )
+        try:
+            for number, time_ns, payload in found:
+                yield RecordedMessage(connections[number], time_ns, payload)
+        except RecordingError as error:
+            raise RecordingError(f"{self.path}: {error}; `rostether bag reindex` keeps the rest") from None
+
+
+class Tally(NamedTuple):
+    """The messages of a chunk by connection number, and the times of the first and the last one."""
+
+    counts: dict[int, int]
+    first_ns: int
+    last_ns: int
+
+
+def tally(entries: Iterable[Entry], defined: Container[int], note: Callable[[str], None], noun: str) -> Tally:
+    """Count messages; those of a connection or channel (`noun`) that is not defined are only noted."""
+    counts: dict[int, int] = {}
+    first_ns, last_ns = 1 << 64, -1
+    for time_ns, _, _, number in entries:
+        if number not in defined:
+            note(f"messages belong to {noun} {number}, which is not defined")
+            continue
+        counts[number] = counts.get(number, 0) + 1
+        first_ns = min(first_ns, time_ns)
+        last_ns = max(last_ns, time_ns)
+    return Tally(counts, first_ns, last_ns)
