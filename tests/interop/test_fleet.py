@@ -40,18 +40,18 @@ async def is_loss_reported(options: Sequence[str]) -> bool:
 
 
 async def test_twenty_robots_over_bad_wifi(tmp_path: Path) -> None:
-    for number in range(5):
+    for number in range(4):
         folder = tmp_path / str(number)
         folder.mkdir()
         if await is_driven_and_stopped(folder):
             return
-    pytest.fail("each time, the second sender found a robot that had stopped")
+    pytest.fail("each time, the first sender was too late for a robot, which stopped")
 
 
 async def is_driven_and_stopped(folder: Path) -> bool:
-    """Drive and stop the robots; return False if a robot obeys the second sender.
+    """Drive and stop the robots; return False if the first sender pauses, as it does on a busy machine.
 
-    It may do so where the first one pauses, as it does on a busy machine.
+    A robot then stops, and obeys the second sender.
     """
     async with fleet_on_bad_wifi(folder) as (robots, air, senders, options):
         async with started("fleet", "drive", "--all", "--speed", "0.5", *options) as first:
@@ -65,10 +65,12 @@ async def is_driven_and_stopped(folder: Path) -> bool:
                 await second.wait_for(" commands it; stop that sender, or: rostether fleet stop 3")
                 assert sum("robot 3 does not obey" in line for line in second.lines) == 1
             await until(lambda: not robots[2].is_still)
-            async with asyncio.timeout(60):
-                # A robot stops while commands are late, which they may be on a busy machine.
-                while not await all_are_listed_moving(options):
-                    pass
+            try:
+                async with asyncio.timeout(40):
+                    while not await all_are_listed_moving(options):
+                        pass
+            except TimeoutError:
+                return False
             async with asyncio.timeout(60):
                 # The loss is random: a short look may find less than is worth a report.
                 while not await is_loss_reported(options):

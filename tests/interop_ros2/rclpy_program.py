@@ -85,6 +85,7 @@ class Peer:
         self.received: dict[str, list[Any]] = {}
         self.requests: dict[str, list[Any]] = {}
         self.servers: list[Any] = []
+        self.action_clients: dict[str, Any] = {}
         threading.Thread(target=self.spin, daemon=True).start()
 
     def spin(self) -> None:
@@ -153,27 +154,30 @@ class Peer:
 
     def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
         """Send a goal, and with `cancel` end it after a feedback; return feedback, status and result."""
-        client: Any = ActionClient(self.node, find(type), action)
+        client = self.action_client(action, type)
         feedback: list[Any] = []
-        try:
-            if not client.wait_for_server(PATIENCE_S):
-                raise TimeoutError(f"nobody offers {action}")
-            sent = client.send_goal_async(
-                fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
-            )
-            wait_for(sent.done, f"{action} does not answer")
-            if cancel:
-                wait_for(lambda: bool(feedback), f"{action} gives no feedback")
-                sent.result().cancel_goal_async()
-            ended = sent.result().get_result_async()
-            wait_for(ended.done, f"{action} does not end")
-            return {
-                "feedback": feedback,
-                "status": ended.result().status,
-                "result": plain(ended.result().result),
-            }
-        finally:
-            client.destroy()
+        if not client.wait_for_server(PATIENCE_S):
+            raise TimeoutError(f"nobody offers {action}")
+        sent = client.send_goal_async(
+            fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
+        )
+        wait_for(sent.done, f"{action} does not answer")
+        if cancel:
+            wait_for(lambda: bool(feedback), f"{action} gives no feedback")
+            sent.result().cancel_goal_async()
+        ended = sent.result().get_result_async()
+        wait_for(ended.done, f"{action} does not end")
+        return {
+            "feedback": feedback,
+            "status": ended.result().status,
+            "result": plain(ended.result().result),
+        }
+
+    def action_client(self, action: str, type: str) -> Any:  # noqa: A002
+        """Return the client of an action. It is kept: destroying one ends the thread that spins."""
+        if action not in self.action_clients:
+            self.action_clients[action] = ActionClient(self.node, find(type), action)
+        return self.action_clients[action]
 
     def serve_action(self, action: str, type: str, result: dict[str, Any]) -> None:  # noqa: A002
         """Serve an action: every goal succeeds with the same result."""

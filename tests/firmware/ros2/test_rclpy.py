@@ -159,16 +159,22 @@ async def test_the_board_reads_its_parameters_and_logs(peer: RclpyPeer) -> None:
 
 async def test_the_board_is_a_node_with_its_endpoints(peer: RclpyPeer) -> None:
     await eventually(lambda: peer.ask("nodes"), lambda nodes: ["arm", "/lab"] in nodes)
-    seen = await eventually(
+    publishers = [[f"/lab/out_{name.partition('/')[2]}", [ros2_name(name)]] for name in NAMES]
+    subscribers = [[f"/lab/in_{name.partition('/')[2]}", [ros2_name(name)]] for name in NAMES]
+    services = [["/lab/switch", ["std_srvs/srv/SetBool"]], ["/lab/pull", ["std_srvs/srv/Trigger"]]]
+    # They are discovered one by one.
+    await eventually(
         lambda: peer.ask("of_node", name="arm", namespace="/lab"),
         lambda seen: all(
-            [f"/lab/out_{name.partition('/')[2]}", [ros2_name(name)]] in seen["publishers"] for name in NAMES
+            each in seen[kind]
+            for kind, expected in (
+                ("publishers", publishers),
+                ("subscribers", subscribers),
+                ("services", services),
+            )
+            for each in expected
         ),
     )
-    for name in NAMES:
-        assert [f"/lab/in_{name.partition('/')[2]}", [ros2_name(name)]] in seen["subscribers"]
-    for service, kind in (("switch", "SetBool"), ("pull", "Trigger")):
-        assert [f"/lab/{service}", [f"std_srvs/srv/{kind}"]] in seen["services"]
 
 
 @pytest.mark.parametrize("name", NAMES)
