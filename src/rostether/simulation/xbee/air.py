@@ -100,7 +100,7 @@ class Air:
             for receiver in receivers:
                 drops_repeats = receiver.model.is_mesh or receiver.registers["MM"] in (0, 3)
                 if not (was_received and drops_repeats):
-                    self._deliver(receiver, radio, packet.payload)
+                    self._deliver(receiver, radio, packet)
         needs_acknowledgement = _is_acknowledged(radio, packet)
         is_acknowledged = arrives and not self._is_lost()
         if needs_acknowledgement and not is_acknowledged:
@@ -117,14 +117,18 @@ class Air:
         self._on_change(radio)
         self.send_from(radio)
 
-    def _deliver(self, receiver: SimulatedRadio, sender: SimulatedRadio, payload: bytes) -> None:
+    def _deliver(self, receiver: SimulatedRadio, sender: SimulatedRadio, packet: Transmission) -> None:
         is_repeated = self._random.random() < self.conditions.repeat
         self.counts.repeated_packets += is_repeated
         for _ in range(1 + is_repeated):
-            self._loop.call_later(self.conditions.delay_s, self._hand_over, receiver, sender, payload)
+            self._loop.call_later(self.conditions.delay_s, self._hand_over, receiver, sender, packet)
 
-    def _hand_over(self, receiver: SimulatedRadio, sender: SimulatedRadio, payload: bytes) -> None:
-        receiver.radio_received(sender.short_address, sender.serial_number, payload, self.conditions.rssi_dbm)
+    def _hand_over(self, receiver: SimulatedRadio, sender: SimulatedRadio, packet: Transmission) -> None:
+        source = sender.short_address, sender.serial_number
+        if packet.remote is not None:
+            receiver.remote_received(*source, packet.remote)
+        else:
+            receiver.radio_received(*source, packet.payload, self.conditions.rssi_dbm)
         self._on_change(receiver)
 
     def _is_lost(self) -> bool:

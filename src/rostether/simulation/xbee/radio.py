@@ -15,6 +15,14 @@ from dataclasses import dataclass
 from rostether.simulation.xbee.command_mode import CommandMode
 from rostether.simulation.xbee.models import BAUD_RATES, Model
 from rostether.simulation.xbee.registers import Registers
+from rostether.simulation.xbee.remote_command import (
+    NOT_SENT,
+    REQUEST_BYTES,
+    RemoteAnswer,
+    RemoteCommand,
+    build_response,
+    parse_request,
+)
 from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
 
 BROADCAST = 0xFFFF
@@ -30,17 +38,22 @@ _UNUSED_SHORT = 0xFFFE
 _NO_FRAME = 0
 _DELIVERED = 0
 _INVALID_COMMAND, _INVALID_VALUE = 2, 3
+_NO_NUMBER = 0xFFFFFFFFFFFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
 class Transmission:
-    """A packet to send to a 16-bit address, or to one of 64 bits if `is_long`."""
+    """A packet to send to a 16-bit address, or to one of 64 bits if `is_long`.
+
+    With `remote`, it has an AT command or its answer instead of bytes.
+    """
 
     destination: int
     is_long: bool
     payload: bytes
     frame_id: int = _NO_FRAME
     is_mesh_frame: bool = False
+    remote: RemoteCommand | RemoteAnswer | None = None
 
 
 class SimulatedRadio:
@@ -128,12 +141,31 @@ class SimulatedRadio:
             header = bytes((0x81, *short_source.to_bytes(2, "big"), -rssi_dbm, 0))
         self._report(header + payload)
 
+    def remote_received(
+        self, short_source: int | None, long_source: int, remote: RemoteCommand | RemoteAnswer
+    ) -> None:
+        """Run an AT command from another radio and answer, or pass an answer to the host."""
+        if isinstance(remote, RemoteAnswer):
+            if self.registers["AP"]:
+                self._report(build_response(remote, long_source, short_source))
+            return
+        status, value = self._run_at(remote.command, remote.value)
+        if remote.is_applied:
+            self.registers.apply()
+        if remote.frame_id != _NO_FRAME:
+            answer = RemoteAnswer(remote.frame_id, remote.command, status, value)
+            self._send(Transmission(long_source, True, b"", remote=answer))
+
     def transmitted(self, packet: Transmission, status: int, retries: int) -> None:
         """Report the result of a packet, if the host wants it, and prepare the next one."""
         self._packetize()
         if packet.frame_id == _NO_FRAME or not self.registers["AP"]:
             return
-        if packet.is_mesh_frame:
+        if isinstance(packet.remote, RemoteCommand):
+            if status != _DELIVERED:
+                lost = RemoteAnswer(packet.frame_id, packet.remote.command, NOT_SENT)
+                self.remote_received(None, packet.destination if packet.is_long else _NO_NUMBER, lost)
+        elif packet.is_mesh_frame:
             self._report(bytes((0x8B, packet.frame_id, 0xFF, 0xFE, min(retries, 0xFF), status, 0)))
         else:
             self._report(bytes((0x89, packet.frame_id, status)))
@@ -201,6 +233,9 @@ class SimulatedRadio:
                 # A frame of kind 09 waits for ATAC or for a frame of kind 08.
                 if kind == 0x08:
                     self.registers.apply()
+            case 0x17 if len(frame) >= REQUEST_BYTES:
+                remote = parse_request(frame)
+                self._send(Transmission(remote.destination, remote.is_long, b"", frame_id, remote=remote))
             case 0x01 if len(frame) >= 5:
                 self._queue_packet(frame_id, int.from_bytes(frame[2:4], "big"), frame[5:])
             case 0x00 if len(frame) >= 11:
@@ -231,12 +266,15 @@ class SimulatedRadio:
         self._send(packet)
 
     def _execute_at(self, frame_id: int, command: str, value: bytes) -> None:
-        is_ok, answer = self.registers.execute(command, int.from_bytes(value, "big") if value else None)
+        status, answer = self._run_at(command, value)
         if frame_id != _NO_FRAME:
-            failed = _INVALID_VALUE if value else _INVALID_COMMAND
-            status = bytes((_DELIVERED if is_ok else failed,))
-            text = command.encode("latin-1")
-            self._report(bytes((0x88, frame_id)) + text + status + self.registers.as_bytes(command, answer))
+            self._report(bytes((0x88, frame_id)) + command.encode("latin-1") + bytes((status,)) + answer)
+
+    def _run_at(self, command: str, value: bytes) -> tuple[int, bytes]:
+        """Return the status of an AT command, and the value that it reads."""
+        is_ok, answer = self.registers.execute(command, int.from_bytes(value, "big") if value else None)
+        failed = _INVALID_VALUE if value else _INVALID_COMMAND
+        return _DELIVERED if is_ok else failed, self.registers.as_bytes(command, answer)
 
     def _report(self, data: bytes) -> None:
         self._to_serial(encode_frame(data, escaped=self.registers["AP"] == 2))

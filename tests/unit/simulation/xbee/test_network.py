@@ -12,6 +12,7 @@ import pytest
 
 from effort import effort
 from rostether.bridge.supervisor import Supervisor
+from rostether.errors import TransportError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.simulation.xbee.air import AirConditions
 from rostether.simulation.xbee.counting_board import CountingBoard
@@ -22,6 +23,7 @@ from rostether.transports.address import Address, SerialAddress, XbeeAddress
 from rostether.transports.memory import memory_pair
 from rostether.transports.peers import PeerEntry
 from rostether.transports.transport import Listener, Transport
+from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
 from rostether.transports.xbee.listener import XbeeListener
 from unit.bridge.nodes import STORE
 from unit.bridge.virtual_time import run as run_on_virtual_time
@@ -198,5 +200,66 @@ def test_closing_asks_every_board_to_stop() -> None:
             await site.supervisor.close()
             await asyncio.sleep(0.2)
             assert not any(board.is_connected for board in site.boards)
+
+    run_on_virtual_time(main())
+
+
+class HeardFrames:
+    """The host of a radio: keeps the frames that the radio sends."""
+
+    def __init__(self) -> None:
+        self.frames: list[bytes] = []
+        self._decoder = XbeeFrameDecoder()
+
+    def data_received(self, data: bytes) -> None:
+        self.frames += self._decoder.feed(data)
+
+    def connection_lost(self, error: TransportError | None) -> None:
+        pass
+
+    def pause_writing(self) -> None:
+        pass
+
+    def resume_writing(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize("model", [SERIES_1, DIGIMESH], ids=["series 1", "DigiMesh"])
+def test_at_commands_reach_other_radios(model: Model) -> None:
+    def frame(number: int, long: int, short: int, command: bytes) -> bytes:
+        addresses = long.to_bytes(8, "big") + short.to_bytes(2, "big")
+        return encode_frame(bytes((0x17, number)) + addresses + b"\x02" + command)
+
+    async def main() -> None:
+        xbees = XbeeNetwork(AirConditions(), model=model)
+        host, radio_port = memory_pair()
+        coordinator = xbees.add_coordinator(radio_port)
+        board = xbees.add_board(memory_pair()[1], coordinator, short_address=None if model.is_mesh else 7)
+        heard = HeardFrames()
+        host.start(heard)
+        answers = heard.frames
+        short = b"\xff\xfe" if model.is_mesh else b"\x00\x07"
+        source = board.serial_number.to_bytes(8, "big") + short
+
+        async def ask(data: bytes) -> None:
+            host.write(data)
+            await asyncio.sleep(1)
+
+        await ask(frame(1, board.serial_number, 0xFFFE, b"CH"))
+        await ask(frame(2, board.serial_number, 0xFFFE, b"RO\x09"))
+        await ask(frame(3, board.serial_number, 0xFFFE, b"XX"))
+        # Nobody has this address.
+        await ask(frame(4, board.serial_number + 1, 0xFFFE, b"CH"))
+        assert answers == [
+            b"\x97\x01" + source + b"CH\x00\x0d",
+            b"\x97\x02" + source + b"RO\x00",
+            b"\x97\x03" + source + b"XX\x02",
+            b"\x97\x04" + (board.serial_number + 1).to_bytes(8, "big") + b"\xff\xfeCH\x04",
+        ]
+        assert board.registers["RO"] == 9
+        if not model.is_mesh:
+            await ask(frame(5, 0xFFFFFFFFFFFFFFFF, 7, b"MY"))
+            assert answers[-1] == b"\x97\x05" + source + b"MY\x00\x00\x07"
+        xbees.close()
 
     run_on_virtual_time(main())
