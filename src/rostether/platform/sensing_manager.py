@@ -134,7 +134,7 @@ class SensingManager:
                 platform = entry.publishers[0].lstrip("/") or "Platform"
                 # The list is full.
                 with suppress(ServiceCallError):
-                    self._registry.adopt(
+                    self._is_unsaved |= self._registry.adopt(
                         f"sensor_node{name.removeprefix(prefix)}", entry.type, platform, now_s
                     )
 

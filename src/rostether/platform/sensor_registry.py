@@ -216,18 +216,19 @@ class SensorRegistry:
         condition.reported, condition.reported_text = wanted.state, wanted.state_text
         return self._sensors[wanted.id], ""
 
-    def adopt(self, topic: str, message_type: str, platform: str, now_s: float) -> None:
-        """Add the sensor that publishes on an unregistered numbered topic; other topics are ignored.
+    def adopt(self, topic: str, message_type: str, platform: str, now_s: float) -> bool:
+        """Add the sensor that publishes on an unregistered numbered topic; False for another topic.
 
         It was registered with an earlier manager, whose saved state is missing. Raises ServiceCallError
         when there are too many.
         """
         found = _COUNTED_TOPIC.fullmatch(topic)
         if found is None or topic in self._sensors:
-            return
+            return False
         sensor_type = "CAMERA" if message_type == MESSAGE_TYPES["CAMERA"] else "ANALOG"
         platform = escape_line(platform, MAX_TEXT_CHARACTERS)
         self._add_counted(int(found[1]), platform, sensor_type, now_s)
+        return True
 
     def add(self, sensor: Sensor, now_s: float) -> None:
         """Add a sensor. Raises ServiceCallError when there are too many."""

@@ -10,6 +10,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.platform import sensing_manager
 from rostether.platform.digital_tester import publish_test_values
 from rostether.platform.sensing_manager import SensingManager
+from rostether.platform.sensor_files import read_state
 from rostether.platform.sensor_registry import Sensor
 from unit.platform.datagrams import running
 from unit.platform.typed_nodes import Lines, typed_nodes
@@ -115,6 +116,14 @@ async def test_a_sensor_with_an_id_and_a_manager_that_forgot_all() -> None:
             await until(lambda: screen.states["robot3/front"] == "alert")
             assert screen.text == "no camera"
         screen.states.clear()
+
+
+async def test_a_sensor_of_an_earlier_manager_is_saved(tmp_path: Path) -> None:
+    _, (node, robot) = await typed_nodes("/sensing_manager", "/robot")
+    await robot.publisher("/sensor_node4", "std_msgs/Float64")
+    state_path = tmp_path / "sensors.json"
+    async with running(SensingManager(node, Lines(), state_path=state_path).run()):
+        await until(lambda: [each.id for each in read_state(state_path)] == ["sensor_node4"])
 
 
 async def test_a_boards_topic_is_a_named_sensor() -> None:

@@ -72,5 +72,5 @@ def _key(name: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    # A JSON string is a basic string of TOML.
-    return json.dumps(text)
+    # A JSON string is a basic string of TOML, except for DEL and for characters in two escapes.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
