@@ -32,8 +32,8 @@ from rostether.platform.status_frame import MAGIC as STATUS_MAGIC
 from rostether.platform.status_frame import HostState
 from rostether.platform.status_reporter import StatusReporter
 from rostether.serde.layout import Layout
-from rostether.transports.allow_list import AllowList, check_networks
-from rostether.transports.own_names import own_addresses
+from rostether.transports.allow_list import ALWAYS_ALLOWED, AllowList, check_networks
+from rostether.transports.own_names import is_own_address
 
 # Joins are repeated if no datagram arrives, and once a minute: without a querier, switches forget a group.
 SILENCE_S = 2.0
@@ -72,8 +72,7 @@ async def receive_topic(
     sources = check_networks(settings.sources, "~sources")
     publisher = await graph.publisher(settings.topic, settings.type_name)
     if not sources and not settings.has_key:
-        # The call may query a name server.
-        sources = tuple(str(each) for each in await asyncio.to_thread(own_addresses))
+        sources = ALWAYS_ALLOWED
     try:
         sock = open_receiver(address)
     except OSError as error:
@@ -153,7 +152,7 @@ class _Receiver:
                 return
             self._last_s = now_s
             host = str(source[0])
-            if not self._sources.allows(host):
+            if not self._sources.allows(host) and not is_own_address(host):
                 self._refuse(f"a datagram from {host}: allow it with _sources:={host}")
             elif self._commands is None:
                 self._publish(datagram, host)

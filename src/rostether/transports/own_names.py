@@ -69,6 +69,20 @@ def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
     return {ipaddress.ip_address(each.partition("%")[0]) for each in found}
 
 
+def is_own_address(host: str) -> bool:
+    """Return whether a numeric address belongs to this machine: whether a socket can have it now.
+
+    0.0.0.0 does: Linux sends from it to a group by `lo` where no other interface has an address.
+    """
+    try:
+        family, _, _, _, place = socket.getaddrinfo(host, 0, flags=socket.AI_NUMERICHOST)[0]
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            probe.bind(place)
+    except OSError:
+        return False
+    return True
+
+
 def _plain(name: str) -> str:
     return name.lower().rstrip(".")
 

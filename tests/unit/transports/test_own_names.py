@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rostether.transports import own_names
-from rostether.transports.own_names import OwnNames
+from rostether.transports.own_names import OwnNames, is_own_address
 
 
 @pytest.fixture(autouse=True)
@@ -81,3 +81,13 @@ def test_a_machine_without_these_files(tmp_path: Path, monkeypatch: pytest.Monke
     own_names._machine_names.cache_clear()
     assert OwnNames().include("robot")
     assert not OwnNames().include("arm")
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.3.2.1", "0.0.0.0", "::1"])
+def test_addresses_of_this_machine(host: str) -> None:
+    assert is_own_address(host)
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "2001:db8::1", "fe80::1%nowhere", "localhost", ""])
+def test_addresses_of_others(host: str) -> None:
+    assert not is_own_address(host)
