@@ -151,7 +151,11 @@ class NodeHandle_ : public NodeHandleBase_ {
     }
   }
 
+ protected:
+  // Node handle classes of sketches initialize it.
   Hardware hardware_;
+
+ private:
   uint8_t buffer_[INPUT_BYTES + FRAME_OVERHEAD_BYTES];
 };
 

@@ -139,6 +139,12 @@ class NodeHandleBase_ : public FrameWriter {
     return finish() ? static_cast<int>(length + FRAME_OVERHEAD_BYTES) : -1;
   }
 
+  // The same for a message of any form; `id` is the `id_` of a publisher.
+  template <class M>
+  int publish(int id, const M* message) {
+    return send<typename WireFormat<M>::Class>(static_cast<uint16_t>(id), *message);
+  }
+
   // The longest message that can be received.
   uint16_t largestMessage() const { return window_.largestPayload(); }
 

@@ -91,6 +91,55 @@ void add(ros::Subscriber_& each) { nh.subscribe(each); }
 void setup() { nh.initNode(); add(*sub); }
 void loop() { nh.spinOnce(); }
 """,
+    # The advice for boards with little memory: a ros::NodeHandle with smaller buffers.
+    "node_handle_of_the_sketch": """
+#include "ros/node_handle.h"
+#include "ArduinoHardware.h"
+namespace ros {
+typedef NodeHandle_<ArduinoHardware, 4, 4, 100, 100> NodeHandle;
+}
+#include <std_msgs/String.h>
+#include <tf/transform_broadcaster.h>
+ros::NodeHandle nh;
+static_assert(ros::NodeHandle::INPUT_BYTES == 100, "not the node handle of the sketch");
+tf::TransformBroadcaster broadcaster;
+void setup() { nh.initNode(); broadcaster.init(nh); }
+void loop() { nh.spinOnce(); }
+""",
+    "class_from_the_node_handle": """
+#include <ros.h>
+#include <std_msgs/Int16.h>
+class Node : public ros::NodeHandle_<ArduinoHardware, 2, 2, 100, 100> {
+ public:
+  Node() { hardware_.setBaud(115200); }
+};
+Node nh;
+std_msgs::Int16 number;
+ros::Publisher pub("number", &number);
+void setup() { nh.initNode(); nh.advertise(pub); }
+void loop() { nh.publish(pub.id_, &number); nh.spinOnce(); }
+""",
+    # The Arduino IDE accepts these callbacks, too.
+    "callbacks_of_services": """
+#include <ros.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+ros::NodeHandle nh;
+using std_srvs::SetBool;
+using std_srvs::Trigger;
+void set(SetBool::Request& request, SetBool::Response& answer) { answer.success = request.data; }
+bool pull(const Trigger::Request&, Trigger::Response& answer) { return answer.success = true; }
+ros::ServiceServer<SetBool::Request, SetBool::Response> setter("set", &set);
+ros::ServiceServer<Trigger::Request, Trigger::Response> trigger("pull", pull);
+const float rate = 1;
+void setup() {
+  nh.initNode();
+  nh.advertiseService(setter);
+  nh.advertiseService(trigger);
+  nh.getParam("~rate", &rate);
+}
+void loop() { nh.spinOnce(); }
+""",
 }
 
 

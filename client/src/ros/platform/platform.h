@@ -54,7 +54,12 @@
 #endif
 
 namespace ros {
+// A sketch may define another ros::NodeHandle, for example with a smaller INPUT_SIZE: a name in `ros` itself comes
+// before one that only a using-directive adds.
+namespace platform {
 typedef NodeHandle_<ROS_HARDWARE, 25, 25, ROS_INPUT_SIZE, ROS_INPUT_SIZE> NodeHandle;
+}  // namespace platform
+using namespace platform;
 }  // namespace ros
 #endif
 
