@@ -52,12 +52,15 @@ class DatagramSender:
 
     def close(self) -> None:
         """Close the sockets. Idempotent."""
-        for interface, sock in self._sockets.items():
-            if sock is not None:
-                if self._on_datagram is not None:
-                    asyncio.get_running_loop().remove_reader(sock)
-                sock.close()
-            self._sockets[interface] = None
+        for interface in self._sockets:
+            self._close(interface)
+
+    def _close(self, interface: str) -> None:
+        if (sock := self._sockets[interface]) is not None:
+            if self._on_datagram is not None:
+                asyncio.get_running_loop().remove_reader(sock)
+            sock.close()
+        self._sockets[interface] = None
 
     def _read(self, sock: socket.socket, on_datagram: Callable[[bytes, SocketAddress], None]) -> None:
         for _ in range(_BURST):
@@ -86,13 +89,15 @@ class DatagramSender:
         except BlockingIOError:
             return False
         except OSError as error:
+            # The socket belongs to an interface that may be gone: one of the same name is another.
+            self._close(interface)
             if interface not in self._reported:
                 self._reported.add(interface)
                 by = f" by {interface}" if interface else ""
                 self._report(
                     Level.ERROR,
                     f"cannot send to {self._address}{by}: {error.strerror or error}; trying again. "
-                    "~interface chooses the network interface",
+                    "~interface (--interface) chooses the network interface",
                 )
             return False
         if interface in self._reported:
