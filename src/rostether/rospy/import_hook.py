@@ -1,7 +1,7 @@
 """`import mearm_model.msg` from a package's .msg files, and a package's own Python from its `src` folder.
 
-Installed only where no real rospy is: so a `std_msgs.msg` that Python finds by itself is ROS 2's, whose
-messages rospy's programs cannot use, and the definitions win over it.
+It is installed only where there is no real rospy. A `std_msgs.msg` that Python finds there is that of ROS 2,
+whose messages programs for rospy cannot use; so the definitions come first.
 """
 
 from __future__ import annotations
@@ -21,6 +21,34 @@ from rostether.errors import RostetherError
 _KINDS = ("msg", "srv")
 
 MODULES_FOLDER = Path(__file__).with_name("modules")
+
+# Modules of ROS that one module of `rostether.rospy` implements; the folder `modules` has the others.
+_HOMES = {
+    "actionlib.action_server": "actionlib.action_server",
+    "actionlib.exceptions": "actionlib.action_types",
+    "actionlib.goal_id_generator": "actionlib.goal_ids",
+    "actionlib.server_goal_handle": "actionlib.server_goal",
+    "actionlib.simple_action_client": "actionlib.simple_action_client",
+    "actionlib.simple_action_server": "actionlib.simple_action_server",
+    "genpy.dynamic": "client.message_types",
+    "genpy.rostime": "client.stamps",
+    "message_filters": "client.message_filters",
+    "rosgraph.network": "tools.graph_network",
+    "rosmsg": "client.definition_texts",
+    "rosnode": "tools.node_lookup",
+    "rospkg.common": "tools.ros_packages",
+    "rospkg.environment": "tools.ros_packages",
+    "rospkg.rospack": "tools.ros_packages",
+    "rospy.exceptions": "client.exceptions",
+    "rospy.numpy_msg": "client.numpy_messages",
+    "rospy.rostime": "client.ros_time",
+    "rospy.service": "client.exceptions",
+    "rospy.timer": "client.ros_time",
+    "rosserial_python": "client.serial_client",
+    "rosservice": "tools.service_lookup",
+    "tf.transformations": "tf.rotations",
+    "tf2_py": "tf.exceptions",
+}
 
 # ROS 2's package of that name, which Python finds first where it is on the path, has no such module.
 _BESIDE_MESSAGES = frozenset({"sensor_msgs.point_cloud2"})
@@ -61,7 +89,7 @@ class DefinitionFinder(MetaPathFinder):
 
 
 class PackageFinder(MetaPathFinder):
-    """Finds the package itself: its Python in `src` as catkin's setup.py has it, else an empty package."""
+    """Finds what Python does not: ROS's own modules, a package's Python in `src`, and empty packages."""
 
     def __init__(self) -> None:
         self._folders: dict[str, Path] | None = None
@@ -69,7 +97,9 @@ class PackageFinder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for a package that Python itself does not find."""
+        """Return a spec for a module or package that Python itself does not find."""
+        if home := _HOMES.get(fullname):
+            return ModuleSpec(fullname, _HomeLoader(f"{__package__}.{home}"))
         if "." in fullname:
             return None
         from rostether.rospy.client.message_types import all_types
@@ -97,6 +127,17 @@ def package_folders() -> dict[str, Path]:
 class _EmptyLoader(Loader):
     def exec_module(self, module: ModuleType) -> None:
         pass
+
+
+class _HomeLoader(Loader):
+    """Gives a module the names of the one that implements it."""
+
+    def __init__(self, home: str) -> None:
+        self._home = home
+
+    def exec_module(self, module: ModuleType) -> None:
+        names = vars(importlib.import_module(self._home))
+        vars(module).update((name, value) for name, value in names.items() if not name.startswith("__"))
 
 
 class _DefinitionLoader(Loader):

@@ -198,3 +198,10 @@ def get_service_class(service_type: str, reload_on_error: bool = False) -> Any:
         return all_types().service_class(service_type)
     except (UnknownTypeError, DefinitionError):
         return None
+
+
+def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, type[Message]]:
+    """Return the classes of a type and of those in its full text, by name. Raises DefinitionError."""
+    registry = Registry.of_full_text(core_type, msg_cat)
+    types = MessageTypes(registry)
+    return {name: types.message_class(name) for name in registry.messages()}

@@ -89,6 +89,18 @@ class TVal:
     def _shown_as(cls) -> str:
         return f"genpy.{cls.__name__}"
 
+    def __add__(self, other: object) -> Any:
+        if isinstance(other, Duration):
+            return type(self)(self.secs + other.secs, self.nsecs + other.nsecs)
+        return NotImplemented
+
+    __radd__ = __add__
+
+    def __sub__(self, other: object) -> Any:
+        if isinstance(other, Duration):
+            return type(self)(self.secs - other.secs, self.nsecs - other.nsecs)
+        return NotImplemented
+
 
 class Time(TVal):
     """A point in time."""
@@ -104,19 +116,10 @@ class Time(TVal):
         """Return seconds, as `time.time()` counts them."""
         return self.to_sec()
 
-    def __add__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return type(self)(self.secs + other.secs, self.nsecs + other.nsecs)
-        return NotImplemented
-
-    __radd__ = __add__
-
     def __sub__(self, other: object) -> Any:
         if isinstance(other, Time):
             return Duration(self.secs - other.secs, self.nsecs - other.nsecs)
-        if isinstance(other, Duration):
-            return type(self)(self.secs - other.secs, self.nsecs - other.nsecs)
-        return NotImplemented
+        return super().__sub__(other)
 
 
 class Duration(TVal):
@@ -129,18 +132,6 @@ class Duration(TVal):
 
     def __abs__(self) -> Any:
         return self if self.secs >= 0 else -self
-
-    def __add__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return type(self)(self.secs + other.secs, self.nsecs + other.nsecs)
-        return NotImplemented
-
-    __radd__ = __add__
-
-    def __sub__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return type(self)(self.secs - other.secs, self.nsecs - other.nsecs)
-        return NotImplemented
 
     def __mul__(self, factor: Any) -> Any:
         if isinstance(factor, Integral):

@@ -2,6 +2,7 @@
 
 # ruff: noqa: F401
 import struct as _struct
+from importlib import import_module as _import_module
 
 from rostether.rospy.client.message import (
     DeserializationError,
@@ -12,6 +13,9 @@ from rostether.rospy.client.message import (
 )
 from rostether.rospy.client.stamps import Duration, Time, TVal
 
-from . import dynamic, message, rostime
+from . import message
+
+for _name in ("dynamic", "rostime"):
+    _import_module(f"genpy.{_name}")
 
 struct_I = _struct.Struct("<I")  # noqa: N816

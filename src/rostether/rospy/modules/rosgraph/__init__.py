@@ -1,6 +1,8 @@
 """rosgraph: the master's API, and names."""
 
 # ruff: noqa: F401
+from importlib import import_module as _import_module
+
 from rostether.rospy.tools.graph_names import myargv
 from rostether.rospy.tools.master_tools import (
     Master,
@@ -11,5 +13,7 @@ from rostether.rospy.tools.master_tools import (
     is_master_online,
 )
 
-from . import masterapi, names, network, rosenv
+from . import masterapi, names, rosenv
 from .rosenv import ROS_HOSTNAME, ROS_IP, ROS_IPV6, ROS_MASTER_URI, ROS_NAMESPACE
+
+_import_module("rosgraph.network")

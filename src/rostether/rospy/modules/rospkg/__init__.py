@@ -1,6 +1,8 @@
 """rospkg: the folders and contents of packages."""
 
 # ruff: noqa: F401
+from importlib import import_module as _import_module
+
 from rostether.rospy.tools.ros_packages import (
     Depend,
     InvalidManifest,
@@ -16,4 +18,5 @@ from rostether.rospy.tools.ros_packages import (
     get_test_results_dir,
 )
 
-from . import common, environment, rospack
+for _name in ("common", "environment", "rospack"):
+    _import_module(f"rospkg.{_name}")

@@ -66,7 +66,10 @@ from rostether.rospy.client.services import Service, ServiceProxy, parse_rosrpc_
 from rostether.rospy.client.shutdown import is_shutdown, on_shutdown, signal_shutdown
 from rostether.rospy.client.subscriber import Subscriber
 
-from . import client, core, exceptions, msg, names, rostime, service, timer, topics
+from . import client, core, msg, names, topics
+
+for _name in ("exceptions", "rostime", "service", "timer"):
+    _import_module(f"rospy.{_name}")
 
 # Programs write `import std_msgs` alone, because the real rospy has imported these already.
 for _module in ("std_msgs.msg", "rosgraph_msgs.msg", "roscpp.msg", "roscpp.srv"):

@@ -1,6 +1,8 @@
 """The first tf, on rostether's tf buffer."""
 
 # ruff: noqa: F401, A004
+from importlib import import_module as _import_module
+
 from rostether.rospy.tf.exceptions import (
     ConnectivityException,
     ExtrapolationException,
@@ -14,4 +16,4 @@ from rostether.rospy.tf.transformer import (
     TransformListener,
 )
 
-from . import transformations
+_import_module("tf.transformations")

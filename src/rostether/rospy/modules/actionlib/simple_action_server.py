@@ -1,4 +1,0 @@
-"""actionlib.simple_action_server."""
-
-# ruff: noqa: F401
-from rostether.rospy.actionlib.simple_action_server import SimpleActionServer

@@ -1,4 +1,0 @@
-"""rospy.timer."""
-
-# ruff: noqa: F401
-from rostether.rospy.client.ros_time import Rate, Timer, TimerEvent, sleep
