@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol, runtime_checkable
 
 from rostether.graph.ports import Graph
+from rostether.msgdef.interface import MessageType
+from rostether.msgdef.ros2.definition_files import BUNDLED_DISTRO, named_distro
 
 INFINITE = "Infinite"
 
@@ -58,3 +61,24 @@ class Ros2Graph(Graph, Protocol):
 
     async def distribution(self) -> str:
         """Return the name of the distribution that the graph shows; empty if it shows none."""
+
+
+def connection_fields(
+    topic: str, message_type: MessageType, node_name: str, *, is_latching: bool, reliability: str
+) -> dict[str, str]:
+    """Return a publisher as the connection header of ROS 1 has it, with its reliability."""
+    return {
+        "callerid": node_name,
+        "topic": topic,
+        "type": message_type.name,
+        "md5sum": message_type.md5sum,
+        "message_definition": message_type.definition,
+        "latching": "1" if is_latching else "0",
+        "reliability": reliability.lower(),
+    }
+
+
+async def find_distribution(graph: Graph, environ: Mapping[str, str]) -> str:
+    """Return the distribution of a ROS 2 graph: ROS_DISTRO, else the graph's, else the default."""
+    shown = await graph.distribution() if isinstance(graph, Ros2Graph) else ""
+    return named_distro(environ) or shown or BUNDLED_DISTRO

@@ -26,7 +26,8 @@ from rostether.rostime import Time
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.store import TypeStore
 
-# The topics, and what follows the package and name of the action in the names of their types.
+# The topics of an action, and their types: the ending after the package and the name of the action, or the
+# whole name.
 GOAL: Final = ("/goal", "ActionGoal")
 CANCEL: Final = ("/cancel", "actionlib_msgs/GoalID")
 FEEDBACK: Final = ("/feedback", "ActionFeedback")

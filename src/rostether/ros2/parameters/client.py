@@ -7,6 +7,7 @@ from typing import Any
 
 from rostether.errors import GraphError, ServiceUnavailableError
 from rostether.graph.ports import Graph
+from rostether.mechanisms.text import fold_line
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, value_of_message
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 from rostether.serde.values import Message
@@ -55,7 +56,7 @@ class ParameterClient:
         answer = await self._call(node, "set_parameters", "SetParameters", {"parameters": parameters})
         for name, result in zip(values, answer.results, strict=False):
             if not result.successful:
-                reason = " ".join(result.reason.split()) or "no reason given"
+                reason = fold_line(result.reason) or "no reason given"
                 raise GraphError(f"node {node} refused to set its parameter {name}: {reason}")
 
     async def _call(self, node: str, verb: str, name: str, request: Mapping[str, Any]) -> Message:

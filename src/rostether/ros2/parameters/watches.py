@@ -15,7 +15,7 @@ from rostether.ros2.parameters.store import Changes, OnChanges
 from rostether.ros2.rcl_interfaces import rcl_interfaces
 
 
-class TellingParameters(Protocol):
+class ReportingParameters(Protocol):
     """Parameters that report their changes."""
 
     def listen(self, on_changes: OnChanges) -> None:
@@ -30,7 +30,7 @@ class ParameterWatches:
 
     def __init__(
         self,
-        own: TellingParameters,
+        own: ReportingParameters,
         graph: Graph,
         fetch: Callable[[str], Awaitable[ParamValue]],
     ) -> None:

@@ -19,7 +19,7 @@ from rostether.ros2.rclpy.own_parameters import RclpyParameters
 from rostether.ros2.rclpy.publication import Publication
 from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
-from rostether.ros2.rclpy.view import UNKNOWN_NODE, take_snapshot, watch_changes
+from rostether.ros2.rclpy.view import UNKNOWN_NODE, ask_node, full_name, take_snapshot, watch_changes
 from rostether.rostime import Time
 
 
@@ -141,7 +141,7 @@ def _topic_ends(node: Any) -> Iterator[EndpointInfo]:
             for info in ask(topic):
                 if info.node_name != UNKNOWN_NODE:
                     yield EndpointInfo(
-                        _full_name(info.node_name, info.node_namespace),
+                        full_name(info.node_name, info.node_namespace),
                         kind,
                         topic,
                         info.topic_type,
@@ -159,16 +159,9 @@ def _service_ends(node: Any) -> Iterator[EndpointInfo]:
             (EndpointKind.SERVER, node.get_service_names_and_types_by_node),
             (EndpointKind.CLIENT, node.get_client_names_and_types_by_node),
         ):
-            for service, types in _ask(ask, name, namespace):
+            for service, types in ask_node(ask, name, namespace):
                 for type_name in types:
-                    yield EndpointInfo(_full_name(name, namespace), kind, service, type_name)
-
-
-def _ask(question: Callable[[str, str], Any], name: str, namespace: str) -> Any:
-    try:
-        return question(name, namespace)
-    except Exception:  # noqa: BLE001 - the node has gone since it was named; rclpy's error has several names
-        return ()
+                    yield EndpointInfo(full_name(name, namespace), kind, service, type_name)
 
 
 def _report(profile: Any) -> QosReport:
@@ -182,7 +175,3 @@ def _report(profile: Any) -> QosReport:
         profile.liveliness.name,
         str(profile.liveliness_lease_duration),
     )
-
-
-def _full_name(name: str, namespace: str) -> str:
-    return f"{namespace.rstrip('/')}/{name}"

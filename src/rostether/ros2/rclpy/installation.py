@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.extras import install_command
+from rostether.mechanisms.text import fold_line
 from rostether.msgdef.ros2.action_parts import action_of_part
 
 # The distribution for each major version of rclpy.
@@ -54,7 +55,7 @@ def load_rclpy() -> Rclpy:
             return _import_modules()
     except ImportError as error:
         raise ConfigError(
-            f"rclpy cannot be used ({_one_line(error)}); run: {install_command('rclpy')}; or source "
+            f"rclpy cannot be used ({fold_line(str(error))}); run: {install_command('rclpy')}; or source "
             "the setup file of ROS 2, or use zenoh, which needs neither"
         ) from error
 
@@ -75,18 +76,11 @@ def _import_modules() -> Rclpy:
 
 
 @functools.cache
-def message_class(name: str) -> Any:
-    """Return the Python class of `pkg/msg/Name`. Raises UnknownTypeError if it is not installed."""
-    return _find_class(name)
+def interface_class(name: str) -> Any:
+    """Return the Python class of `pkg/msg/Name` or `pkg/srv/Name`.
 
-
-@functools.cache
-def service_class(name: str) -> Any:
-    """Return the Python class of `pkg/srv/Name`. Raises UnknownTypeError if it is not installed."""
-    return _find_class(name)
-
-
-def _find_class(name: str) -> Any:
+    Raises UnknownTypeError if it is not installed.
+    """
     package, kind, short = name.split("/")
     try:
         module = import_module(f"{package}.{kind}")
@@ -119,8 +113,8 @@ def _part_of_action(module: Any, name: str) -> Any:
 
 def _not_usable(name: str, error: ImportError) -> UnknownTypeError:
     return UnknownTypeError(
-        f"rclpy cannot use {name}: its package cannot be imported ({_one_line(error)}); build it again for "
-        "this ROS 2, or use zenoh, which reads .msg files"
+        f"rclpy cannot use {name}: its package cannot be imported ({fold_line(str(error))}); build it "
+        "again for this ROS 2, or use zenoh, which reads .msg files"
     )
 
 
@@ -139,7 +133,3 @@ def _import_events() -> Any:
     except ModuleNotFoundError:
         # The name of the function in Humble.
         return import_module("rclpy.qos_event")
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())

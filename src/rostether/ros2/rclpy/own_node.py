@@ -11,9 +11,10 @@ from rostether.graph.log_message import MAX_LOG_TEXT_BYTES, ROSOUT
 from rostether.graph.ports import Level
 from rostether.ros2.rclpy.executor_thread import ExecutorThread
 from rostether.ros2.rclpy.failures import attempt, first_lines
-from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.quality import rosout_profile
-from rostether.ros2.rclpy.view import offered_types
+from rostether.ros2.rclpy.view import node_name_of, offered_types
+from rostether.ros2.rosout import logger_name
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 
 _HASH_PREFIX = "RIHS01_"
@@ -57,18 +58,18 @@ class OwnNode:
         # A handler that waits must not delay other handlers.
         self.group = rclpy.callback_groups.ReentrantCallbackGroup()
         self._rosout = self.node.create_publisher(
-            message_class("rcl_interfaces/msg/Log"),
+            interface_class("rcl_interfaces/msg/Log"),
             ROSOUT,
             rosout_profile(),
             callback_group=self.group,
             event_callbacks=rclpy.events.PublisherEventCallbacks(use_default_callbacks=False),
         )
-        self._logger_name = full_name.strip("/").replace("/", ".")
+        self._logger_name = logger_name(full_name)
         thread.executor.add_node(self.node)
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout, like rcl."""
-        log = message_class("rcl_interfaces/msg/Log")
+        log = interface_class("rcl_interfaces/msg/Log")
         try:
             self._rosout.publish(
                 log(
@@ -126,10 +127,9 @@ class OwnNode:
         hashes.
         """
         for endpoint in endpoints:
-            name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
             installed = str(getattr(endpoint, "topic_type_hash", ""))
             if (
-                name == self.name
+                node_name_of(endpoint) == self.name
                 and endpoint.topic_type == support.name
                 and installed.startswith(_HASH_PREFIX)
                 and support.type_hash.startswith(_HASH_PREFIX)

@@ -9,7 +9,7 @@ from rostether.errors import GraphError
 from rostether.ros2.parameters.store import MAX_ASKED_NAMES, MAX_NAME_CHARACTERS, Changes, OnChanges
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue
 from rostether.ros2.rclpy.failures import attempt, first_lines
-from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 
 
@@ -45,7 +45,7 @@ class RclpyParameters:
         if not name or len(name) > MAX_NAME_CHARACTERS or len(self._asked) >= MAX_ASKED_NAMES or is_known:
             return
         self._asked.add(name)
-        descriptor = message_class("rcl_interfaces/msg/ParameterDescriptor")(dynamic_typing=True)
+        descriptor = interface_class("rcl_interfaces/msg/ParameterDescriptor")(dynamic_typing=True)
 
         def declare() -> None:
             if not self._node.has_parameter(name):
@@ -88,7 +88,7 @@ class RclpyParameters:
 
     def _note_and_agree(self, parameters: list[Any]) -> Any:
         self._note(parameters)
-        return message_class("rcl_interfaces/msg/SetParametersResult")(successful=True)
+        return interface_class("rcl_interfaces/msg/SetParametersResult")(successful=True)
 
     def _publish_changes(self, changes: Changes) -> None:
         for listener in list(self._listeners):

@@ -12,7 +12,7 @@ from rostether.errors import SerializationError, TypeMismatchError
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.rclpy.failures import first_lines
-from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import name_policy, publisher_profile
 from rostether.ros2.types.type_support import MessageSupport
@@ -47,7 +47,7 @@ class Publication:
         self.handle_count = 0
         self._own = own
         self._latch = latch
-        self._has_complained = False
+        self._reported = False
         self._publisher: Any = None
         self._backlog: deque[bytes] = deque()
         self._sending: asyncio.Task[None] | None = None
@@ -57,7 +57,7 @@ class Publication:
         events = load_rclpy().events.PublisherEventCallbacks(
             incompatible_qos=self._explain_mismatch, use_default_callbacks=False
         )
-        type_class = message_class(self.support.name)
+        type_class = interface_class(self.support.name)
         self._publisher = self._own.create_for_topic(
             f"publish {self.topic}",
             self.topic,
@@ -135,7 +135,7 @@ class Publication:
         try:
             self._publisher.publish(message)
         except Exception as error:  # noqa: BLE001 - an error of the middleware must not end the caller
-            self._complain(f"cannot publish on {self.topic}: {first_lines(str(error))}")
+            self._report_once(f"cannot publish on {self.topic}: {first_lines(str(error))}")
 
     async def _send_backlog(self) -> None:
         while self._backlog:
@@ -156,13 +156,13 @@ class Publication:
             try:
                 converted.append(self.support.converter.to_cdr(payload))
             except SerializationError as error:
-                self._complain(f"dropped a message for {self.topic}: {error}")
+                self._report_once(f"dropped a message for {self.topic}: {error}")
         return converted
 
-    def _complain(self, text: str) -> None:
+    def _report_once(self, text: str) -> None:
         # Reported once: the next errors are probably the same.
-        if not self._has_complained:
-            self._has_complained = True
+        if not self._reported:
+            self._reported = True
             self._own.report(Level.WARN, text)
 
     def _explain_mismatch(self, event: Any) -> None:

@@ -7,10 +7,8 @@ and own subscribers request what all current publishers offer.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-from rostether.msgdef.interface import MessageType
 from rostether.ros2.rclpy.installation import load_rclpy
 
 # Messages kept until subscribers acknowledge them: 50 ms at the highest rate, so that a burst from a board is
@@ -33,92 +31,56 @@ ROSOUT_DEPTH: Final = 1000
 ROSOUT_LIFESPAN_S: Final = 10
 
 
-class SubscriberQuality(Enum):
+class SubscriberQuality(NamedTuple):
     """The quality of service that a subscriber requests."""
 
-    RELIABLE = "reliable"
-    BEST_EFFORT = "best effort"
-    RELIABLE_LATCHED = "reliable, transient local"
-    BEST_EFFORT_LATCHED = "best effort, transient local"
+    is_reliable: bool
+    is_latched: bool
 
 
 def publisher_profile(*, latch: bool) -> Any:
     """Return the profile that a publisher offers."""
-    qos = load_rclpy().qos
-    durability = qos.DurabilityPolicy.TRANSIENT_LOCAL if latch else qos.DurabilityPolicy.VOLATILE
-    return qos.QoSProfile(
-        history=qos.HistoryPolicy.KEEP_LAST,
-        depth=LATCHED_DEPTH if latch else PUBLISHER_DEPTH,
-        reliability=qos.ReliabilityPolicy.RELIABLE,
-        durability=durability,
-    )
+    return _profile(LATCHED_DEPTH if latch else PUBLISHER_DEPTH, is_latched=latch)
 
 
 def subscriber_quality(publishers: Sequence[Any]) -> SubscriberQuality:
     """Return the most that all publishers (endpoint infos of rclpy) offer; reliable if there are none."""
-    profiles = [publisher.qos_profile for publisher in publishers]
-    is_reliable = all(profile.reliability.name != "BEST_EFFORT" for profile in profiles)
-    is_latched = bool(profiles) and all(is_latching(publisher) for publisher in publishers)
-    if is_latched:
-        return SubscriberQuality.RELIABLE_LATCHED if is_reliable else SubscriberQuality.BEST_EFFORT_LATCHED
-    return SubscriberQuality.RELIABLE if is_reliable else SubscriberQuality.BEST_EFFORT
+    return SubscriberQuality(
+        is_reliable=all(each.qos_profile.reliability.name != "BEST_EFFORT" for each in publishers),
+        is_latched=bool(publishers) and all(map(is_latching, publishers)),
+    )
 
 
 def subscriber_profile(quality: SubscriberQuality) -> Any:
     """Return the profile of a subscriber."""
-    qos = load_rclpy().qos
-    is_latched = quality in (SubscriberQuality.RELIABLE_LATCHED, SubscriberQuality.BEST_EFFORT_LATCHED)
-    is_reliable = quality in (SubscriberQuality.RELIABLE, SubscriberQuality.RELIABLE_LATCHED)
-    return qos.QoSProfile(
-        history=qos.HistoryPolicy.KEEP_LAST,
-        depth=SUBSCRIBER_DEPTH,
-        reliability=qos.ReliabilityPolicy.RELIABLE if is_reliable else qos.ReliabilityPolicy.BEST_EFFORT,
-        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if is_latched else qos.DurabilityPolicy.VOLATILE,
-    )
+    return _profile(SUBSCRIBER_DEPTH, is_reliable=quality.is_reliable, is_latched=quality.is_latched)
 
 
 def service_profile() -> Any:
     """Return the profile of own servers and clients: rcl's with a longer queue (need not match)."""
-    qos = load_rclpy().qos
-    return qos.QoSProfile(
-        history=qos.HistoryPolicy.KEEP_LAST,
-        depth=SERVICE_DEPTH,
-        reliability=qos.ReliabilityPolicy.RELIABLE,
-        durability=qos.DurabilityPolicy.VOLATILE,
-    )
+    return _profile(SERVICE_DEPTH)
 
 
 def rosout_profile() -> Any:
     """Return the profile of rcl's publishers of /rosout."""
+    lifespan = load_rclpy().duration.Duration(seconds=ROSOUT_LIFESPAN_S)
+    return _profile(ROSOUT_DEPTH, is_latched=True, lifespan=lifespan)
+
+
+def _profile(depth: int, *, is_reliable: bool = True, is_latched: bool = False, **others: Any) -> Any:
     qos = load_rclpy().qos
-    duration = load_rclpy().duration
     return qos.QoSProfile(
         history=qos.HistoryPolicy.KEEP_LAST,
-        depth=ROSOUT_DEPTH,
-        reliability=qos.ReliabilityPolicy.RELIABLE,
-        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL,
-        lifespan=duration.Duration(seconds=ROSOUT_LIFESPAN_S),
+        depth=depth,
+        reliability=qos.ReliabilityPolicy.RELIABLE if is_reliable else qos.ReliabilityPolicy.BEST_EFFORT,
+        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if is_latched else qos.DurabilityPolicy.VOLATILE,
+        **others,
     )
 
 
 def is_latching(publisher: Any) -> bool:
     """Return whether a publisher (an endpoint info of rclpy) keeps messages for later subscribers."""
     return bool(publisher.qos_profile.durability.name == "TRANSIENT_LOCAL")
-
-
-def connection_fields(
-    publisher: Any, node_name: str, topic: str, message_type: MessageType
-) -> dict[str, str]:
-    """Return the fields of a ROS 1 publisher's header for an endpoint info, and its reliability."""
-    return {
-        "callerid": node_name,
-        "topic": topic,
-        "type": message_type.name,
-        "md5sum": message_type.md5sum,
-        "message_definition": message_type.definition,
-        "latching": "1" if is_latching(publisher) else "0",
-        "reliability": publisher.qos_profile.reliability.name.lower(),
-    }
 
 
 def name_policy(event: Any) -> str:

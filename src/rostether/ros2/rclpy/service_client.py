@@ -12,7 +12,7 @@ from rostether.errors import (
     TypeMismatchError,
 )
 from rostether.ros2.rclpy.failures import attempt
-from rostether.ros2.rclpy.installation import load_rclpy, service_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.types.type_support import ServiceSupport
@@ -41,7 +41,7 @@ class RclpyServiceClient:
 
         Raises GraphError and its subclasses, UnknownTypeError.
         """
-        type_class = service_class(self._support.name)
+        type_class = interface_class(self._support.name)
         self._client = self._own.create_for_service(
             f"call {self.service}",
             self.service,

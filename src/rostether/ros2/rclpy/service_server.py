@@ -10,7 +10,7 @@ from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level, ServiceHandler
 from rostether.ros2.rclpy.executor_thread import NoAnswerError
-from rostether.ros2.rclpy.installation import load_rclpy, service_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import service_profile
 from rostether.ros2.types.type_support import ServiceSupport
@@ -43,7 +43,7 @@ class RclpyServiceServer:
     def open(self) -> None:
         """Advertise, in the executor's thread. Raises GraphError, InvalidNameError, UnknownTypeError."""
         rclpy = load_rclpy()
-        type_class = service_class(self._support.name)
+        type_class = interface_class(self._support.name)
         serialize = rclpy.serialization.serialize_message
         deserialize = rclpy.serialization.deserialize_message
 

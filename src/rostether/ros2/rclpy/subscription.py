@@ -20,13 +20,14 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
+from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover
 from rostether.ros2.rclpy.failures import first_lines
-from rostether.ros2.rclpy.installation import load_rclpy, message_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import (
     SubscriberQuality,
-    connection_fields,
+    is_latching,
     name_policy,
     subscriber_profile,
     subscriber_quality,
@@ -38,7 +39,7 @@ from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 MAX_BATCH = 1000
 
 # The number of different reports of one subscription, so that invalid messages cannot fill the log.
-MAX_COMPLAINTS = 16
+MAX_REPORTS = 16
 
 _GID_BYTES = 16
 
@@ -72,12 +73,12 @@ class RclpySubscriber:
         self._queue: Handover[bytes] = Handover(self._deliver, limit=DEFAULT_QUEUE_BYTES)
         # Publishers that were reported as connected, with the names of their nodes.
         self._known: dict[bytes, str] = {}
-        self._unnamed: set[bytes] = set()  # Those whose node has no name yet.
+        self._unnamed: set[bytes] = set()  # Publishers whose node has no name yet.
         # The send time of each publisher's latest message, and the messages that a new subscription may
         # receive again.
         self._latest: dict[bytes, int] = {}
         self._seen: dict[bytes, int] = {}
-        self._complaints: set[str] = set()
+        self._reported: set[str] = set()
         self._reports_matches = True
         self._is_closed = False
 
@@ -98,7 +99,7 @@ class RclpySubscriber:
     def open(self) -> None:
         """Subscribe. Raises GraphError, InvalidNameError, TypeMismatchError, UnknownTypeError."""
         if self._support is not None:
-            message_class(self._support.name)
+            interface_class(self._support.name)
         self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
 
     def adapt(self) -> None:
@@ -108,7 +109,7 @@ class RclpySubscriber:
         try:
             self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
         except RostetherError as error:
-            self._complain(str(error))
+            self._report_once(str(error))
 
     def pause(self) -> None:
         """Keep messages; rclpy cannot make publishers wait, so a full queue drops the oldest."""
@@ -149,10 +150,10 @@ class RclpySubscriber:
         if self._is_closed or (self._support is not None and self._support.name == name):
             return
         try:
-            message_class(name)
+            interface_class(name)
             support = self._own.types.received(name, ANY_HASH)
         except RostetherError as error:
-            self._complain(f"cannot subscribe to {self.topic}: {error}")
+            self._report_once(f"cannot subscribe to {self.topic}: {error}")
         else:
             self._own.thread.submit(partial(self._use_type, support))
 
@@ -173,7 +174,7 @@ class RclpySubscriber:
         def on_message(message: bytes, info: Mapping[str, Any]) -> None:
             self._receive_rest(subscription, [(message, info)])
 
-        type_class = message_class(support.name)
+        type_class = interface_class(support.name)
         subscription = self._subscription = self._own.create_for_topic(
             f"subscribe to {self.topic}",
             self.topic,
@@ -213,7 +214,7 @@ class RclpySubscriber:
         policy = name_policy(event)
         # `adapt` adapts to these two policies.
         if policy not in ("reliability", "durability"):
-            self._complain(
+            self._report_once(
                 f"a publisher of {self.topic} offers another {policy} than a subscriber of this node "
                 f"requests; change its quality of service"
             )
@@ -265,7 +266,13 @@ class RclpySubscriber:
                 self._unnamed.add(gid)
             self._known[gid] = node_name
             if is_new and self._on_connection is not None:
-                fields = connection_fields(publisher, node_name, self.topic, self._support.ros1_type)
+                fields = connection_fields(
+                    self.topic,
+                    self._support.ros1_type,
+                    node_name,
+                    is_latching=is_latching(publisher),
+                    reliability=publisher.qos_profile.reliability.name,
+                )
                 self._own.thread.call_in_loop(self._report_connection, fields)
 
     def _report_connection(self, fields: Mapping[str, str]) -> None:
@@ -290,11 +297,11 @@ class RclpySubscriber:
             try:
                 payloads.append(self._support.converter.from_cdr(message))
             except SerializationError as error:
-                self._complain(f"dropped a message of {self.topic}: {first_lines(str(error))}")
+                self._report_once(f"dropped a message of {self.topic}: {first_lines(str(error))}")
         return payloads
 
-    def _complain(self, text: str) -> None:
+    def _report_once(self, text: str) -> None:
         # Reported once: the next check or message would report the same.
-        if text not in self._complaints and len(self._complaints) < MAX_COMPLAINTS:
-            self._complaints.add(text)
+        if text not in self._reported and len(self._reported) < MAX_REPORTS:
+            self._reported.add(text)
             self._own.report_from_thread(Level.WARN, text)

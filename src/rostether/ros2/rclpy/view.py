@@ -18,11 +18,16 @@ POLL_INTERVAL_S = 0.5
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 
 
+def full_name(name: str, namespace: str) -> str:
+    """Return the full name of a node."""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
 def node_name_of(endpoint: Any) -> str:
     """Return the full name of an endpoint's node; empty if only the endpoint is discovered."""
-    if endpoint.node_name == UNKNOWN_NODE:
-        return ""
-    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+    return (
+        "" if endpoint.node_name == UNKNOWN_NODE else full_name(endpoint.node_name, endpoint.node_namespace)
+    )
 
 
 def take_snapshot(node: Any) -> Snapshot:
@@ -36,19 +41,19 @@ def take_snapshot(node: Any) -> Snapshot:
     providers: dict[str, set[str]] = {}
     service_types: dict[str, set[str]] = {}
     for namespace, name in names:
-        full_name = f"{namespace.rstrip('/')}/{name}"
+        node_name = full_name(name, namespace)
         for table, ask in (
             (publishers, node.get_publisher_names_and_types_by_node),
             (subscribers, node.get_subscriber_names_and_types_by_node),
         ):
-            for topic, type_names in _ask(ask, name, namespace):
-                table.setdefault(topic, set()).add(full_name)
+            for topic, type_names in ask_node(ask, name, namespace):
+                table.setdefault(topic, set()).add(node_name)
                 types.setdefault(topic, set()).update(type_names)
-        for service, type_names in _ask(node.get_service_names_and_types_by_node, name, namespace):
-            providers.setdefault(service, set()).add(full_name)
+        for service, type_names in ask_node(node.get_service_names_and_types_by_node, name, namespace):
+            providers.setdefault(service, set()).add(node_name)
             service_types.setdefault(service, set()).update(type_names)
     return Snapshot(
-        nodes=tuple(sorted({f"{namespace.rstrip('/')}/{name}" for namespace, name in names})),
+        nodes=tuple(sorted({full_name(name, namespace) for namespace, name in names})),
         topics={
             topic: TopicEntry(
                 topic,
@@ -72,7 +77,9 @@ def offered_types(node: Any, service: str) -> list[str]:
     """
     types: set[str] = set()
     for name, namespace in node.get_node_names_and_namespaces():
-        types.update(dict(_ask(node.get_service_names_and_types_by_node, name, namespace)).get(service, ()))
+        types.update(
+            dict(ask_node(node.get_service_names_and_types_by_node, name, namespace)).get(service, ())
+        )
     return sorted(types)
 
 
@@ -93,8 +100,9 @@ async def watch_changes(
                 yield latest
 
 
-def _ask(question: Callable[[str, str], Any], name: str, namespace: str) -> Any:
+def ask_node(question: Callable[[str, str], Any], name: str, namespace: str) -> Any:
+    """Return rclpy's answer to a question about a node; empty if the node has gone since it was named."""
     try:
         return question(name, namespace)
-    except Exception:  # noqa: BLE001 - the node has gone since it was named; rclpy's error has several names
+    except Exception:  # noqa: BLE001 - rclpy's error has several names
         return ()

@@ -21,7 +21,7 @@ from rostether.ros2.zenoh.publication import Publication
 from rostether.ros2.zenoh.service_client import ServiceClient
 from rostether.ros2.zenoh.service_server import ServiceServer
 from rostether.ros2.zenoh.session import LiveToken
-from rostether.ros2.zenoh.subscription import Subscription, Taker
+from rostether.ros2.zenoh.subscription import Receiver, Subscription
 from rostether.ros2.zenoh.tokens import Kind, Token
 
 # The time to wait for an unknown service to appear: 1 ms on one machine, less than this through several
@@ -98,11 +98,11 @@ class Endpoints:
         """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
         is_any = message_type.name == ANY_TYPE
         on_connection = options.get("on_connection")
-        taker = Taker(on_messages, on_connection, self._release_subscription, self._report, describe)
+        receiver = Receiver(on_messages, on_connection, self._release_subscription, self._report, describe)
         subscription = Subscription(
             topic,
             None if is_any else self._node.session.types.message(message_type),
-            taker,
+            receiver,
             node=self._node,
             own_gids=(lambda: self._own_gids(topic)) if options.get("skip_own") else None,
             skip_nodes=options.get("skip_nodes", ()),

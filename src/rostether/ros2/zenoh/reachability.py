@@ -14,6 +14,8 @@ from typing import Any
 
 import zenoh
 
+from rostether.mechanisms.text import fold_line
+
 # A machine on a busy Wi-Fi accepts within a second; a machine that is off never answers.
 PROBE_TIMEOUT_S = 3.0
 
@@ -125,4 +127,4 @@ def _value(configuration: zenoh.Config, path: str) -> Any:
 def _words(error: Exception) -> str:
     number = getattr(error, "errno", None)
     text = os.strerror(number) if number is not None and number > 0 else str(error)
-    return " ".join(text.split()) or type(error).__name__
+    return fold_line(text) or type(error).__name__

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import zenoh
 
-# As often as a graph of ROS 1 asks its master. A look takes microseconds.
+# The interval at which a graph of ROS 1 asks its master. A check takes microseconds.
 CHECK_S = 1.0
 
 
@@ -15,7 +15,7 @@ async def watch_router(session: zenoh.Session, named: Sequence[str], report: Cal
     """Report the problem when no router is connected any more, and an empty text when one is again.
 
     Runs until it is cancelled. `named` are the endpoints that the configuration names: one that never
-    answered is a problem too, unless other peers are connected. A network of peers without a router is none.
+    answered is also a problem, unless other peers are connected: a network of peers needs no router.
     """
     place = f" at {', '.join(named)}" if named else ""
     problem = f"the zenoh router{place} does not answer"

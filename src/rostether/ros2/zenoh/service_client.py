@@ -10,6 +10,7 @@ from typing import cast
 import zenoh
 
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
+from rostether.mechanisms.text import fold_line
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.types.type_support import ServiceSupport
@@ -100,7 +101,10 @@ class ServiceClient:
             raise ServiceUnavailableError(f"service {self.service} was shut down during the call")
         if reply.ok is None:
             data = b"" if reply.err is None else reply.err.payload.to_bytes()
-            raise ServiceCallError(_one_line(data) or f"service {self.service} failed without a reason")
+            reason = fold_line(data[: 4 * MAX_ERROR_CHARACTERS].decode("utf-8", "replace"))
+            raise ServiceCallError(
+                reason[:MAX_ERROR_CHARACTERS] or f"service {self.service} failed without a reason"
+            )
         return self.support.response.from_cdr(reply.ok.payload.to_bytes())
 
     def close(self) -> None:
@@ -131,9 +135,3 @@ class ServiceClient:
             self._reachable.set()
         else:
             self._reachable.clear()
-
-
-def _one_line(data: bytes) -> str:
-    return " ".join(data[: 4 * MAX_ERROR_CHARACTERS].decode("utf-8", "replace").split())[
-        :MAX_ERROR_CHARACTERS
-    ]

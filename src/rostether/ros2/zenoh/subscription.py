@@ -13,6 +13,7 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnConnection, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
@@ -32,7 +33,7 @@ Report = Callable[[Level, str], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Taker:
+class Receiver:
     """The receiver of a subscription's messages."""
 
     on_messages: OnMessages
@@ -49,7 +50,7 @@ class Subscription:
         self,
         topic: str,
         support: MessageSupport | None,
-        taker: Taker,
+        receiver: Receiver,
         *,
         node: NodeEntities,
         own_gids: Callable[[], set[bytes]] | None = None,
@@ -60,12 +61,12 @@ class Subscription:
         self.topic = topic
         self.type: MessageType = ANY_MESSAGE if support is None else support.ros1_type
         self._support = support
-        self._taker = taker
+        self._receiver = receiver
         self._node = node
         self._own_gids = own_gids
         self._skip_nodes = skip_nodes
         # The type of the first publisher, if a subscription of any type takes only one.
-        self._takes_one_type = one_type
+        self._accepts_one_type = one_type
         self._learnt_type: MessageSupport | None = None
         # The sender of a sample is looked up only if some nodes are excluded.
         self._node_names: dict[bytes, str] = {}
@@ -81,7 +82,7 @@ class Subscription:
             self._mismatches = None
             self._key = data_key(domain_id, topic, "*", "*")
         else:
-            self._mismatches = Mismatches(topic, support, taker.report)
+            self._mismatches = Mismatches(topic, support, receiver.report)
             self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
         self._queue: Handover[tuple[str, bytes, bytes]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
@@ -89,8 +90,8 @@ class Subscription:
         self._learnt = LearntTypes(
             topic,
             node.session.types,
-            describe=taker.describe,
-            report=taker.report,
+            describe=receiver.describe,
+            report=receiver.report,
             on_waiting=self._queue.pause,
             on_found=self._learn,
         )
@@ -141,7 +142,7 @@ class Subscription:
         for token in self._tokens.values():
             token.withdraw()
         self._subscriber.undeclare()
-        self._taker.on_close(self)
+        self._receiver.on_close(self)
 
     def _put(self, sample: zenoh.Sample) -> None:
         # Called in a zenoh thread, or in this one during a publication.
@@ -177,7 +178,7 @@ class Subscription:
             except SerializationError as error:
                 self._refuse(error)
         if payloads and not self._is_closed:
-            call_contained(self._what, self._taker.on_messages, payloads)
+            call_contained(self._what, self._receiver.on_messages, payloads)
 
     @property
     def _accepts_all(self) -> bool:
@@ -203,19 +204,17 @@ class Subscription:
     def _connect(self, support: MessageSupport, node_name: str, qos: Qos) -> None:
         if self._support is None:
             self._declare_token(support)
-        if self._takes_one_type and node_name not in self._skip_nodes:
+        if self._accepts_one_type and node_name not in self._skip_nodes:
             self._learnt_type = support
-        if self._taker.on_connection is not None and not self._is_closed:
-            fields = {
-                "topic": self.topic,
-                "type": support.ros1_type.name,
-                "md5sum": support.ros1_type.md5sum,
-                "message_definition": support.ros1_type.definition,
-                "callerid": node_name,
-                "latching": "1" if qos.is_latching else "0",
-                "reliability": qos.reliability.name.lower(),
-            }
-            call_contained(f"on_connection of {self.topic}", self._taker.on_connection, fields)
+        if self._receiver.on_connection is not None and not self._is_closed:
+            fields = connection_fields(
+                self.topic,
+                support.ros1_type,
+                node_name,
+                is_latching=qos.is_latching,
+                reliability=qos.reliability.name,
+            )
+            call_contained(f"on_connection of {self.topic}", self._receiver.on_connection, fields)
 
     def _of_token(self, end: Token) -> MessageSupport | None:
         if self._support is None:
@@ -259,4 +258,4 @@ class Subscription:
         self._undecodable_count += 1
         if not self._reported:
             self._reported = True
-            self._taker.report(Level.WARN, f"{self.topic}: a message that does not fit its type: {error}")
+            self._receiver.report(Level.WARN, f"{self.topic}: a message that does not fit its type: {error}")

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError, UnknownTypeError
-from rostether.ros2.rclpy.installation import load_rclpy, message_class, service_class
+from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 
 
 @pytest.fixture(autouse=True)
 def _forget() -> None:
-    for function in (load_rclpy, message_class, service_class):
+    for function in (load_rclpy, interface_class):
         function.cache_clear()
 
 
@@ -25,10 +25,10 @@ def test_a_missing_rclpy_names_what_to_install(monkeypatch: pytest.MonkeyPatch) 
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("find", "name"), [(message_class, "no_pkg/msg/A"), (service_class, "no_pkg/srv/A")])
-def test_a_package_that_is_missing_is_named(find: type, name: str) -> None:
+@pytest.mark.parametrize("name", ["no_pkg/msg/A", "no_pkg/srv/A"])
+def test_a_package_that_is_missing_is_named(name: str) -> None:
     with pytest.raises(UnknownTypeError, match="package no_pkg is not installed"):
-        find(name)
+        interface_class(name)
 
 
 def test_a_type_that_is_missing_in_its_package_is_named(
@@ -38,9 +38,9 @@ def test_a_type_that_is_missing_in_its_package_is_named(
     package.mkdir(parents=True)
     (package / "__init__.py").write_text("class Thin: pass\n")
     monkeypatch.syspath_prepend(tmp_path)
-    assert message_class("thin_msgs/msg/Thin").__name__ == "Thin"
+    assert interface_class("thin_msgs/msg/Thin").__name__ == "Thin"
     with pytest.raises(UnknownTypeError, match="installed package thin_msgs does not contain it"):
-        message_class("thin_msgs/msg/Thick")
+        interface_class("thin_msgs/msg/Thick")
 
 
 def test_a_package_that_does_not_load_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -49,4 +49,4 @@ def test_a_package_that_does_not_load_is_named(tmp_path: Path, monkeypatch: pyte
     (package / "__init__.py").write_text("raise ImportError('libbroken.so:\\n cannot open')\n")
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(UnknownTypeError, match=r"cannot be imported \(libbroken.so: cannot open\)"):
-        message_class("broken_msgs/msg/Broken")
+        interface_class("broken_msgs/msg/Broken")

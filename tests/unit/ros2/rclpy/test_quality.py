@@ -25,17 +25,17 @@ def offers(*words: str) -> list[SimpleNamespace]:
 @pytest.mark.parametrize(
     ("publishers", "quality"),
     [
-        ((), SubscriberQuality.RELIABLE),
-        (("rv",), SubscriberQuality.RELIABLE),
-        (("rl", "rl"), SubscriberQuality.RELIABLE_LATCHED),
-        (("rl", "rv"), SubscriberQuality.RELIABLE),
-        (("rv", "bv"), SubscriberQuality.BEST_EFFORT),
-        (("rl", "bl"), SubscriberQuality.BEST_EFFORT_LATCHED),
-        (("rl", "bv"), SubscriberQuality.BEST_EFFORT),
+        ((), SubscriberQuality(is_reliable=True, is_latched=False)),
+        (("rv",), SubscriberQuality(is_reliable=True, is_latched=False)),
+        (("rl", "rl"), SubscriberQuality(is_reliable=True, is_latched=True)),
+        (("rl", "rv"), SubscriberQuality(is_reliable=True, is_latched=False)),
+        (("rv", "bv"), SubscriberQuality(is_reliable=False, is_latched=False)),
+        (("rl", "bl"), SubscriberQuality(is_reliable=False, is_latched=True)),
+        (("rl", "bv"), SubscriberQuality(is_reliable=False, is_latched=False)),
     ],
 )
 def test_the_most_that_all_offer(publishers: tuple[str, ...], quality: SubscriberQuality) -> None:
-    assert subscriber_quality(offers(*publishers)) is quality
+    assert subscriber_quality(offers(*publishers)) == quality
 
 
 def test_policies_have_names() -> None:

@@ -12,7 +12,7 @@ import zenoh
 from contract.graphs import BOOL, STRING, Inbox, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.ros2.distribution import find_distribution
+from rostether.ros2.endpoint_info import find_distribution
 from rostether.ros2.zenoh.attachment import parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key

@@ -10,7 +10,7 @@ from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import Field, MessageSpec
-from rostether.ros2.distribution import find_distribution
+from rostether.ros2.endpoint_info import find_distribution
 
 _DEFAULT_ROS1_DISTRO: Final = "noetic"
 _DISTRO_PARAMETER = "/rosdistro"
