@@ -16,7 +16,6 @@ from typing import Any
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.endpoint.rescan import Rescan
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
-from rostether.bridge.log_relay import relay_log
 from rostether.bridge.outbound.held_events import HeldEvents
 from rostether.bridge.outbound.outbox import Outbox
 from rostether.bridge.outbound.reading_pause import ReadingPause
@@ -110,7 +109,7 @@ class Session:
             AnnouncementRefused: self._setup.refused,
             NegotiationSettled: self._settled,
             TimeRequested: self._time_requested,
-            LogReceived: lambda event: relay_log(event.level, event.text, node.notices),
+            LogReceived: lambda event: node.notices.report(Level[event.level.name], event.text),
             ParameterRequested: self._parameter_requested,
             UnknownTopicId: self._unknown_id,
             ControlFlood: self._control_flood,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,3 +52,22 @@ class BridgeSettings:
 
 
 DEFAULT_SETTINGS = BridgeSettings()
+
+
+@dataclass(frozen=True, slots=True)
+class BoardNodes:
+    """How the nodes of boards join the graph.
+
+    `ns_per_board`: a board's topics go into a namespace of its name, unless its address has `ns=`.
+    `keeps_node`: there is one address, which has a `name=`. Its node exists from the start, also without a
+    board; when it is shut down from outside, the bridge ends.
+    `diagnostics`: each board's node publishes /diagnostics.
+    """
+
+    ns_per_board: bool = False
+    keeps_node: bool = False
+    remappings: Mapping[str, str] = field(default_factory=dict)
+    diagnostics: bool = False
+
+
+DEFAULT_NODES = BoardNodes()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from rostether.bridge.board_node import BoardNode
@@ -23,7 +24,7 @@ from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.process_memory import BoardObjects
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session
-from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
+from rostether.bridge.settings import DEFAULT_NODES, DEFAULT_SETTINGS, BoardNodes, BridgeSettings
 from rostether.errors import (
     NodeEndedError,
     RostetherError,
@@ -70,50 +71,49 @@ class Listen(Protocol):
         """Listen. Raises TransportOpenError."""
 
 
+@dataclass(frozen=True, slots=True)
+class Links:
+    """How links are opened; `tap` may wrap each of them to record it."""
+
+    open_transport: OpenTransport = open_transport
+    listen: Listen = listen
+    tap: Callable[[Transport], Transport] | None = None
+
+
+DEFAULT_LINKS = Links()
+
+
 class Supervisor:
     """Serves boards at many addresses at once; each board is a separate node, created by `join`.
 
-    With `ns_per_board` a board's topics go into a namespace of its name, unless its address has `ns=`. With
-    `keeps_node` there is one address, which has a `name=`: its node exists from the start, also without a
-    board; when it is shut down from outside, the supervisor ends. With `diagnostics` each board's node
-    publishes /diagnostics. `devices` has the settings of single boards. `tap` may wrap each link to record
-    it.
+    `devices` has the settings of single boards.
     """
 
-    def __init__(  # noqa: PLR0913 - each is an independent setting
+    def __init__(
         self,
         join: JoinGraph,
         store: TypeStore,
         *,
         reporter: Reporter | None = None,
         settings: BridgeSettings = DEFAULT_SETTINGS,
-        ns_per_board: bool = False,
-        keeps_node: bool = False,
-        remappings: Mapping[str, str] | None = None,
-        diagnostics: bool = False,
+        nodes: BoardNodes = DEFAULT_NODES,
         devices: DeviceBook | None = None,
-        open_transport: OpenTransport = open_transport,
-        listen: Listen = listen,
-        tap: Callable[[Transport], Transport] | None = None,
+        links: Links = DEFAULT_LINKS,
     ) -> None:
         self._join = join
         self._store = store
         self._reporter = reporter if reporter is not None else SilentReporter()
         self._settings = settings
-        self._ns_per_board = ns_per_board
-        self._keeps_node = keeps_node
-        self._remappings = dict(remappings or {})
+        self._nodes = nodes
         self._devices = devices if devices is not None else DeviceBook()
-        self._open_transport = open_transport
-        self._listen = listen
-        self._tap = tap
+        self._links = links
         self._clock = asyncio.get_running_loop().time
         # Any device can connect, and connect again.
         self._limited_reporter = LimitedReporter(self._reporter, self._clock)
         self._objects = BoardObjects()
         self._boards = BoardRegistry(settings.grace_s, self._clock, self._objects.node_left)
         self._health = HealthRound(
-            lambda: self._boards, store, self._reporter, self._clock, publishes=diagnostics
+            lambda: self._boards, store, self._reporter, self._clock, publishes=nodes.diagnostics
         )
         self._listeners: list[Listener] = []
         self._tasks: set[asyncio.Task[None]] = set()
@@ -153,13 +153,15 @@ class Supervisor:
                 if name is not None:
                     validate_name(name)
         self._health.start()
-        if self._keeps_node:
+        if self._nodes.keeps_node:
             await self._join_early(addresses[0])
         for address in addresses:
             if address.listens:
                 await self._start_listening(address)
             else:
-                keeper = LinkKeeper(address, self._open_transport, self._serve, self._reporter, self._devices)
+                keeper = LinkKeeper(
+                    address, self._links.open_transport, self._serve, self._reporter, self._devices
+                )
                 self._run(keeper.run())
 
     def discover(
@@ -210,7 +212,7 @@ class Supervisor:
                 return
             self._run(self._serve_peer(address, transport))
 
-        listener = await self._listen(address, on_transport, entry=BOARD_ENTRY)
+        listener = await self._links.listen(address, on_transport, entry=BOARD_ENTRY)
         self._listeners.append(listener)
         if isinstance(address, WebAddress):
             # The dashboard reports where its page is.
@@ -247,8 +249,8 @@ class Supervisor:
             node.health.radio = transport.quality if isinstance(transport, PeerTransport) else None
             node.program = address.program if isinstance(address, SerialAddress) else None
             baud = address.baud if isinstance(address, SerialAddress | XbeeAddress | WebAddress) else None
-            if self._tap is not None:
-                transport = self._tap(transport)
+            if self._links.tap is not None:
+                transport = self._links.tap(transport)
             session = board.session = Session(transport, node, baud=baud)
             session.start()
             self._objects.connected()
@@ -301,8 +303,8 @@ class Supervisor:
     async def _give_node(self, address: Address, board: Board, device: DeviceSettings) -> BoardNode:
         """Join the graph for a board, and stop serving it when the graph shuts down its node."""
         given = address.ns or device.namespace
-        namespace = join_names("/", given or (board.name if self._ns_per_board else "/"))
-        graph = await self._join_graph(board.name, namespace, {**self._remappings, **device.remap})
+        namespace = join_names("/", given or (board.name if self._nodes.ns_per_board else "/"))
+        graph = await self._join_graph(board.name, namespace, {**self._nodes.remappings, **device.remap})
         node = board.node = BoardNode(graph, self._store, self._reporter, self._clock, self._settings, device)
         board.grace_s = device.grace_s
         self._run(self._watch(address, board, node))

@@ -21,7 +21,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.sensor_files import read_state, write_state
-from rostether.platform.sensor_registry import Origin, Registration, Sensor, SensorRegistry
+from rostether.platform.sensor_registry import Origin, Registration, Sensor, SensorRegistry, fields_of
 from rostether.rostime import Time
 from rostether.serde.values import Message
 
@@ -168,12 +168,7 @@ class SensingManager:
             instance=request.instance,
             name=request.name,
             platform=request.platform_name,
-            sensor_type=request.sensor_type,
-            message_type=request.message_type,
-            unit=request.unit,
-            frame_id=request.frame_id,
-            rate_hz=request.rate_hz,
-            lease_s=request.lease_s,
+            **fields_of(request),
             state=request.state or "ready",
             state_text=request.state_text,
         )
@@ -230,13 +225,8 @@ class SensingManager:
             "id": sensor.id,
             "name": sensor.name,
             "platform_name": sensor.platform,
-            "sensor_type": sensor.sensor_type,
             "topic": self._graph.resolve(sensor.topic),
-            "message_type": sensor.message_type,
-            "unit": sensor.unit,
-            "frame_id": sensor.frame_id,
-            "rate_hz": sensor.rate_hz,
-            "lease_s": sensor.lease_s,
+            **fields_of(sensor),
             "state": state,
             "state_text": state_text,
             "state_since": Time.from_ns(max(0, self._graph.now().to_ns() - age_ns)),

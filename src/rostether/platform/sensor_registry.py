@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Any
 
 from rostether.errors import ServiceCallError
 from rostether.mechanisms.text import escape_line
@@ -35,6 +36,15 @@ _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _TYPE = re.compile(r"[A-Z][A-Z0-9_]*")
 _MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 _COUNTED_TOPIC = re.compile(r"sensor_node(0|[1-9][0-9]{0,8})")
+
+
+# The fields with one name in a sensor, a registration and the messages of both.
+_SHARED_FIELDS = ("sensor_type", "message_type", "unit", "frame_id", "rate_hz", "lease_s")
+
+
+def fields_of(described: object) -> dict[str, Any]:
+    """Return the shared fields of a sensor, a registration or a message."""
+    return {name: getattr(described, name) for name in _SHARED_FIELDS}
 
 
 class Origin(Enum):
@@ -204,12 +214,7 @@ class SensorRegistry:
             name=wanted.name if has_new_name else before.name,
             registered_name=wanted.name,
             platform=wanted.platform,
-            sensor_type=wanted.sensor_type,
-            message_type=wanted.message_type,
-            unit=wanted.unit,
-            frame_id=wanted.frame_id,
-            rate_hz=wanted.rate_hz,
-            lease_s=wanted.lease_s,
+            **fields_of(wanted),
         )
         condition.instance = wanted.instance
         condition.lease_until_s = now_s + wanted.lease_s

@@ -26,7 +26,7 @@ DEFAULT_RATE_HZ = 10.0
 # Sliders of other programs, such as the dashboard, publish positions on this topic.
 SLIDERS_TOPIC = "~sliders"
 
-# More than a process can send; a rate beyond it is a mistake.
+# No process can send more; a higher rate is a mistake.
 MAX_RATE_HZ = 10_000.0
 
 

@@ -12,8 +12,7 @@ from rostether.robot.robot_state import RobotState, RobotStateSettings
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.rostime import NS_PER_S
 
-# The same as robot_state_publisher: joint states arrive fifty times a second, and so would their error
-# reports.
+# As in robot_state_publisher. Joint states arrive fifty times a second, and each may cause an error report.
 WARNING_INTERVAL_S = 10.0
 
 # Fixed transforms on /tf stay valid until the next ones arrive.

@@ -15,7 +15,7 @@ from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE, from
 from rostether.robot.transform import StampedTransform
 from rostether.serde.codec import Codec
 
-# The name that tf2 gives to a publisher without one.
+# The name that tf2 gives to a publisher without a name.
 UNKNOWN_AUTHORITY = "unknown_publisher"
 
 # Gets one message's transforms, their node, and whether they are static.

@@ -112,3 +112,13 @@ def test_silence(capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFix
         SilentReporter().line(Level.FATAL, "nothing shows", node="/arm")
     assert capfd.readouterr() == ("", "")
     assert not caplog.records
+
+
+def test_the_graph_gets_the_text_as_it_is_and_people_one_line() -> None:
+    reporter = RecordingReporter()
+    logged: list[str] = []
+    notices = Notices(reporter, "/board", lambda: 0.0)
+    notices.to_graph = lambda _, text: logged.append(text)
+    notices.report(Level.INFO, "two\nlines\r\n")
+    assert logged == ["two\nlines\r\n"]
+    assert reporter.texts == ["two\\nlines"]

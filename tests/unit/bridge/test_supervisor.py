@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rostether.bridge.findings.board_health import BoardHealth
-from rostether.bridge.settings import BridgeSettings
-from rostether.bridge.supervisor import Supervisor
+from rostether.bridge.settings import BoardNodes, BridgeSettings
+from rostether.bridge.supervisor import Links, Supervisor
 from rostether.errors import GraphError, InvalidNameError, MasterUnreachableError, TransportOpenError
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
@@ -66,8 +66,7 @@ class Site:
             STORE,
             reporter=self.reporter,
             settings=settings,
-            open_transport=self.open,
-            listen=self.listen,
+            links=Links(open_transport=self.open, listen=self.listen),
         )
 
     async def join(
@@ -153,7 +152,9 @@ async def test_topics_go_into_the_links_namespace(site: Site) -> None:
 
 async def test_topics_go_into_a_namespace_of_the_board_if_asked() -> None:
     site = Site(BridgeSettings())
-    site.supervisor = Supervisor(site.join, STORE, ns_per_board=True, open_transport=site.open)
+    site.supervisor = Supervisor(
+        site.join, STORE, nodes=BoardNodes(ns_per_board=True), links=Links(open_transport=site.open)
+    )
     await site.start(f"{PORT}?name=arm")
     await until(lambda: "/arm/chatter" in site.network.snapshot().topics, "the topic")
     assert site.nodes() == {"/arm"}
@@ -336,9 +337,8 @@ async def test_a_node_to_keep_is_there_before_its_board_and_its_end_is_ours(site
         site.join,
         STORE,
         reporter=site.reporter,
-        keeps_node=True,
-        listen=site.listen,
-        open_transport=site.open,
+        nodes=BoardNodes(keeps_node=True),
+        links=Links(open_transport=site.open, listen=site.listen),
     )
     await supervisor.start([parse_address("tcp://:11411?name=arm&ns=lab")])
     assert site.nodes() == {"/lab/arm"}
@@ -364,9 +364,8 @@ async def test_a_node_to_keep_waits_for_the_master_before_anything_listens(site:
         site.join,
         STORE,
         reporter=site.reporter,
-        keeps_node=True,
-        listen=site.listen,
-        open_transport=site.open,
+        nodes=BoardNodes(keeps_node=True),
+        links=Links(open_transport=site.open, listen=site.listen),
     )
     site.join_errors = [MasterUnreachableError("no ROS master answers") for _ in range(1000)]
     start = asyncio.ensure_future(supervisor.start([parse_address("tcp://:11411?name=arm")]))

@@ -39,7 +39,7 @@ from rostether.rosserial.packets import TopicInfo
 _Key: TypeAlias = tuple[Role, str, int]
 
 
-# The limit of endpoints: a board that always announces new ones must not fill the memory.
+# The limit of refused endpoints: a board that always announces new ones must not fill the memory.
 MAX_REFUSED = 256
 
 

@@ -9,7 +9,6 @@ from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.endpoints import EndpointFindings
 from rostether.bridge.findings.finding import Code, Finding, Severity, warning
 from rostether.bridge.findings.line_watch import LineWatch
-from rostether.bridge.findings.radio_loss import find_radio_loss
 from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
@@ -18,10 +17,13 @@ from rostether.graph.ports import Level
 from rostether.rosserial.clock_estimate import ClockEstimate
 from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.serde.store import TypeStore
-from rostether.transports.xbee.link_quality import LinkQuality
+from rostether.transports.xbee.link_quality import RECENT_PACKETS, LinkQuality
 
 # 5 ms between two time answers. Crystals have 100, the resonators of small boards up to 5000.
 DRIFT_PPM = 2000
+
+# A radio has repeated each lost packet several times, so a link with fewer losses is still usable.
+MUCH_RADIO_LOSS = 0.1
 
 _LEVELS = {Severity.WARN: Level.WARN, Severity.ERROR: Level.ERROR}
 
@@ -86,7 +88,7 @@ class BoardHealth:
         found = self.watch.find(now_s)
         found += self._endpoints.find(now_s, self.watch.too_large_s, self.watch.oversizes)
         found += self.required.find()
-        found += find_radio_loss(self.radio)
+        found += _radio_loss(self.radio)
         drift_ppm = self.clock.drift_ppm
         if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
             found.append(_drift(drift_ppm))
@@ -97,6 +99,22 @@ class BoardHealth:
         for finding in self._ledger.news(findings, now_s):
             if not finding.reported:
                 self._notices.report(_LEVELS[finding.severity], str(finding))
+
+
+def _radio_loss(radio: LinkQuality | None) -> list[Finding]:
+    """Return the finding, if the board's radio does not acknowledge many packets."""
+    loss = radio.recent_loss if radio is not None else None
+    if radio is None or loss is None or loss < MUCH_RADIO_LOSS:
+        return []
+    signal = "" if radio.rssi_dbm is None else f", signal {radio.rssi_dbm} dBm"
+    return [
+        warning(
+            Code.RADIO_LOSS,
+            f"{loss:.0%} of the last {RECENT_PACKETS} radio packets to the board were lost "
+            f"({radio.last_status}{signal})",
+            "move the radios closer together, or set all of them to another channel",
+        )
+    ]
 
 
 def _drift(drift_ppm: float) -> Finding:

@@ -40,7 +40,7 @@ NO_ANSWER_S = 5.0
 # A lost announcement is repeated within a second; a board that lacks one never sends it.
 UNKNOWN_S = 10.0
 
-# What the established library logs when a message does not fit its output buffer, without saying which.
+# The log line of the established library for a message that does not fit its output buffer.
 TOO_LARGE = "larger than buffer"
 
 _SIGNS_OF_LIFE = (

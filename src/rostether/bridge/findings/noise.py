@@ -18,10 +18,10 @@ MIN_TEXT_BYTES = 8
 # A board that is reset in the middle of its announcements leaves one piece of text, and noise some more.
 MIN_PIECES = 4
 
-# The rest of one announcement comes within this at 9600 baud, a few bytes at a time.
+# At 9600 baud, the rest of an announcement arrives within this time, a few bytes at a time.
 PIECE_GAP_S = 0.1
 
-# Only the words: with the whole line in the pattern, noise without a line end takes 20 ms.
+# The pattern has only the words: with whole lines, it takes 20 ms for noise without a line end.
 _CRASH = re.compile(
     rb"brown-?out|wdt reset|watchdog|guru meditation|fatal exception|stack smashing|abort\(\)"
     rb"|rst cause|rst:0x",

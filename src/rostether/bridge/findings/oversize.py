@@ -14,7 +14,7 @@ MIN_COUNT = 3
 # After a while, a corrected problem is no longer reported.
 RECENT_S = 30.0
 
-# The rest of one frame comes within this at 9600 baud, a few bytes at a time.
+# At 9600 baud, the rest of a frame arrives within this time, a few bytes at a time.
 REST_GAP_S = 0.1
 
 # More than any board has room for; bounds the memory for a device that uses new ids all the time.
@@ -40,7 +40,7 @@ class Oversizes:
         self._piece_s = 0.0
 
     def handle_discarded(self, event: FrameDiscarded, version: int | None, now_s: float) -> bool:
-        """Handle discarded bytes; returns whether it is, or was, of a message that was too long."""
+        """Handle discarded bytes; returns whether they belong to a message that was too long."""
         if event.reason is DiscardReason.TOO_LONG:
             self._cut = b""
             self._note(event.data, version, now_s)

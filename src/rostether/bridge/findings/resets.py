@@ -7,7 +7,7 @@ from collections import deque
 from rostether.bridge.findings.finding import Code, Finding, error
 
 WINDOW_S = 60.0
-# Someone who presses the button, and an upload, reset a board twice.
+# A user who presses the button may reset a board twice, and so may an upload.
 MIN_RESETS = 3
 
 # At 57600 baud fifty announcements and their confirmation take 2 s; this is four times that.

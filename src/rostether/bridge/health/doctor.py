@@ -45,7 +45,7 @@ _STARTING_CODES = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """What was found at one address; `board` is None if none answered, `rates_hz` are by endpoint.
+    """The results for one address; `board` is None if none answered, `rates_hz` are by endpoint.
 
     `watched_s` is how long the board was watched.
     """

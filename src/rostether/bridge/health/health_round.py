@@ -20,7 +20,7 @@ from rostether.errors import GraphError
 from rostether.graph.ports import Level, Publisher
 from rostether.serde.store import TypeStore
 
-# What diagnostic tools expect.
+# The interval that diagnostic tools expect.
 PERIOD_S = 1.0
 
 # A new subscriber gets its first message within this time.

@@ -32,7 +32,7 @@ _NODE = "/board"
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """What was seen of one board; rates are messages per second by `role name`."""
+    """The observations of one board; rates are messages per second by `role name`."""
 
     findings: tuple[Finding, ...]
     view: BoardView

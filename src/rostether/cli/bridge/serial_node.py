@@ -133,7 +133,8 @@ async def _serve(
     allowed: tuple[str, ...],
     devices: DeviceBook,
 ) -> None:
-    from rostether.bridge.supervisor import Supervisor
+    from rostether.bridge.settings import BoardNodes
+    from rostether.bridge.supervisor import Links, Supervisor
 
     reporter.line(Level.INFO, host.greeting)
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
@@ -154,11 +155,9 @@ async def _serve(
             joining_ros1(used.environment),
             type_store(),
             reporter=reporter,
-            keeps_node=True,
-            remappings=arguments.remappings,
             devices=devices,
-            diagnostics=True,
-            listen=partial(listen_for_links, board_keys=devices.board_keys()),
+            nodes=BoardNodes(keeps_node=True, remappings=arguments.remappings, diagnostics=True),
+            links=Links(listen=partial(listen_for_links, board_keys=devices.board_keys())),
         )
         async with serving(supervisor, links, reporter):
             # A killed or replaced node ends the process: respawn depends on that.

@@ -216,7 +216,8 @@ async def _serve(
     settings: _Settings,
     reporter: ConsoleReporter,
 ) -> int:
-    from rostether.bridge.supervisor import Supervisor
+    from rostether.bridge.settings import BoardNodes
+    from rostether.bridge.supervisor import Links, Supervisor
 
     links, msg_paths = settings.links, options.msg_paths
     listen_bounded = partial(
@@ -247,12 +248,10 @@ async def _serve(
                 graphs.join,
                 type_store(msg_paths),
                 reporter=reporter,
-                ns_per_board=options.ns_per_board,
                 devices=settings.devices,
-                diagnostics=not options.no_diagnostics,
-                tap=tap,
-                listen=listen_bounded,
                 settings=settings.limits,
+                nodes=BoardNodes(ns_per_board=options.ns_per_board, diagnostics=not options.no_diagnostics),
+                links=Links(listen=listen_bounded, tap=tap),
             )
             async with (
                 serving(supervisor, opened, reporter),

@@ -15,7 +15,8 @@ from typing import Any
 
 import click
 
-from rostether.bridge.supervisor import Supervisor
+from rostether.bridge.settings import BoardNodes
+from rostether.bridge.supervisor import Links, Supervisor
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joining_ros1, read_environment
@@ -134,8 +135,8 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
             type_store(),
             reporter=reporter,
             devices=devices,
-            diagnostics=True,
-            listen=partial(listen, web_boards=boards),
+            nodes=BoardNodes(diagnostics=True),
+            links=Links(listen=partial(listen, web_boards=boards)),
         )
         await stack.enter_async_context(serving(supervisor, [board.link, WebAddress()], reporter))
         dashboard = await stack.enter_async_context(

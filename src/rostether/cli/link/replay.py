@@ -109,7 +109,8 @@ async def _replay(
     speed: float | None,
     msg_paths: Sequence[Path],
 ) -> None:
-    from rostether.bridge.supervisor import Supervisor
+    from rostether.bridge.settings import BoardNodes
+    from rostether.bridge.supervisor import Links, Supervisor
     from rostether.transports.replay import CaptureListener
 
     reporter = ConsoleReporter()
@@ -133,8 +134,8 @@ async def _replay(
             joining_ros1(used.environment),
             type_store(msg_paths),
             reporter=reporter,
-            diagnostics=True,
-            listen=listen,
+            nodes=BoardNodes(diagnostics=True),
+            links=Links(listen=listen),
         )
         async with serving(supervisor, addresses, reporter):
             settling.append(_Settling(supervisor, is_fast=speed is None))

@@ -96,7 +96,7 @@ class Connection(asyncio.BufferedProtocol):
         self._turn = ReadTurn(READ_BYTES)
         self._assembler = MessageAssembler()
         self._is_reading = True
-        # What arrives before TLS starts, or between its handshake and the encrypted transport; then None.
+        # Bytes received before TLS starts, or between its handshake and the encrypted transport; then None.
         self._early: bytearray | None = None
         self._encrypting: asyncio.Task[None] | None = None
         self._is_established = False

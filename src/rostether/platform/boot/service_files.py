@@ -100,7 +100,7 @@ def unit_text(installation: Installation) -> str:
         # Only `up` gets the signal, and stops its parts: a second signal would end them with open files.
         "KillMode=mixed",
         "KillSignal=SIGINT",
-        # A program that SIGINT ended.
+        # The exit code of a program that SIGINT ended.
         "SuccessExitStatus=130",
         "TimeoutStopSec=10",
         "Environment=PYTHONUNBUFFERED=1",

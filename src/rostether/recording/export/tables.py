@@ -16,7 +16,7 @@ from rostether.serde.plain_form import clean_text
 from rostether.serde.type_tree import Array, Number, Struct, Text
 from rostether.serde.values import Message
 
-# Spreadsheets run what follows these (OWASP, CSV injection).
+# Spreadsheets treat a cell that begins with one of these as a formula (OWASP, CSV injection).
 _FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 
 # The time columns of a message, before its fields.

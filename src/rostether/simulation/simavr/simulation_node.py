@@ -29,7 +29,7 @@ PERIOD_S = 0.1
 
 
 class ShownBoard(Protocol):
-    """What the node asks of a board. Its methods raise BoardError.
+    """A board as the node uses it. Its methods raise BoardError.
 
     `words`: the commands that every node may use; others read memory, open connections or end the board.
     """

@@ -15,7 +15,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.typing import Origin
 
 from rostether.bridge.settings import BridgeSettings
-from rostether.bridge.supervisor import Supervisor
+from rostether.bridge.supervisor import Links, Supervisor
 from rostether.device.device import Device
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.transports.address import WebAddress
@@ -85,7 +85,7 @@ async def bridge(there: Stage, boards: WebBoards) -> AsyncIterator[Supervisor]:
         there.network.join,
         STORE,
         settings=BridgeSettings(grace_s=30.0),
-        listen=partial(listen, web_boards=boards),
+        links=Links(listen=partial(listen, web_boards=boards)),
     )
     await supervisor.start([WebAddress()])
     try:

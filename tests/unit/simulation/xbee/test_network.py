@@ -11,7 +11,8 @@ from functools import partial
 import pytest
 
 from effort import effort
-from rostether.bridge.supervisor import Supervisor
+from rostether.bridge.settings import BoardNodes
+from rostether.bridge.supervisor import Links, Supervisor
 from rostether.errors import TransportError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.simulation.xbee.air import AirConditions
@@ -38,7 +39,12 @@ class Radios:
     def __init__(self, conditions: AirConditions, model: Model, *, diagnostics: bool) -> None:
         self.xbees = XbeeNetwork(conditions, model=model, seed=1)
         self.network = MemoryNetwork()
-        self.supervisor = Supervisor(self.network.join, STORE, listen=self.listen, diagnostics=diagnostics)
+        self.supervisor = Supervisor(
+            self.network.join,
+            STORE,
+            nodes=BoardNodes(diagnostics=diagnostics),
+            links=Links(listen=self.listen),
+        )
         self.boards: list[CountingBoard] = []
         self.radios: list[SimulatedRadio] = []
         self.received: dict[str, list[int]] = {}
