@@ -9,7 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
 
+from rostether.msgdef.interface import MessageType
+from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.rclpy.installation import load_rclpy
+from rostether.ros2.rclpy.view import node_name_of
 
 # Messages kept until subscribers acknowledge them: 50 ms at the highest rate, so that a burst from a board is
 # not lost on a machine that is busy for a moment.
@@ -81,6 +84,17 @@ def _profile(depth: int, *, is_reliable: bool = True, is_latched: bool = False, 
 def is_latching(publisher: Any) -> bool:
     """Return whether a publisher (an endpoint info of rclpy) keeps messages for later subscribers."""
     return bool(publisher.qos_profile.durability.name == "TRANSIENT_LOCAL")
+
+
+def publisher_fields(publisher: Any, topic: str, message_type: MessageType) -> dict[str, str]:
+    """Return the connection header of a publisher, an endpoint info of rclpy."""
+    return connection_fields(
+        topic,
+        message_type,
+        node_name_of(publisher),
+        is_latching=is_latching(publisher),
+        reliability=publisher.qos_profile.reliability.name,
+    )
 
 
 def name_policy(event: Any) -> str:

@@ -20,15 +20,14 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
-from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import (
     SubscriberQuality,
-    is_latching,
     name_policy,
+    publisher_fields,
     subscriber_profile,
     subscriber_quality,
 )
@@ -266,13 +265,7 @@ class RclpySubscriber:
                 self._unnamed.add(gid)
             self._known[gid] = node_name
             if is_new and self._on_connection is not None:
-                fields = connection_fields(
-                    self.topic,
-                    self._support.ros1_type,
-                    node_name,
-                    is_latching=is_latching(publisher),
-                    reliability=publisher.qos_profile.reliability.name,
-                )
+                fields = publisher_fields(publisher, self.topic, self._support.ros1_type)
                 self._own.thread.call_in_loop(self._report_connection, fields)
 
     def _report_connection(self, fields: Mapping[str, str]) -> None:
