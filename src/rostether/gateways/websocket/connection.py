@@ -33,12 +33,15 @@ from rostether.gateways.websocket.plain_answer import (
 )
 from rostether.gateways.websocket.tls_start import encrypted
 from rostether.transports.read_turn import ReadTurn
-from rostether.transports.sockets import READ_BYTES, read_buffer
+from rostether.transports.sockets import read_buffer
 
 if TYPE_CHECKING:
     import ssl
 
     from rostether.gateways.websocket.server import WebSocketServer
+
+# A chunk of this size has at most 2,700 frames, which take less than 20 ms; one of `READ_BYTES` takes 150 ms.
+_MAX_READ_BYTES = 16 * 1024
 
 # A client that does not answer a close within this time is aborted.
 _CLOSE_S = 5.0
@@ -68,7 +71,7 @@ class ConnectionUser(Protocol):
 class Connection(asyncio.BufferedProtocol):
     """One connection; it gets a user when the handshake ends.
 
-    It reads less at a time while its chunks cost much: 128 KiB can hold 20,000 frames.
+    It reads less at a time while its chunks cost much.
     """
 
     def __init__(self, server: WebSocketServer) -> None:
@@ -93,7 +96,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport: asyncio.Transport | None = None
         self._user: ConnectionUser | None = None
         self._buffer = read_buffer()
-        self._turn = ReadTurn(READ_BYTES)
+        self._turn = ReadTurn(_MAX_READ_BYTES)
         self._assembler = MessageAssembler()
         self._is_reading = True
         # Bytes received before TLS starts, or between its handshake and the encrypted transport; then None.

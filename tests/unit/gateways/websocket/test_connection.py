@@ -15,6 +15,7 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
+from loop_watch import MAX_HELD_S
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket import connection as connection_module
 from unit.gateways.foxglove.protocol_client import LIMIT_S, stage
@@ -289,6 +290,18 @@ async def test_pongs_do_not_fill_memory_when_the_client_does_not_read() -> None:
         async with asyncio.timeout(LIMIT_S):
             while not tail.endswith(b"\x8a\x04last"):
                 tail = (tail + await reader.read(65536))[-6:]
+        writer.close()
+
+
+async def test_reads_stay_so_short_that_small_frames_do_not_hold_the_loop() -> None:
+    async with stage() as there:
+        _, writer = await shaken(there.gateway.port)
+        (connection,) = there.gateway._server._connections
+        # Reads grow as long as they cost little.
+        for _ in range(1000):
+            connection._turn.note_cost(len(connection.get_buffer(-1)), 0.0)
+        # A frame takes up to 10 µs.
+        assert len(connection.get_buffer(-1)) / len(frame(2, b"x")) * 10e-6 < MAX_HELD_S
         writer.close()
 
 
