@@ -33,6 +33,9 @@ _MAX_VARIABLES: Final = 512
 # The longest fixed array whose elements become variables; for longer ones, another unpacking is cheaper.
 _MAX_UNROLLED_LENGTH: Final = 64
 
+# More numbers take longer than a millisecond; other threads can run between the steps.
+_MANY_NUMBERS: Final = 1 << 16
+
 _UNPACK_U32: Final = struct.Struct("<I").unpack_from
 
 # The errors of decoding bytes with another layout.
@@ -71,6 +74,7 @@ class _DecoderSource:
             "view": classes.view,
             "text_errors": classes.text_errors,
             "unpack_from": struct.unpack_from,
+            "unpack_in_steps": _unpack_in_steps,
             "read_texts": _read_texts,
             "read_structs": _read_structs,
             "make_empties": _make_empties,
@@ -237,7 +241,9 @@ class _Body:
         if isinstance(element, Number) and self._source.views and element.code != "?":
             return f"view(b, '<{element.code}', {count}, {start})"
         if isinstance(element, Number) and not array.is_bytes:
-            return f"{self._numbers(element)}(unpack_from(f'<{{{count}}}{element.code}', b, {start}))"
+            at_once = f"unpack_from(f'<{{{count}}}{element.code}', b, {start})"
+            in_steps = f"unpack_in_steps('{element.code}', b, {start}, {count})"
+            return f"{self._numbers(element)}({at_once} if {count} <= {_MANY_NUMBERS} else {in_steps})"
         raw = f"b[{start}:{end}]"
         return raw if array.is_bytes else self._elements(element, raw)
 
@@ -287,6 +293,15 @@ class _Body:
     def _variable(self, prefix: str) -> str:
         self._count += 1
         return f"{prefix}{self._count - 1}"
+
+
+def _unpack_in_steps(code: str, data: bytes, start: int, count: int) -> list[Any]:
+    numbers: list[Any] = []
+    size = struct.calcsize(f"<{code}")
+    for first in range(0, count, _MANY_NUMBERS):
+        step = min(_MANY_NUMBERS, count - first)
+        numbers += struct.unpack_from(f"<{step}{code}", data, start + first * size)
+    return numbers
 
 
 def _read_texts(payload: bytes, at: int, count: int, errors: str) -> tuple[list[str], int]:

@@ -18,6 +18,7 @@ from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, matches
+from rostether.gateways.rosbridge.values import JsonText
 from rostether.gateways.type_names import short_type
 
 # Responses that the gateway computes for one client at once: a page with many requests must not delay others.
@@ -104,7 +105,7 @@ class ClientServices:
             answer |= {"values": f"service {service} did not answer within {timeout_s:g} s", "result": False}
         self._send(answer, delivery)
 
-    async def _values(self, service: str, request: Request) -> dict[str, Any]:
+    async def _values(self, service: str, request: Request) -> dict[str, Any] | JsonText:
         context = self._context
         try:
             name = context.graph.resolve(service)
@@ -127,7 +128,7 @@ class ClientServices:
         except RostetherError:
             context.service_types.forget(name)
             raise
-        return context.forms.to_json(service_type.response.name, answer)
+        return await context.forms.response(service_type.response.name, answer)
 
     def _by_name(self, type_name: str, args: Any) -> Any:
         """Return the request's fields by name: a client may also send a list of values, or one value."""

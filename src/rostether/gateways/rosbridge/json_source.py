@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from json.encoder import encode_basestring_ascii
 from typing import Any, Final, TypeAlias
 
@@ -30,6 +30,10 @@ WriteText: TypeAlias = Callable[[Message], str]
 
 # The limit of values in one format; nested types with more values get their own function.
 _MAX_INLINE: Final = 256
+
+
+# More numbers take longer than a millisecond; other threads can run between the steps.
+_MANY_NUMBERS: Final = 1 << 12
 
 
 class NotFiniteError(Exception):
@@ -45,6 +49,13 @@ def compile_text(tree: Struct, leaves: Leaves) -> WriteText:
     return source.names[name]  # type: ignore[no-any-return]
 
 
+def _numbers(values: Sequence[float]) -> str:
+    if len(values) <= _MANY_NUMBERS:
+        return str(values).replace(" ", "")
+    steps = (values[start : start + _MANY_NUMBERS] for start in range(0, len(values), _MANY_NUMBERS))
+    return f"[{','.join([str(step)[1:-1].replace(' ', '') for step in steps])}]"
+
+
 class _TextSource:
     def __init__(self, leaves: Leaves) -> None:
         self.functions: list[str] = []
@@ -55,6 +66,7 @@ class _TextSource:
             "quote": encode_basestring_ascii,
             "text": leaves.text,
             "raw": leaves.raw,
+            "numbers": _numbers,
             "flags": json.JSONEncoder(separators=(",", ":")).encode,
         }
         self._writers: dict[str, str] = {}
@@ -136,7 +148,7 @@ class _Body:
             if element.code in "fd":
                 value = self._read(value)
                 self._floats.append(f"sum({value})")
-            self._put("%s", f"str({value}).replace(' ', '')")
+            self._put("%s", f"numbers({value})")
         elif isinstance(element, Text):
             self._put("[%s]", f"','.join([quote(text(e)) for e in {value}])")
         elif isinstance(element, Struct):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rostether.gateways.rosbridge.client_subscription import Compression
 from rostether.gateways.rosbridge.png_packing import pack_png
-from rostether.gateways.rosbridge.values import JsonForm, Style
+from rostether.gateways.rosbridge.values import JsonForm, JsonText, Style
 from rostether.gateways.shared_subscriptions import Batch
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.cdr_form import CdrForm
     from rostether.gateways.rosbridge.request import Request
 
-# The smallest messages, such as transforms, take 10 µs each.
-_FEW_VALUES: Final = 2048
+# Each value may be an empty object that becomes a message: a marker takes 20 µs.
+_FEW_VALUES: Final = 1024
+
+# Larger messages may take longer than 10 ms, and are converted in a thread.
+_MAX_QUICK_BYTES: Final = 64 << 10
 
 
 class MessageForms:
@@ -38,6 +41,16 @@ class MessageForms:
         """Return a payload of a known type as a JSON value. Raises SerializationError."""
         return self._json.to_json(self._store.codec(type_name), payload)
 
+    async def response(self, type_name: str, payload: bytes) -> dict[str, Any] | JsonText:
+        """Return the payload of a response for JSON, like `to_json`, without delaying other clients.
+
+        Raises SerializationError.
+        """
+        if len(payload) <= _MAX_QUICK_BYTES:
+            return self.to_json(type_name, payload)
+        codec = self._store.codec(type_name)
+        return JsonText(await asyncio.to_thread(self._json.text, codec, payload))
+
     def from_json(self, type_name: str, value: Any) -> bytes:
         """Return the payload of a JSON value. Raises SerializationError with the name of the field."""
         return self._json.from_json(self._store.codec(type_name), value, self._now())
@@ -51,16 +64,25 @@ class MessageForms:
             return self.from_json(type_name, value)
         return await asyncio.to_thread(self.from_json, type_name, value)
 
-    def published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
+    async def published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
         """Return the protocol's message with one message of a topic.
 
         Raises SerializationError, and the errors of `PublisherConnection.codec`.
         """
         key = (compression, topic, index)
-        frame: str | bytes | None = batch.forms.get(key)
-        if frame is None:
-            frame = batch.forms[key] = self._published(topic, batch, index, compression)
-        return frame
+        form: str | bytes | asyncio.Task[str | bytes] | None = batch.forms.get(key)
+        if form is None:
+            if len(batch.payloads[index]) <= _MAX_QUICK_BYTES or compression is Compression.CBOR_RAW:
+                form = self._published(topic, batch, index, compression)
+            else:
+                convert = asyncio.to_thread(self._published, topic, batch, index, compression)
+                form = asyncio.ensure_future(convert)
+            batch.forms[key] = form
+        if not isinstance(form, asyncio.Task):
+            return form
+        # Other clients may wait for it too.
+        await asyncio.wait([form])
+        return form.result()
 
     def _published(self, topic: str, batch: Batch, index: int, compression: Compression) -> str | bytes:
         payload = batch.payloads[index]

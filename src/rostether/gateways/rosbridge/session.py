@@ -27,7 +27,7 @@ from rostether.gateways.rosbridge.settings import (
     TURN_S,
 )
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
-from rostether.gateways.rosbridge.values import write_json
+from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.websocket.admission import Token, is_same_secret
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
@@ -202,7 +202,12 @@ class Session:
             self._context.report(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
 
     def _send(self, fields: dict[str, Any], delivery: Delivery) -> None:
-        text = write_json(fields)
+        values = fields.get("values")
+        if isinstance(values, JsonText):
+            others = {name: value for name, value in fields.items() if name != "values"}
+            text = f'{write_json(others)[:-1]},"values":{values}}}'
+        else:
+            text = write_json(fields)
         if delivery.compression is Compression.PNG:
             text = pack_png(text)
         for frame in self._pieces(text, delivery):
@@ -217,7 +222,7 @@ class Session:
     async def _send_all(self) -> None:
         while not self._outbox.is_overflowing:
             await self._outbox.wait()
-            await self._connection.send(*self._next_frames())
+            await self._connection.send(*await self._next_frames())
             await asyncio.sleep(0)
         self._context.report(
             Level.WARN, f"rosbridge: {self.name} does not read its responses; its connection was closed"
@@ -225,7 +230,7 @@ class Session:
         # An orderly close would wait for data that it does not read.
         self._connection.abort()
 
-    def _next_frames(self) -> list[Frame]:
+    async def _next_frames(self) -> list[Frame]:
         """Return the frames that fit into one iteration and one write."""
         loop = asyncio.get_running_loop()
         turn_ends_s = loop.time() + TURN_S
@@ -235,7 +240,7 @@ class Session:
             item = self._outbox.next()
             if item is None:
                 break
-            new = self._frames(item) if isinstance(item, Due) else [item]
+            new = await self._frames(item) if isinstance(item, Due) else [item]
             frames += new
             size += sum(map(len, new))
         return frames
@@ -245,11 +250,11 @@ class Session:
             report_error(f"sending to {self.name}", error)
             self._connection.abort()
 
-    def _frames(self, due: Due[ClientSubscription]) -> list[Frame]:
+    async def _frames(self, due: Due[ClientSubscription]) -> list[Frame]:
         subscription = due.receiver
         delivery = subscription.delivery
         try:
-            frame = self._context.forms.published(
+            frame = await self._context.forms.published(
                 subscription.topic, due.batch, due.index, delivery.compression
             )
         except RostetherError as error:

@@ -75,6 +75,12 @@ class JsonForm:
         return message_payload(codec, value, now)
 
 
+class JsonText(str):
+    """A value that is JSON already."""
+
+    __slots__ = ()
+
+
 def write_json(value: object) -> str:
     """Return values of `to_json`, and dicts and lists of them, as JSON; NaN and infinities become null."""
     try:
