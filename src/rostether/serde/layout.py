@@ -44,6 +44,11 @@ class Layout:
         return _smallest_size(self._tree)
 
     @property
+    def has_varying_elements(self) -> bool:
+        """Whether there are arrays whose elements are checked one by one, because their size varies."""
+        return _has_varying_elements(self._tree)
+
+    @property
     def type_name(self) -> str:
         """The type as `package/Name`."""
         return self._tree.name
@@ -59,6 +64,12 @@ class Layout:
         if extra_bytes:
             return f"the payload has {_count(extra_bytes, 'byte')} more than {self._tree.name}"
         return f"the payload fits {self._tree.name}"
+
+
+def _has_varying_elements(node: Node) -> bool:
+    if isinstance(node, Array):
+        return node.element.fixed_size_bytes is None
+    return isinstance(node, Struct) and any(_has_varying_elements(member.node) for member in node.members)
 
 
 def _smallest_size(node: Node) -> int:

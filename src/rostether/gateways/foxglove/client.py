@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError
@@ -17,13 +17,11 @@ from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import DroppedReport, Subscription
-from rostether.gateways.new_topic import DRAIN_S
 from rostether.gateways.websocket.admission import Rights
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
     from rostether.gateways.foxglove.line import Line
-    from rostether.graph.ports import Publisher
 
 # The limit of statuses about a client's mistakes; more statuses would only flood the client.
 MAX_REPORTED_MISTAKES = 100
@@ -200,14 +198,14 @@ class Client:
         topic = self._topics.get(message.channel_id)
         if topic is None:
             self.report_mistake(f"channel {message.channel_id} is not advertised")
-        elif (behind := topic.publish(message.payload)) is not None:
-            self._work.start(self._wait_for(behind))
+        elif (room := topic.publish(message.payload)) is not None:
+            self._work.start(self._wait_for(room))
 
-    async def _wait_for(self, behind: Publisher) -> None:
+    async def _wait_for(self, room: Awaitable[object]) -> None:
         self._waiting_publishers += 1
         self.line.pause_reading()
         try:
-            await behind.drained(DRAIN_S)
+            await room
         finally:
             self._waiting_publishers -= 1
             if not self._waiting_publishers:

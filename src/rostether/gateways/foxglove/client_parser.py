@@ -7,17 +7,20 @@ from __future__ import annotations
 
 import base64
 import binascii
-import json
 import struct
 from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
-from rostether.gateways.large_json import check_few_values
+from rostether.gateways.large_json import check_few_values, parse_json
+from rostether.gateways.rosbridge.status import show
 
 # Subscriptions, channels or names in one message; a large system has some thousand topics.
-MAX_ITEMS = 10_000
+MAX_ITEMS = 4096
+
+# Checking a longer text takes longer than 10 ms. The longest texts set a robot description of some MB.
+MAX_TEXT_MESSAGE_CHARACTERS = 4 << 20
 
 # The limit of a name, an encoding or an id; ROS names have less than 256 characters.
 MAX_TEXT_CHARACTERS = 4096
@@ -48,9 +51,13 @@ def parse_binary(data: bytes) -> requests.MessageData | requests.ServiceRequest:
 
 def parse_text(text: str) -> requests.ClientMessage:
     """Return a JSON message. Raises RemoteProtocolError with the mistake."""
+    if len(text) > MAX_TEXT_MESSAGE_CHARACTERS:
+        raise RemoteProtocolError(
+            f"a text message may have at most {MAX_TEXT_MESSAGE_CHARACTERS} characters, not {len(text)}"
+        )
     check_few_values(text)
     try:
-        message = json.loads(text)
+        message = parse_json(text)
     except (ValueError, RecursionError) as error:
         raise RemoteProtocolError(f"a text message is not JSON: {error}") from None
     if not isinstance(message, dict):
@@ -58,7 +65,7 @@ def parse_text(text: str) -> requests.ClientMessage:
     op = message.get("op")
     parse = _PARSERS.get(op) if isinstance(op, str) else None
     if parse is None:
-        raise RemoteProtocolError(f"unknown op {_shown(op)}; known: {', '.join(_PARSERS)}")
+        raise RemoteProtocolError(f"unknown op {show(op)}; known: {', '.join(_PARSERS)}")
     return parse(_Fields(str(op), message))
 
 
@@ -131,12 +138,7 @@ class _Fields:
         return RemoteProtocolError(f"{self._where} needs {wanted} as {name}, not {self._shown(name)}")
 
     def _shown(self, name: str) -> str:
-        return _shown(self._fields.get(name))
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
+        return show(self._fields.get(name))
 
 
 def _client_channel(fields: _Fields) -> requests.ClientChannel:

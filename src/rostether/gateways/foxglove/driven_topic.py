@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine
 from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from rostether.errors import InvalidNameError, RostetherError
 from rostether.gateways.foxglove.client_messages import ClientChannel
-from rostether.gateways.foxglove.client_topics import MAX_REPORTED_MISTAKES, encoder, types_of
+from rostether.gateways.foxglove.client_topics import MAX_REPORTED_MISTAKES, channel_encoder, types_of
 from rostether.gateways.teleop.teleop import CommandTopic, Teleop
-from rostether.graph.ports import Graph, Publisher
+from rostether.graph.ports import Graph
 from rostether.serde.store import TypeStore
 
 _MAX_NAME_CHARACTERS = 60
+
+# A command is a Twist or a few values. A longer one may take long to check, and must not wait for a thread.
+_MAX_COMMAND_BYTES = 1 << 10
 
 
 class DrivenTopic:
@@ -51,8 +54,13 @@ class DrivenTopic:
         self._start = partial(self._open, graph, store)
         self._opening = asyncio.ensure_future(self._start())
 
-    def publish(self, payload: bytes) -> Publisher | None:
+    def publish(self, payload: bytes) -> Awaitable[object] | None:
         """Publish a command, unless another client drives. Before the topic is open, only a stop is kept."""
+        if len(payload) > _MAX_COMMAND_BYTES:
+            self._warn_once(
+                f"a command on {self.channel.topic[:200]} has more than {_MAX_COMMAND_BYTES} bytes"
+            )
+            return None
         if self._commands is None or self._encode is None:
             self._early = payload
             if self._has_ended and self._start is not None:
@@ -96,8 +104,8 @@ class DrivenTopic:
 
     async def _open(self, graph: Graph, store: TypeStore) -> None:
         try:
-            codec, message_type = types_of(self.channel, store)
-            encode = encoder(self.channel, codec)
+            codec, message_type = await types_of(self.channel, store)
+            encode = channel_encoder(self.channel, codec).encode
             topic = graph.resolve(self.channel.topic)
             commands = await self._teleop.enter(self, topic, message_type, codec)
         except (RostetherError, InvalidNameError) as error:

@@ -12,7 +12,7 @@ import json
 from typing import Any
 
 from rostether.errors import RemoteProtocolError, SerializationError
-from rostether.gateways.large_json import check_few_values
+from rostether.gateways.large_json import check_few_values, parse_json
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import plain_value
@@ -28,7 +28,7 @@ def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
     text = data.decode("utf-8", "replace") or "{}"
     try:
         check_few_values(text)
-        value = json.loads(text)
+        value = parse_json(text)
     except RemoteProtocolError as error:
         raise SerializationError(f"{error}; send {codec.type_name} in another encoding") from None
     except (ValueError, RecursionError) as error:

@@ -6,8 +6,9 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import TypeAlias
 
-from rostether.errors import RostetherError, SerializationError, ServiceCallError
-from rostether.gateways.foxglove.json_messages import decode_json, encode_json
+from rostether.errors import RostetherError, ServiceCallError
+from rostether.gateways.foxglove.encoding import Encoder
+from rostether.gateways.foxglove.json_messages import encode_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, OfferedService
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.gateways.type_names import short_type
@@ -22,6 +23,9 @@ FindServiceType: TypeAlias = Callable[[str], Awaitable[str]]
 MAX_SERVICES = 20_000
 
 _ASKED_AT_ONCE = 8
+
+# A longer response may take longer than 10 ms to convert to JSON.
+_MAX_QUICK_ANSWER_BYTES = 16 << 10
 
 # A node that has just registered may not answer yet; a node that has ended never does.
 _RETRY_S = (1.0, 2.0, 5.0, 10.0, 30.0)
@@ -86,18 +90,18 @@ class Services:
         """Call; request and response have the same encoding. Raises RostetherError."""
         types = service.type
         if encoding == JSON_ENCODING:
-            codec = self._store.codec(types.request.name)
-            request = codec.encode(decode_json(codec, payload))
+            encoder = Encoder.of_json(self._store.codec(types.request.name))
         elif encoding == ROS1_ENCODING:
-            request = payload
-            layout = self._store.layout(types.request.name)
-            if not layout.accepts(request):
-                raise SerializationError(layout.explain(request))
+            encoder = Encoder.of_ros1(self._store.layout(types.request.name))
         else:
             raise ServiceCallError(f"requests are {ROS1_ENCODING} or {JSON_ENCODING}, not {encoding[:40]!r}")
+        request = await encoder.convert(payload)
         answer = await self._graph.call_service(service.name, types, request, timeout_s=timeout_s)
         if encoding == JSON_ENCODING:
-            return encode_json(self._store.codec(types.response.name).decode(answer))
+            codec = self._store.codec(types.response.name)
+            if len(answer) > _MAX_QUICK_ANSWER_BYTES:
+                return await asyncio.to_thread(lambda: encode_json(codec.decode(answer)))
+            return encode_json(codec.decode(answer))
         return answer
 
     async def close(self) -> None:

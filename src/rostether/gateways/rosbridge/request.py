@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.large_json import MANY_VALUES, count_values, parse_in_steps
+from rostether.gateways.large_json import MANY_VALUES, count_values, parse_in_steps, parse_json
 from rostether.gateways.rosbridge.status import show
 
 # The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
@@ -113,7 +113,7 @@ async def read_request(data: str | bytes) -> Request:
     return Request(fields, len(data), value_count)
 
 
-def _parsed(text: str, parse: Callable[[str], Any] = json.loads) -> Any:
+def _parsed(text: str, parse: Callable[[str], Any] = parse_json) -> Any:
     """Return parsed JSON, without garbage collection: parsing creates no garbage."""
     if len(text) < _LARGE_BYTES or not gc.isenabled():
         return parse(text)

@@ -1,0 +1,60 @@
+"""Converts the messages of Foxglove clients to ROS messages; those that take long in a thread."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from rostether.errors import SerializationError
+from rostether.gateways.foxglove.json_messages import decode_json
+from rostether.serde.codec import Codec
+from rostether.serde.layout import Layout
+
+# Longer messages may take longer than 10 ms. In JSON, each `{}` can be a message with default values.
+MAX_QUICK_JSON_BYTES: Final = 1 << 10
+
+# Each string in a list has its own length, which takes 4 bytes and 0.3 µs.
+MAX_QUICK_ROS1_BYTES: Final = 32 << 10
+
+# Types with more default values are slow in any JSON message.
+_MANY_DEFAULTS: Final = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Encoder:
+    """Returns the ROS message of a client's message, and raises SerializationError."""
+
+    encode: Callable[[bytes], bytes]
+    max_quick_bytes: int
+
+    @classmethod
+    def of_json(cls, codec: Codec) -> Encoder:
+        """Convert JSON."""
+        is_small = codec.tree.zero_elements <= _MANY_DEFAULTS
+        return cls(
+            lambda payload: codec.encode(decode_json(codec, payload)), MAX_QUICK_JSON_BYTES if is_small else 0
+        )
+
+    @classmethod
+    def of_ros1(cls, layout: Layout) -> Encoder:
+        """Check ROS 1 messages."""
+
+        def check(payload: bytes) -> bytes:
+            if not layout.accepts(payload):
+                raise SerializationError(layout.explain(payload))
+            return payload
+
+        return cls(check, MAX_QUICK_ROS1_BYTES if layout.has_varying_elements else sys.maxsize)
+
+    def is_slow(self, payload: bytes) -> bool:
+        """Return whether a message may take longer than 10 ms."""
+        return len(payload) > self.max_quick_bytes
+
+    async def convert(self, payload: bytes) -> bytes:
+        """Return the ROS message, without delaying others. Raises SerializationError."""
+        if self.is_slow(payload):
+            return await asyncio.to_thread(self.encode, payload)
+        return self.encode(payload)
