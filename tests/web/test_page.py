@@ -67,6 +67,34 @@ async def test_a_hidden_page_subscribes_nothing(robot: Robot, browser: Browser) 
     await browser.wait_for(page, f"!{RANGE}.isStale()")
 
 
+async def test_a_plot_goes_on_while_another_panel_is_shown(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url)
+    script = "void (location.hash = '#/plots?s=' + btoa(JSON.stringify({ series: ['/ultrasound.range'] })))"
+    await browser.do("evaluate", page=page, script=script)
+    await browser.wait_for(page, f"document.querySelector('.plots-chart') && {RANGE}.last !== undefined")
+    await browser.do("evaluate", page=page, script="void (location.hash = '#/console')")
+    await browser.wait_for(page, "document.querySelector('.page-console') !== null")
+    before = await browser.do("evaluate", page=page, script=f"{RANGE}.last.receivedMs")
+    await browser.wait_for(page, f"{RANGE}.last.receivedMs > {before} + 1000")
+    await browser.do("hide", page=page, hidden=True)
+    await browser.wait_for(page, "rostether.subscriptionCount === 0")
+    # Nothing is plotted any more.
+    await browser.do("hide", page=page, hidden=False)
+    await browser.do("evaluate", page=page, script=script)
+    await browser.do("click", page=page, selector=".plots-legend [aria-label=Remove]")
+    await browser.wait_for(page, "rostether.subscriptionCount === 0")
+
+
+async def test_a_graph_fits_into_the_width(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/graph", width=900)
+    scroll = "document.querySelector('.graph-scroll')"
+    await browser.wait_for(
+        page, f"document.querySelector('.graph-node') && {scroll}.scrollWidth <= {scroll}.clientWidth"
+    )
+    await browser.do("click", page=page, selector="[aria-label=Larger]")
+    await browser.wait_for(page, f"{scroll}.scrollWidth > {scroll}.clientWidth")
+
+
 async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url)
     await browser.wait_for(page, f"{RANGE}.last !== undefined && !{RANGE}.isStale()")
@@ -100,6 +128,12 @@ async def test_a_phone_sees_everything_in_one_column(robot: Robot, browser: Brow
     script = (
         "document.querySelector('.content').scrollWidth <= document.querySelector('.content').clientWidth"
     )
+    await browser.wait_for(page, script)
+    await browser.do("evaluate", page=page, script="void (location.hash = '#/boards')")
+    name = "document.querySelector('.board-topics td a')"
+    await browser.wait_for(page, f"{name} !== null")
+    lengthen = f"void ({name}.textContent = 'a_topic_with_a_name_that_is_too_long_for_phones')"
+    await browser.do("evaluate", page=page, script=lengthen)
     await browser.wait_for(page, script)
     await browser.do("click", page=page, selector=".navigation .more")
     await browser.do("click", page=page, selector='.navigation a[href="#/topics"]')

@@ -43,6 +43,14 @@ async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser
         await browser.wait_for(page, f"{_level('D13')} === '1'")
         await browser.do("click", page=page, selector="[data-pin=D7]")
         await browser.wait_for(page, f"{_level('D13')} === '0'")
+        # For fingers, the pins are buttons too.
+        phone = await browser.do("open", url=f"http://{place}/#/simulation", width=390, touch=True)
+        button = "button[data-pin=D7]"
+        await browser.wait_for(phone, f"document.querySelector('{button}')?.offsetHeight >= 44")
+        await browser.do("click", page=phone, selector=button)
+        await browser.wait_for(page, f"{_level('D13')} === '1'")
+        await browser.do("click", page=phone, selector=button)
+        await browser.wait_for(page, f"{_level('D13')} === '0'")
         slider = "document.querySelector('[aria-label=\"Volts at A0\"]')"
         slide = f"{slider}.value = 2.5; void {slider}.dispatchEvent(new Event('input', {{ bubbles: true }}))"
         await browser.do("evaluate", page=page, script=slide)

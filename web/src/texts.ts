@@ -309,7 +309,7 @@ export const texts = {
     folder: (folder: string) => `Recordings are files of the robot, in ${folder}`,
     files: "Recordings",
     none: "No recordings yet",
-    noneText: "A recording holds all topics. Replay it with rostether bag play.",
+    noneText: "A recording holds all topics. Play it here, or with rostether bag play.",
     download: (name: string) => `Download ${name}`,
     notOffered: "This server does not record",
     notOfferedText: "The dashboard of rostether serve, launch, demo and dashboard records.",

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
+  Box3,
   type BufferGeometry,
   Color,
   type DataTexture,
@@ -8,6 +9,7 @@ import {
   type MeshBasicMaterial,
   type Object3D,
 } from "three";
+import { expandByContent } from "../src/scene/content_bounds.ts";
 import type { Display } from "../src/scene/display.ts";
 import type { DisplayType } from "../src/scene/display_types.ts";
 import { DISPLAYS } from "../src/scene/displays.ts";
@@ -53,6 +55,18 @@ test("an empty point cloud has no points, and is no problem", () => {
   display.update(cloud(XYZ.slice(1), 1, new Uint8Array(16)));
   assert.equal(drawn(), 0);
   assert.deepEqual(reports.map(Boolean), [false, false, true]);
+});
+
+test("the picture shows an obstacle in range; without one, how far the sensor sees", () => {
+  const { display, objects } = show("sensor_msgs/Range");
+  const reach = (range: number) => {
+    display.update({ header, radiation_type: 0, field_of_view: 0.3, min_range: 0.02, max_range: 4, range });
+    const box = new Box3();
+    expandByContent(box, objects()[0]!);
+    return box.max.x;
+  };
+  assert.ok(Math.abs(reach(1) - 1) < 0.01);
+  assert.ok(Math.abs(reach(Number.POSITIVE_INFINITY) - 4) < 0.01);
 });
 
 test("markers with numbers that are not finite are named and not drawn", () => {

@@ -22,6 +22,8 @@ export class Series {
   /** For a path with `[:]`: the last numbers. */
   lastArray: ArrayLike<number | bigint> = [];
   readonly isArray: boolean;
+  /** How many charts receive it now. */
+  receivers = 0;
   private readonly clock: RobotClock;
   private topic: Topic | undefined;
   private reader: PathReader | undefined;

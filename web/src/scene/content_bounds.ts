@@ -24,7 +24,7 @@ export function expandByContent(box: Box3, root: Object3D): void {
   };
   root.traverseVisible((object) => {
     const { geometry } = object as { geometry?: BufferGeometry };
-    if (geometry === undefined || object instanceof Sprite) return;
+    if (geometry === undefined || object instanceof Sprite || object.userData.isOutOfView) return;
     if (object instanceof InstancedMesh) {
       const place = new Matrix4();
       for (let i = 0; i < object.count; i += stepOf(object.count)) {

@@ -1,6 +1,6 @@
 // The graph of nodes and topics, with publishers and subscribers.
 import { type Signal, useComputed, useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { formatRate } from "../../shell/format.ts";
 import { EmptyState, SearchField } from "../../shell/parts.tsx";
 import type { Topic } from "../../store/topics.ts";
@@ -13,6 +13,10 @@ import { type Box, type Drawing, type Edge, layout, MAX_BOXES, MAX_LABEL, shortL
 
 // The size of a box that a finger can tap, in pixels.
 const FINGER = 44;
+// The space around the drawing, in pixels: `.graph-scroll` in graph.css.
+const PADDING = 12;
+// Names in a smaller drawing cannot be read.
+const SMALLEST_FIT = 0.75;
 // The number that fits on a screen.
 const MAX_RATES = 60;
 const LARGE_TYPES: readonly string[] = [
@@ -30,22 +34,35 @@ interface GraphSettings {
 function GraphPanel({ context }: { context: PanelContext }) {
   const settings = context.settings as Signal<GraphSettings>;
   const { robot } = context;
-  const zoom = useSignal(1);
+  // Undefined: as much as fits into the width.
+  const chosenZoom = useSignal<number | undefined>(undefined);
+  const host = useRef<HTMLDivElement>(null);
+  const widthPx = useSignal(Number.POSITIVE_INFINITY);
+  useEffect(() => {
+    const observer = new ResizeObserver(() => {
+      widthPx.value = host.current!.clientWidth - 2 * PADDING;
+    });
+    observer.observe(host.current!);
+    return () => observer.disconnect();
+  }, []);
+  const isTouched = matchMedia("(pointer: coarse)").matches;
   const drawing = useComputed(() =>
     layout(
       { publishers: robot.publishers.value, subscribers: robot.subscribers.value },
       settings.value.filter ?? "",
       settings.value.plumbing ?? false,
       robot.info.value?.metadata?.node,
-      matchMedia("(pointer: coarse)").matches ? FINGER : undefined,
+      isTouched ? FINGER : undefined,
     ),
   ).value;
   useRates(context, drawing);
+  const fitted = Math.max(SMALLEST_FIT, Math.min(1, widthPx.value / (drawing?.width || 1)));
+  const zoom = chosenZoom.value ?? (isTouched ? 1 : fitted);
   const change = (to: GraphSettings) => {
     settings.value = { ...settings.value, ...to };
   };
   return (
-    <div class="graph">
+    <div class="graph" ref={host}>
       <div class="toolbar">
         <SearchField
           value={settings.value.filter ?? ""}
@@ -66,7 +83,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
           class="button"
           aria-label={texts.graph.smaller}
           onClick={() => {
-            zoom.value /= 1.25;
+            chosenZoom.value = zoom / 1.25;
           }}
         >
           −
@@ -76,7 +93,7 @@ function GraphPanel({ context }: { context: PanelContext }) {
           class="button"
           aria-label={texts.graph.larger}
           onClick={() => {
-            zoom.value *= 1.25;
+            chosenZoom.value = zoom * 1.25;
           }}
         >
           +
@@ -96,8 +113,8 @@ function GraphPanel({ context }: { context: PanelContext }) {
             class="graph-drawing"
             role="group"
             aria-label={texts.panels.graph}
-            width={drawing.width * zoom.value}
-            height={drawing.height * zoom.value}
+            width={drawing.width * zoom}
+            height={drawing.height * zoom}
             viewBox={`0 0 ${drawing.width} ${drawing.height}`}
           >
             <title>{texts.panels.graph}</title>

@@ -66,7 +66,7 @@ function PlotsPage({ context }: { context: PanelContext }) {
     }
   }, [names.join(), topics]);
 
-  const series = useSeries(context, ids);
+  const series = useSeries(context, ids, true);
   const overTime = series.filter((each) => !each.isArray);
   const arrays = series.filter((each) => each.isArray);
   const spanS = SPANS_S.find((each) => each === settings.value.span) ?? DEFAULT_SPAN_S;

@@ -1,31 +1,25 @@
 // Series by their names, receiving while the panel is visible.
-import { effect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
+import { keepSeries, receiveSeries } from "../../plot/receiving.ts";
 import { type Series, seriesStore } from "../../plot/series.ts";
 import type { PanelContext } from "../panel.ts";
 
-export function useSeries(context: PanelContext, ids: readonly string[]): Series[] {
+/** With `isKept`, series over time also receive while another panel is shown. */
+export function useSeries(context: PanelContext, ids: readonly string[], isKept = false): Series[] {
   const key = ids.join("\n");
-  const series = useMemo(() => ids.map((id) => seriesStore(context.robot).get(id)), [key]);
+  const { robot } = context;
+  const series = useMemo(() => ids.map((id) => seriesStore(robot).get(id)), [key]);
   // Their units and axes depend on types, which are known after the connection.
-  for (const each of series) each.follow(context.robot.topics.value.get(each.topicName));
+  for (const each of series) each.follow(robot.topics.value.get(each.topicName));
   useEffect(() => {
-    const endings = series.map((each) => {
-      const feed = context.robot.feed(each.topicName);
-      const stopFollowing = effect(() => each.follow(feed.topic.value));
-      const subscription = context.subscribe(each.topicName, (arrival) => each.receive(arrival));
-      return () => {
-        stopFollowing();
-        subscription.close();
-        each.buffer.interrupt();
-      };
-    });
-    const stopWatching = effect(() => {
-      if (context.visible.value && context.robot.connection.value === "open") return;
-      for (const each of series) each.buffer.interrupt();
-    });
+    if (isKept)
+      keepSeries(
+        robot,
+        series.filter((each) => !each.isArray),
+      );
+    const others = series.filter((each) => !isKept || each.isArray);
+    const endings = others.map((each) => receiveSeries(robot, each, context.visible));
     return () => {
-      stopWatching();
       for (const end of endings) end();
     };
   }, [series]);

@@ -28,6 +28,7 @@ const SURROUNDINGS = [
   "nav_msgs/Path",
   "sensor_msgs/LaserScan",
   "sensor_msgs/PointCloud2",
+  "sensor_msgs/Range",
 ];
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4", "#d9c02f", "#f0734a"];
 /** The first transforms arrive one after another: the camera is fitted for this number of half seconds. */

@@ -58,6 +58,8 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
   }, [mayAct, commands]);
   const tell: Tell = (line) => publisher.peek()?.publish({ data: line });
   const slide: Tell = (line) => publisher.peek()?.publishSmoothly({ data: line });
+  // The pins of the drawing are smaller than a finger.
+  const hasFingers = !context.isCard && matchMedia("(pointer: coarse)").matches;
   const drawing = state && (
     <div>
       <BoardDrawing
@@ -66,7 +68,7 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
         drive={(pin, level) => tell(`pin ${pin}=${level ?? "z"}`)}
       />
       <NamedPins
-        pins={state.pins.filter((pin) => !isNumbered(pin.name))}
+        pins={state.pins.filter((pin) => !isNumbered(pin.name) || (hasFingers && isPressable(pin, state)))}
         driven={state.driven}
         isDisabled={!mayAct}
         tell={tell}
@@ -98,7 +100,12 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
   );
 }
 
-/** Pins with names, such as the buttons and lamps of an OpenCR. */
+/** Whether something outside can drive the pin, or does. */
+function isPressable({ name, direction }: Pin, { driven }: BoardState): boolean {
+  return direction === "in" || driven[name] !== undefined;
+}
+
+/** Pins as buttons: those with names, such as the lamps of an OpenCR; for fingers, also the numbered inputs. */
 function NamedPins(props: {
   pins: readonly Pin[];
   driven: Readonly<Record<string, number>>;
