@@ -110,7 +110,7 @@ export const texts = {
     none: "No number is plotted",
     noneText: "Choose any number of any message with “Add”.",
     span: "Span of time",
-    lastSpan: (seconds: number) => (seconds < 120 ? `Last ${seconds} s` : `Last ${seconds / 60} min`),
+    lastSpan: (seconds: number) => (seconds < 120 ? `${seconds} s` : `${seconds / 60} min`),
     live: "Resume",
     save: "Save what is shown as CSV",
     saveMcap: "Save what is shown as MCAP",

@@ -110,6 +110,16 @@ test("each type has the control that fits", () => {
   assert.equal(kind("/text", "std_msgs/String", "string data").kind, "text");
   assert.equal(kind("/c", "std_msgs/ColorRGBA", "float32 r\nfloat32 g\nfloat32 b\nfloat32 a").kind, "color");
   assert.equal(kind("/x", "a/B", "float32 a\nfloat32 b").kind, "form");
+  assert.deepEqual(kind("/pose", "mearm_model/ServoAngles", "int16 servo1\nint16 servo2"), {
+    kind: "servos",
+    fields: ["servo1", "servo2"],
+    min: 0,
+    max: 180,
+    step: 1,
+  });
+  assert.equal(kind("/pose", "a/ServoState", "int16 servo\nstring name").kind, "form");
+  const small = kind("/servo", "std_msgs/Int8", "int8 data");
+  assert.ok(small.kind === "slider" && small.max === 127);
   const speed = kind("/speed", "std_msgs/Int8", "int8 data");
   assert.ok(speed.kind === "slider" && speed.max === 127);
 });

@@ -10,6 +10,7 @@ import type { PanelContext } from "../panel.ts";
 import { type ControlKind, controlKind } from "./control_kind.ts";
 import { JointSliders } from "./joint_sliders.tsx";
 import { useOthersValue } from "./others_value.ts";
+import { ServoSliders } from "./servo_sliders.tsx";
 import { TopicPublisher } from "./topic_publisher.ts";
 
 /** Returns whether it was sent. */
@@ -72,6 +73,15 @@ function ControlOf(props: { context: PanelContext; topicName: string; type: Stru
       return <TopicToggle context={context} topicName={topicName} field={kind.field} send={send} />;
     case "slider":
       return <Slider context={context} topicName={topicName} slider={kind} send={send} />;
+    case "servos":
+      return (
+        <ServoSliders
+          context={context}
+          topicName={topicName}
+          servos={kind}
+          send={(message) => send(message, true)}
+        />
+      );
     case "text":
       return <TextLine field={kind.field} send={send} />;
     case "color":

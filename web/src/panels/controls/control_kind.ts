@@ -7,6 +7,7 @@ export type ControlKind =
   | { kind: "button" }
   | { kind: "toggle"; field: string }
   | { kind: "slider"; field: string; type: Primitive; min: number; max: number; step: number }
+  | { kind: "servos"; fields: string[]; min: number; max: number; step: number }
   | { kind: "text"; field: string }
   | { kind: "color" }
   | { kind: "joints" }
@@ -14,6 +15,11 @@ export type ControlKind =
   | { kind: "form" };
 
 const FLOATS: readonly Primitive[] = ["float32", "float64"];
+const SERVO = /servo|angle/i;
+/** Of a whole message; angles of others may be radians. */
+const SERVOS = /servo[^/]*$/i;
+// More sliders are not readable.
+const MAX_SERVOS = 12;
 
 export function controlKind(topic: string, type: StructNode): ControlKind {
   if (DRIVE_TYPES.includes(type.name)) return { kind: "drive" };
@@ -21,7 +27,7 @@ export function controlKind(topic: string, type: StructNode): ControlKind {
   if (type.name === "sensor_msgs/JointState") return { kind: "joints" };
   const [first, second] = type.fields;
   if (first === undefined) return { kind: "button" };
-  if (second !== undefined) return { kind: "form" };
+  if (second !== undefined) return servos(type) ?? { kind: "form" };
   const { name, node } = first;
   if (node.kind === "string") return { kind: "text", field: name };
   if (node.kind !== "primitive") return { kind: "form" };
@@ -29,11 +35,22 @@ export function controlKind(topic: string, type: StructNode): ControlKind {
   return { kind: "slider", field: name, type: node.type, ...sliderRange(topic, node.type) };
 }
 
+/** A message whose type is named after servos, and which has only numbers. */
+function servos({ name, fields }: StructNode): ControlKind | undefined {
+  const types = fields.flatMap(({ node }) => (node.kind === "primitive" ? [node.type] : []));
+  const isNumber = (type: Primitive) => FLOATS.includes(type) || (limitsOf(type) && !type.endsWith("int64"));
+  const isNumbers = types.length === fields.length && types.every(isNumber);
+  if (!SERVOS.test(name) || !isNumbers || fields.length > MAX_SERVOS) return undefined;
+  const range = sliderRange(name, types[0]!);
+  return { kind: "servos", fields: fields.map((field) => field.name), ...range };
+}
+
 /** Where a slider begins and ends at first; the user can change both. */
 function sliderRange(topic: string, type: Primitive): { min: number; max: number; step: number } {
   const isFloat = FLOATS.includes(type);
   // Hobby servos turn by 180 degrees, and Arduino's Servo.write() expects degrees.
-  if (/servo|angle/i.test(topic)) return { min: 0, max: 180, step: isFloat ? 0.5 : 1 };
+  if (SERVO.test(topic))
+    return { min: 0, max: Math.min(180, limitsOf(type)?.[1] ?? 180), step: isFloat ? 0.5 : 1 };
   if (isFloat) return { min: -1, max: 1, step: 0.01 };
   const [low, high] = limitsOf(type) as readonly [number, number];
   // analogWrite() accepts 0 to 255; a slider over all of int32 would be unusable.
