@@ -41,10 +41,10 @@ def topic() -> None:
         {
             "list": ("verbs:list_nodes", "List the running nodes."),
             "info": ("verbs:info", "Show what a node publishes, subscribes to and serves."),
-            "ping": ("verbs:ping", "Check whether a node answers, and how quickly."),
-            "kill": ("verbs:kill", "Ask nodes to shut down."),
-            "cleanup": ("verbs:cleanup", "Unregister dead nodes from the master."),
-            "machine": ("verbs:machine", "List machines, or the nodes on one."),
+            "ping": ("verbs:ping_nodes", "Check whether a node answers, and how quickly."),
+            "kill": ("verbs:kill_nodes", "Ask nodes to shut down."),
+            "cleanup": ("verbs:cleanup_nodes", "Unregister dead nodes from the master."),
+            "machine": ("verbs:list_machines", "List machines, or the nodes on one."),
         },
     ),
     examples="""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import click
 from click.shell_completion import CompletionItem
@@ -24,40 +24,56 @@ TIMEOUT_S = 1.0
 ROS2_TIMEOUT_S = 3.0
 
 
+# What the ROS 1 master knows: publishers, subscribers and services, each with their nodes.
+State: TypeAlias = tuple[Mapping[str, list[str]], Mapping[str, list[str]], Mapping[str, list[str]]]
+
+
 def complete_topics(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the topics that begin with the typed text."""
-
-    async def names(client: MasterClient) -> Iterable[str]:
-        publishers, subscribers, _ = await client.system_state()
-        return publishers.keys() | subscribers.keys()
-
-    return _complete(ctx, names, lambda view: view.topics(), incomplete)
+    return _complete_state(ctx, _topics, lambda view: view.topics(), incomplete)
 
 
 def complete_fields(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the topics, and the fields of a topic, that begin with the typed text."""
 
     async def names(client: MasterClient) -> Iterable[str]:
-        publishers, subscribers, _ = await client.system_state()
         found = field_names(_registry(ctx), await client.topic_types(), incomplete)
-        return {*publishers, *subscribers, *found}
+        return {*_topics(await client.system_state()), *found}
 
     return _complete(ctx, names, lambda view: view.topics(), incomplete)
 
 
 def complete_topic_type(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
     """Return the type of the topic that was typed before, or the types that begin with the typed text."""
-    topic = str(ctx.params.get("topic") or "")
+    topic = str(ctx.params.get("topic") or "").lstrip("/")
 
     async def names(client: MasterClient) -> Iterable[str]:
-        return [
-            kind
-            for name, kind in (await client.topic_types()).items()
-            if name.lstrip("/") == topic.lstrip("/")
-        ]
+        types = await client.topic_types()
+        return [kind for name, kind in types.items() if name.lstrip("/") == topic]
 
     known = _complete(ctx, names, lambda _: (), incomplete)
     return known or complete_message_types(ctx, param, incomplete)
+
+
+def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the nodes that begin with the typed text."""
+    return _complete_state(
+        ctx,
+        lambda state: {node for part in state for nodes in part.values() for node in nodes},
+        _nodes,
+        incomplete,
+    )
+
+
+def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the services that begin with the typed text."""
+    return _complete_state(ctx, lambda state: state[2], lambda view: view.services(), incomplete)
+
+
+def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the parameters that begin with the typed text."""
+    # On ROS 2 the node comes before the parameter.
+    return _complete(ctx, lambda client: client.param_names(), _nodes, incomplete)
 
 
 def field_names(registry: Registry, types: Mapping[str, str], typed: str) -> list[str]:
@@ -73,34 +89,6 @@ def field_names(registry: Registry, types: Mapping[str, str], typed: str) -> lis
     except (RostetherError, StopIteration):
         return []
     return ["/".join((topic, *before, each.name)) for each in fields]
-
-
-def complete_nodes(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the nodes that begin with the typed text."""
-
-    async def names(client: MasterClient) -> Iterable[str]:
-        return {node for part in await client.system_state() for nodes in part.values() for node in nodes}
-
-    return _complete(ctx, names, _nodes, incomplete)
-
-
-def complete_services(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the services that begin with the typed text."""
-
-    async def names(client: MasterClient) -> Iterable[str]:
-        return (await client.system_state())[2]
-
-    return _complete(ctx, names, lambda view: view.services(), incomplete)
-
-
-def complete_params(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the parameters that begin with the typed text."""
-
-    async def names(client: MasterClient) -> Iterable[str]:
-        return await client.param_names()
-
-    # On ROS 2 the node comes before the parameter.
-    return _complete(ctx, names, _nodes, incomplete)
 
 
 def complete_message_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -148,8 +136,24 @@ def _graph(ctx: click.Context) -> GraphOptions:
     )
 
 
+def _topics(state: State) -> Iterable[str]:
+    return state[0].keys() | state[1].keys()
+
+
 def _nodes(view: GraphView) -> Iterable[str]:
     return (node for node in view.nodes if not node.rpartition("/")[2].startswith("_"))
+
+
+def _complete_state(
+    ctx: click.Context,
+    names: Callable[[State], Iterable[str]],
+    ros2_names: Callable[[GraphView], Iterable[str]],
+    incomplete: str,
+) -> list[str]:
+    async def ask(client: MasterClient) -> Iterable[str]:
+        return names(await client.system_state())
+
+    return _complete(ctx, ask, ros2_names, incomplete)
 
 
 def _complete(
@@ -159,14 +163,17 @@ def _complete(
     incomplete: str,
 ) -> list[str]:
     graph = _graph(ctx)
-    if graph.ros2 is not None:
-        return _complete_ros2(graph, ros2_names, incomplete)
     # Not at import: it takes a quarter of the start time, and not all commands need it.
     import asyncio
 
-    from rostether.cli.access.ros1_access import master_client, read_environment
-
     async def ask() -> Iterable[str]:
+        if graph.ros2 is not None:
+            from rostether.cli.access.ros2_tool_node import tool_node
+
+            async with asyncio.timeout(ROS2_TIMEOUT_S), tool_node(graph, is_quiet=True) as tool:
+                return ros2_names(await tool.settled_snapshot())
+        from rostether.cli.access.ros1_access import master_client, read_environment
+
         async with asyncio.timeout(TIMEOUT_S), master_client(read_environment(graph)) as client:
             return await names(client)
 
@@ -174,23 +181,6 @@ def _complete(
         return _beginning(asyncio.run(ask()), incomplete)
     except (RostetherError, OSError):
         # A shell cannot show errors here: complete nothing.
-        return []
-
-
-def _complete_ros2(
-    graph: GraphOptions, names: Callable[[GraphView], Iterable[str]], incomplete: str
-) -> list[str]:
-    import asyncio
-
-    from rostether.cli.access.ros2_tool_node import tool_node
-
-    async def ask() -> Iterable[str]:
-        async with asyncio.timeout(ROS2_TIMEOUT_S), tool_node(graph, is_quiet=True) as tool:
-            return names(await tool.settled_snapshot())
-
-    try:
-        return _beginning(asyncio.run(ask()), incomplete)
-    except (RostetherError, OSError):
         return []
 
 

@@ -12,7 +12,13 @@ from typing import Any
 
 import click
 
-from rostether.cli.shell.option_group import EXISTING_FILE, Function, OptionalValueOption, option_group
+from rostether.cli.shell.option_group import (
+    EXISTING_FILE,
+    Function,
+    OptionalValueOption,
+    ignored_options,
+    option_group,
+)
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
@@ -119,6 +125,9 @@ _SERVED_MASTER = "The ROS master to join; the command waits for it."
 _TOOL_ALLOW = "Accept connections to this node from these addresses only (if ROS_IP is set); may be repeated."
 _SERVED_ALLOW = "Accept network connections from these addresses only, e.g. 192.168.1.0/24; may be repeated."
 
+# Options of the tools of ROS 2 that scripts pass; they have no effect here.
+_DAEMON_HABITS = ignored_options("--spin-time", no_daemon="--no-daemon")
+
 _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced"
 
 
@@ -194,6 +203,8 @@ def graph_options(
         options += _REACH_OPTIONS
     if served and ros:
         options += _SERVING_OPTIONS
+    if ros and not takes_both:
+        options.append(_DAEMON_HABITS)
     if allow or served:
         text = _SERVED_ALLOW if served else _TOOL_ALLOW
         options.append(click.option("--allow", multiple=True, metavar="CIDR", help=text))

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import click
 
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.shell.option_group import PATH, Function, ignored_options
 
 msg_path_option = click.option(
@@ -18,15 +19,12 @@ msg_path_option = click.option(
 )
 
 
-daemon_habits = ignored_options("--spin-time", no_daemon="--no-daemon")
 qos_habits = ignored_options(
     "--qos-profile",
     "--qos-depth",
     "--qos-history",
     "--qos-reliability",
     "--qos-liveliness",
-    "--spin-time",
-    no_daemon="--no-daemon",
 )
 
 
@@ -75,6 +73,7 @@ def _spelled(name: str) -> str:
     return name
 
 
-def not_on_ros2(command: str, instead: str) -> click.UsageError:
-    """Return the error for a command that does not exist on ROS 2."""
-    return click.UsageError(f"`{command}` works on ROS 1 only: {instead}")
+def refuse_ros2(graph: GraphOptions, command: str, instead: str) -> None:
+    """Raise UsageError for a command that does not exist on ROS 2."""
+    if graph.ros2 is not None:
+        raise click.UsageError(f"`{command}` works on ROS 1 only: {instead}")

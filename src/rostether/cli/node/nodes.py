@@ -30,18 +30,6 @@ class Nodes(Protocol):
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to and serve."""
 
-    def machine(self, name: str | None) -> None:
-        """Print the machines that nodes run on, or the nodes on one."""
-
-    def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
-        """Ping a node once a second, or each node once if `name` is None."""
-
-    def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
-        """Ask nodes to shut down."""
-
-    def cleanup(self, *, yes: bool) -> None:
-        """Forget nodes that do not answer; `yes` does not ask first."""
-
 
 def nodes_of(graph: GraphOptions) -> Nodes:
     """Return the nodes of the graph that a command means."""

@@ -45,46 +45,22 @@ class Ros1Nodes:
         refuse_ros2_only(with_hidden=with_hidden)
         run(_info(self._environment, names, quiet=quiet, as_json=as_json))
 
-    def machine(self, name: str | None) -> None:
-        """Print the machines that nodes run on, or the nodes on one."""
-        hosts = run(_hosts(self._environment))
-        if name is None:
-            for host in sorted(set(hosts.values())):
-                write_line(host)
-            return
-        found = [node_name for node_name, host in hosts.items() if host == name]
-        for each in found:
-            write_line(each)
-        if not found:
-            warn(
-                f"no node is on {name}; `rostether node machine` lists the machines with the names that "
-                f"nodes use"
-            )
-            raise click.exceptions.Exit(EXIT_FAILED)
 
-    def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
-        """Ping a node once a second, or each node once where `name` is None."""
-        from rostether.cli.node.ros1_ping import ping, ping_all
-
-        pinging = (
-            ping_all(self._environment, as_json=as_json)
-            if name is None
-            else ping(self._environment, name, count, as_json=as_json)
+def machine(environment: RosEnvironment, name: str | None) -> None:
+    """Print the machines that nodes run on, or the nodes on one."""
+    hosts = run(_hosts(environment))
+    if name is None:
+        for host in sorted(set(hosts.values())):
+            write_line(host)
+        return
+    found = [node_name for node_name, host in hosts.items() if host == name]
+    for each in found:
+        write_line(each)
+    if not found:
+        warn(
+            f"no node is on {name}; `rostether node machine` lists the machines with the names that nodes use"
         )
-        if not run(pinging):
-            raise click.exceptions.Exit(EXIT_FAILED)
-
-    def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
-        """Ask nodes to shut down; without names, the user chooses one."""
-        from rostether.cli.node.ros1_kill import kill
-
-        kill(self._environment, names, kill_all=kill_all)
-
-    def cleanup(self, *, yes: bool) -> None:
-        """Remove nodes that do not answer from the master; with `yes`, without a question."""
-        from rostether.cli.node.ros1_kill import cleanup
-
-        cleanup(self._environment, yes=yes)
+        raise click.exceptions.Exit(EXIT_FAILED)
 
 
 async def _list(

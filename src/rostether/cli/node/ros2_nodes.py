@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.options import not_on_ros2, refuse_ros1_only
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.output import write_json, write_line
@@ -65,26 +65,6 @@ class Ros2Nodes:
             if name not in view.nodes:
                 raise unknown_node(name, view.nodes)
             _write_info(name, _sections(view, name, with_hidden=with_hidden), as_json=as_json)
-
-    def machine(self, name: str | None) -> None:
-        """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2("node machine", "ROS 2 does not report where a node runs")
-
-    def ping(self, name: str | None, count: int | None, *, as_json: bool) -> None:
-        """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2(
-            "node ping", "ROS 2 nodes have no address; `rostether node info` shows whether the node exists"
-        )
-
-    def kill(self, names: tuple[str, ...], *, kill_all: bool) -> None:
-        """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2(
-            "node kill", "ROS 2 nodes cannot be shut down remotely; end the process of the node"
-        )
-
-    def cleanup(self, *, yes: bool) -> None:
-        """Refuse: there is no such command on ROS 2."""
-        raise not_on_ros2("node cleanup", "ROS 2 removes dead nodes automatically")
 
 
 def _write_info(name: str, sections: dict[str, list[tuple[str, list[str]]]], *, as_json: bool) -> None:

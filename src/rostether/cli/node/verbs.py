@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from rostether.cli.access.completions import complete_nodes
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import daemon_habits
+from rostether.cli.access.options import refuse_ros2
 from rostether.cli.node.nodes import NodeListing, nodes_of
+from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import COUNT, option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
+
+if TYPE_CHECKING:
+    from rostether.ros1.environment import RosEnvironment
 
 
 @click.command(
@@ -18,7 +24,6 @@ from rostether.cli.shell.verbs import Verb
 )
 @option_group("wanted", NodeListing)
 @graph_options()
-@daemon_habits
 def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
     """List all running nodes, or those in a namespace."""
     nodes_of(graph).list_nodes(wanted)
@@ -32,7 +37,6 @@ def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
 @click.option("--include-hidden", "with_hidden", is_flag=True, help="With --ros2, also hidden names (_name).")
 @json_option
 @graph_options()
-@daemon_habits
 def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
     """Show what a node publishes, subscribes to and serves, and its connections."""
     nodes_of(graph).info(nodes, quiet=quiet, with_hidden=with_hidden, as_json=as_json)
@@ -41,10 +45,12 @@ def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, 
 @click.command("machine", cls=Verb, examples="rostether node machine\nrostether node machine robot.local")
 @click.argument("name", required=False, metavar="[MACHINE]")
 @graph_options()
-@daemon_habits
-def machine(name: str | None, graph: GraphOptions) -> None:
+def list_machines(name: str | None, graph: GraphOptions) -> None:
     """List the machines that nodes run on, or the nodes on one of them."""
-    nodes_of(graph).machine(name)
+    environment = _ros1(graph, "node machine", "ROS 2 does not report where a node runs")
+    from rostether.cli.node.ros1_nodes import machine
+
+    machine(environment, name)
 
 
 @click.command(
@@ -57,20 +63,31 @@ def machine(name: str | None, graph: GraphOptions) -> None:
     """,
 )
 @click.argument("name", metavar="[NODE]", required=False, shell_complete=complete_nodes)
-@click.option("-a", "--all", "ping_all", is_flag=True, help="Ping each node once.")
+@click.option("-a", "--all", "of_all", is_flag=True, help="Ping each node once.")
 @click.option("-n", "-c", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT pings.")
 @json_option
 @graph_options()
-def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:
+def ping_nodes(name: str | None, of_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Ping a node once a second until Ctrl-C; the exit code is 1 if it does not answer."""
-    nodes = nodes_of(graph)
-    if ping_all and (name or count):
+    environment = _ros1(
+        graph, "node ping", "ROS 2 nodes have no address; `rostether node info` shows whether the node exists"
+    )
+    if of_all and (name or count):
         raise click.UsageError("with --all, omit the node's name and -c")
-    if name is None and not ping_all:
+    if name is None and not of_all:
         raise click.UsageError(
             "give a node; `rostether node list` shows the running nodes; --all pings them all"
         )
-    nodes.ping(name, count, as_json=as_json)
+    from rostether.cli.node.ros1_ping import ping, ping_all
+    from rostether.cli.shell.running import run
+
+    pinging = (
+        ping_all(environment, as_json=as_json)
+        if name is None
+        else ping(environment, name, count, as_json=as_json)
+    )
+    if not run(pinging):
+        raise click.exceptions.Exit(EXIT_FAILED)
 
 
 @click.command(
@@ -79,17 +96,32 @@ def ping(name: str | None, ping_all: bool, count: int | None, as_json: bool, gra
 @click.argument("names", metavar="[NODE]...", nargs=-1, shell_complete=complete_nodes)
 @click.option("-a", "--all", "kill_all", is_flag=True, help="Shut down every node.")
 @graph_options()
-def kill(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
+def kill_nodes(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
     """Ask nodes to shut down; without a name, choose one from a list."""
-    nodes = nodes_of(graph)
+    environment = _ros1(
+        graph, "node kill", "ROS 2 nodes cannot be shut down remotely; end the process of the node"
+    )
     if kill_all and names:
         raise click.UsageError("with --all, omit the names")
-    nodes.kill(names, kill_all=kill_all)
+    from rostether.cli.node.ros1_kill import kill
+
+    kill(environment, names, kill_all=kill_all)
 
 
 @click.command("cleanup", cls=Verb, examples="rostether node cleanup\nrostether node cleanup --yes")
 @click.option("-y", "--yes", is_flag=True, help="Do not ask.")
 @graph_options()
-def cleanup(yes: bool, graph: GraphOptions) -> None:
+def cleanup_nodes(yes: bool, graph: GraphOptions) -> None:
     """Unregister nodes that do not answer from the master, after confirmation."""
-    nodes_of(graph).cleanup(yes=yes)
+    environment = _ros1(graph, "node cleanup", "ROS 2 removes dead nodes automatically")
+    from rostether.cli.node.ros1_kill import cleanup
+
+    cleanup(environment, yes=yes)
+
+
+def _ros1(graph: GraphOptions, command: str, instead: str) -> RosEnvironment:
+    """Return the ROS 1 environment. Raises UsageError with `instead` on ROS 2."""
+    refuse_ros2(graph, command, instead)
+    from rostether.cli.access.ros1_access import read_environment
+
+    return read_environment(graph)

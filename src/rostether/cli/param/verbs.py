@@ -8,7 +8,6 @@ import click
 
 from rostether.cli.access.completions import complete_params
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import daemon_habits
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions, params_of, verbose_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
@@ -21,7 +20,6 @@ _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 @click.command("list", cls=Verb, examples="rostether param list\nrostether param list /board")
 @option_group("wanted", ParamListing)
 @graph_options()
-@daemon_habits
 def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
     """List the names of parameters, of all or of a namespace; with --ros2, of a node."""
     params_of(graph).list_params(wanted)
@@ -32,7 +30,6 @@ def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
 @click.argument("parameter", metavar="[NAME]", required=False)
 @option_group("options", GetOptions)
 @graph_options()
-@daemon_habits
 def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptions) -> None:
     """Print a parameter, or all parameters of a namespace, in YAML; with --ros2, give NODE NAME."""
     params_of(graph).get(name, parameter, options)
@@ -54,7 +51,6 @@ def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptio
 @click.argument("more", nargs=-1, metavar="[VALUE]...")
 @option_group("options", SetOptions)
 @graph_options()
-@daemon_habits
 def set_param(
     name: str, value: str | None, more: tuple[str, ...], options: SetOptions, graph: GraphOptions
 ) -> None:
@@ -70,7 +66,6 @@ def set_param(
 @click.argument("parameter", metavar="[NAME]", required=False)
 @verbose_option
 @graph_options()
-@daemon_habits
 def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions) -> None:
     """Delete a parameter, or all parameters of a namespace; with --ros2, give NODE NAME."""
     params_of(graph).delete(name, parameter, verbose=verbose)
@@ -81,7 +76,6 @@ def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions)
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
 @json_option
 @graph_options()
-@daemon_habits
 def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptions) -> None:
     """Show the type, the limits and the description of a ROS 2 node's parameters."""
     params_of(graph).describe(node, names, as_json=as_json)
@@ -92,7 +86,6 @@ def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptio
 @click.argument("namespace", default="")
 @verbose_option
 @graph_options()
-@daemon_habits
 def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOptions) -> None:
     """Write parameters to a YAML file; without a file, or with -, to stdout.
 
@@ -108,7 +101,6 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOp
 @click.argument("namespace", default="")
 @verbose_option
 @graph_options()
-@daemon_habits
 def load(file: Path, namespace: str, verbose: bool, graph: GraphOptions) -> None:
     """Set the parameters of a YAML file (- is stdin), in a namespace if one is given.
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.options import not_on_ros2, refuse_ros1_only
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked, tool_node
 from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.output import write_json, write_line
@@ -52,10 +52,6 @@ class Ros2Services:
             else:
                 shown = f" [{', '.join(types)}]" if wanted.show_types else ""
                 write_line(escape_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
-
-    def uri_of(self, service: str) -> None:
-        """Refuse: ROS 2 has no such command."""
-        raise not_on_ros2("service uri", "ROS 2 services have no URI; use `rostether service info`")
 
     def type_of(self, service: str) -> None:
         """Print the type of a service, or each of them."""

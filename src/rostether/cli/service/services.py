@@ -53,9 +53,6 @@ class Services(Protocol):
     def type_of(self, service: str) -> None:
         """Print the type of a service."""
 
-    def uri_of(self, service: str) -> None:
-        """Print the URI of a service."""
-
     def node_of(self, service: str) -> None:
         """Print the node that offers a service."""
 

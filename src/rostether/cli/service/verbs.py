@@ -8,7 +8,7 @@ import click
 
 from rostether.cli.access.completions import complete_service_types, complete_services
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import daemon_habits, msg_path_option
+from rostether.cli.access.options import msg_path_option, refuse_ros2
 from rostether.cli.service.services import CallOptions, ServiceListing, services_of
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
@@ -20,7 +20,6 @@ _service_argument = click.argument("service", shell_complete=complete_services)
 @click.command("list", cls=Verb, examples="rostether service list\nrostether service list -n /demo_board")
 @option_group("wanted", ServiceListing)
 @graph_options()
-@daemon_habits
 def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
     """List all services, or those in a namespace."""
     services_of(graph).list_services(wanted)
@@ -29,7 +28,6 @@ def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
 @click.command("type", cls=Verb, examples="rostether service type /set_led")
 @_service_argument
 @graph_options()
-@daemon_habits
 def type_of(service: str, graph: GraphOptions) -> None:
     """Print the type of a service."""
     services_of(graph).type_of(service)
@@ -38,16 +36,17 @@ def type_of(service: str, graph: GraphOptions) -> None:
 @click.command("uri", cls=Verb, examples="rostether service uri /set_led")
 @_service_argument
 @graph_options()
-@daemon_habits
 def uri_of(service: str, graph: GraphOptions) -> None:
     """Print the URI (rosrpc://host:port) of a service."""
-    services_of(graph).uri_of(service)
+    refuse_ros2(graph, "service uri", "ROS 2 services have no URI; use `rostether service info`")
+    from rostether.cli.service.ros1_services import Ros1Services
+
+    Ros1Services(graph).uri_of(service)
 
 
 @click.command("node", cls=Verb, examples="rostether service node /set_led")
 @_service_argument
 @graph_options()
-@daemon_habits
 def node_of(service: str, graph: GraphOptions) -> None:
     """Print the node that offers a service."""
     services_of(graph).node_of(service)
@@ -57,7 +56,6 @@ def node_of(service: str, graph: GraphOptions) -> None:
 @_service_argument
 @msg_path_option
 @graph_options()
-@daemon_habits
 def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
     """Print the names of a service's arguments."""
     services_of(graph).args(service, msg_paths)
@@ -68,7 +66,6 @@ def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None
 @json_option
 @msg_path_option
 @graph_options()
-@daemon_habits
 def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
     """Show which node offers a service, its type and its arguments."""
     services_of(graph).info(service, msg_paths, as_json=as_json)
@@ -77,7 +74,6 @@ def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphO
 @click.command("find", cls=Verb, examples="rostether service find std_srvs/SetBool")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_service_types)
 @graph_options()
-@daemon_habits
 def find(type_name: str, graph: GraphOptions) -> None:
     """List the services of a type."""
     services_of(graph).find(type_name)
@@ -98,7 +94,6 @@ def find(type_name: str, graph: GraphOptions) -> None:
 @click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")
 @option_group("options", CallOptions)
 @graph_options(allow=True)
-@daemon_habits
 def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: GraphOptions) -> None:
     """Call a service and print its response.
 

@@ -8,7 +8,7 @@ import click
 
 from rostether.cli.access.completions import complete_message_types, complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import daemon_habits, msg_path_option
+from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
@@ -27,7 +27,6 @@ from rostether.cli.topic.topics import TopicListing, hidden_topics_option, topic
 )
 @option_group("wanted", TopicListing)
 @graph_options()
-@daemon_habits
 def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
     """List all topics, or those in a namespace."""
     if wanted.publishers and wanted.subscribers:
@@ -44,7 +43,6 @@ def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
 )
 @json_option
 @graph_options()
-@daemon_habits
 def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
     """Show a topic's type, and the nodes that publish and subscribe to it."""
     topics_of(graph).info(topic, verbose=verbose, as_json=as_json)
@@ -62,7 +60,6 @@ def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
 @click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_topics)
 @msg_path_option
 @graph_options()
-@daemon_habits
 def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
     """Print the type of a topic, or of a field: then the topic's type, the field, and the field's type."""
     topics_of(graph).type_of(topic, msg_paths)
@@ -73,7 +70,6 @@ def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> Non
 @hidden_topics_option
 @json_option
 @graph_options()
-@daemon_habits
 def find(type_name: str, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
     """List the topics of a type."""
     topics_of(graph).find(type_name, with_hidden=with_hidden, as_json=as_json)

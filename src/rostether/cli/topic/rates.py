@@ -12,7 +12,7 @@ import click
 
 from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import daemon_habits, msg_path_option, window_option
+from rostether.cli.access.options import msg_path_option, window_option
 from rostether.cli.shell.option_group import COUNT, ignored_options, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
@@ -65,7 +65,6 @@ class MeterOptions:
 @option_group("options", MeterOptions)
 @ignored_options(tcpnodelay="--tcpnodelay")
 @graph_options(allow=True)
-@daemon_habits
 def hz(
     topics: tuple[str, ...],
     expression: str | None,
@@ -142,7 +141,6 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @_count_option
 @json_option
 @graph_options(allow=True)
-@daemon_habits
 def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Measure the bandwidth of a topic and print it every second."""
     sizes = SizeWindow(window)
@@ -174,7 +172,6 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 @option_group("options", MeterOptions)
 @ignored_options(tcpnodelay="--tcpnodelay")
 @graph_options(allow=True)
-@daemon_habits
 def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""
     delays = DelayWindow(options.window or -1)
