@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import click
 
 from rostether.cli.bridge.serial_node import HostRole, run_host, whole
-from rostether.cli.role.node import RoleVerb, node_arguments, node_words, run_role
+from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.transports.address import DEFAULT_PORT
@@ -57,18 +57,13 @@ def udp(arguments: tuple[str, ...]) -> None:
     _run(HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link), arguments)
 
 
-@click.command("message-info-service", cls=RoleVerb, examples="rostether role message-info-service")
-@node_words
-def message_info(arguments: tuple[str, ...]) -> None:
+@role("message-info-service", "rostether role message-info-service")
+async def message_info(graph: TypedGraph, _: Arguments) -> None:
     """Offer the md5sum and the text of definitions: services message_info and service_info."""
+    from rostether.msgdef.registry import Registry
+    from rostether.nodes.message_info import serve_message_info
 
-    async def main(graph: TypedGraph, _: Arguments) -> None:
-        from rostether.msgdef.registry import Registry
-        from rostether.nodes.message_info import serve_message_info
-
-        await serve_message_info(graph, Registry.from_environment())
-
-    run_role("message_info_service", arguments, main)
+    await serve_message_info(graph, Registry.from_environment())
 
 
 def _run(host: HostRole, arguments: tuple[str, ...]) -> None:

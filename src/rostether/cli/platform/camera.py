@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.platform.sensor_roles import run_sensor
-from rostether.cli.role.node import RoleVerb, node_words, reporter
+from rostether.cli.platform.sensor_roles import sensor_node_name
+from rostether.cli.role.node import RoleVerb, node_arguments, node_words, reporter, run_role
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
@@ -48,7 +48,8 @@ def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
     ~frame_id, ~classifier (a cascade file of OpenCV: draws boxes around what it finds, and publishes them on
     <topic>/detections).
     """
-    run_sensor("camera", arguments, partial(_camera, ros2 is None), ros2)
+    name = sensor_node_name("camera", node_arguments(arguments))
+    run_role(name, arguments, partial(_camera, ros2 is None), ros2)
 
 
 async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:

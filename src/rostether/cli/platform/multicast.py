@@ -5,11 +5,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-import click
-
-from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.platform.fleet_options import MAX_ROBOT, group_mask
-from rostether.cli.role.node import RoleVerb, node_words, reporter, run_role
+from rostether.cli.role.node import reporter, role
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
@@ -21,18 +18,16 @@ if TYPE_CHECKING:
 _ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
 
 
-@click.command(
+@role(
     "multicast-topic-bridge",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role multicast-topic-bridge _topic:=arduino_control
     rostether role multicast-topic-bridge _topic:=arduino_control _frequency:=0 _interface:=wlan0
     rostether role multicast-topic-bridge _topic:=cmd_vel _framed:=true _robot:=3 _key_file:=fleet.key
     """,
+    has_ros2=True,
 )
-@node_words
-@ROS2_CHOICE
-def multicast_topic_bridge(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     """Send the newest message of a topic to a multicast group, one message per datagram.
 
     Parameters: ~topic (multicast_topic), ~multicast_group_addr (224.0.1.1), ~sending_port (12345), ~frequency
@@ -40,49 +35,6 @@ def multicast_topic_bridge(arguments: tuple[str, ...], ros2: str | None) -> None
     commands them: ~robot (an id) or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s),
     ~unicast (addresses of robots that multicast does not reach).
     """
-    run_role("multicast_topic_bridge", arguments, _send, ros2)
-
-
-@click.command(
-    "multicast-topic-receiver",
-    cls=RoleVerb,
-    examples="""
-    rostether role multicast-topic-receiver _topic:=arduino_control _type:=arduino_control/ArduinoControl
-    rostether role multicast-topic-receiver _topic:=cmd_vel _type:=geometry_msgs/Twist _framed:=true _robot:=3
-    """,
-)
-@node_words
-@ROS2_CHOICE
-def multicast_topic_receiver(arguments: tuple[str, ...], ros2: str | None) -> None:
-    """Publish the messages that arrive from a multicast group.
-
-    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1), ~receiving_port (12345),
-    ~interface, ~sources (networks that may send; default: this machine). With ~framed true, only commands for
-    this robot are published, and zeros when they end: ~robot (1), ~groups (0), ~key_file.
-    """
-    run_role("multicast_topic_receiver", arguments, _receive, ros2)
-
-
-@click.command(
-    "fleet-monitor",
-    cls=RoleVerb,
-    examples="""
-    rostether role fleet-monitor _key_file:=fleet.key
-    rostether role fleet-monitor _interface:=wlan0 _key_file:=fleet.key
-    """,
-)
-@node_words
-@ROS2_CHOICE
-def fleet_monitor(arguments: tuple[str, ...], ros2: str | None) -> None:
-    """Publish the state of each robot (`fleet`), and stop robots (service `fleet_stop`).
-
-    Parameters: ~multicast_group_addr (239.255.82.83), ~sending_port (11412), ~interface (names or addresses),
-    ~ttl (1), ~groups (all), ~key_file, ~unicast (addresses of robots that multicast does not reach).
-    """
-    run_role("fleet_monitor", arguments, _monitor, ros2)
-
-
-async def _send(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
     from rostether.platform.command_link import SenderSettings
     from rostether.platform.multicast_bridge import BridgeSettings, send_topic
@@ -112,7 +64,21 @@ async def _send(graph: TypedGraph, _: Arguments) -> None:
     await send_topic(graph.raw, settings, reporter(graph))
 
 
-async def _receive(graph: TypedGraph, _: Arguments) -> None:
+@role(
+    "multicast-topic-receiver",
+    """
+    rostether role multicast-topic-receiver _topic:=arduino_control _type:=arduino_control/ArduinoControl
+    rostether role multicast-topic-receiver _topic:=cmd_vel _type:=geometry_msgs/Twist _framed:=true _robot:=3
+    """,
+    has_ros2=True,
+)
+async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
+    """Publish the messages that arrive from a multicast group.
+
+    Parameters: ~topic (multicast_topic), ~type, ~multicast_group_addr (224.0.1.1), ~receiving_port (12345),
+    ~interface, ~sources (networks that may send; default: this machine). With ~framed true, only commands for
+    this robot are published, and zeros when they end: ~robot (1), ~groups (0), ~key_file.
+    """
     from rostether.platform.command_link import ReceiverSettings
     from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
     from rostether.platform.multicast_socket import GroupAddress
@@ -137,7 +103,20 @@ async def _receive(graph: TypedGraph, _: Arguments) -> None:
     await receive_topic(graph, settings, reporter(graph))
 
 
-async def _monitor(graph: TypedGraph, _: Arguments) -> None:
+@role(
+    "fleet-monitor",
+    """
+    rostether role fleet-monitor _key_file:=fleet.key
+    rostether role fleet-monitor _interface:=wlan0 _key_file:=fleet.key
+    """,
+    has_ros2=True,
+)
+async def fleet_monitor(graph: TypedGraph, _: Arguments) -> None:
+    """Publish the state of each robot (`fleet`), and stop robots (service `fleet_stop`).
+
+    Parameters: ~multicast_group_addr (239.255.82.83), ~sending_port (11412), ~interface (names or addresses),
+    ~ttl (1), ~groups (all), ~key_file, ~unicast (addresses of robots that multicast does not reach).
+    """
     from rostether.platform.command_frame import ALL_GROUPS
     from rostether.platform.command_link import SenderSettings
     from rostether.platform.fleet import FleetSettings

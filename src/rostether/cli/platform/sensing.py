@@ -5,53 +5,26 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import click
-
-from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.role.node import RoleVerb, node_words, reporter, run_role
+from rostether.cli.role.node import reporter, role
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.platform.node_parameters import Parameters
 
 
-@click.command(
+@role(
     "sensing-manager",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role sensing-manager
     rostether role sensing-manager _sensors_file:=sensors.toml
     """,
+    has_ros2=True,
 )
-@node_words
-@ROS2_CHOICE
-def sensing_manager(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def sensing_manager(graph: TypedGraph, _: Arguments) -> None:
     """Register sensors (service `sensors_register`), watch them and publish their list (`sensors`).
 
     Parameters: ~sensors_file (topics of boards that are sensors, a line each), ~state_file (where registered
     sensors are kept across restarts; default: ~/.local/state/rostether/sensors.json).
     """
-    run_role("sensing_manager", arguments, _manage, ros2)
-
-
-@click.command(
-    "digital-tester",
-    cls=RoleVerb,
-    examples="""
-    rostether role digital-tester
-    rostether role digital-tester _platform_name:=Robot3 __name:=tester_3
-    """,
-)
-@node_words
-@ROS2_CHOICE
-def digital_tester(arguments: tuple[str, ...], ros2: str | None) -> None:
-    """Publish a random number from 0 to 100 each second, as a test sensor.
-
-    Its platform is ~platform_name, else the variable PLATFORM_NAME, else DigitalTesterStation.
-    """
-    run_role("digital_tester", arguments, _test, ros2)
-
-
-async def _manage(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensing_manager import SensingManager
     from rostether.platform.sensor_files import read_sensors_toml
     from rostether.ports.config_paths import sensors_path
@@ -68,7 +41,19 @@ async def _manage(graph: TypedGraph, _: Arguments) -> None:
     await manager.run()
 
 
-async def _test(graph: TypedGraph, _: Arguments) -> None:
+@role(
+    "digital-tester",
+    """
+    rostether role digital-tester
+    rostether role digital-tester _platform_name:=Robot3 __name:=tester_3
+    """,
+    has_ros2=True,
+)
+async def digital_tester(graph: TypedGraph, _: Arguments) -> None:
+    """Publish a random number from 0 to 100 each second, as a test sensor.
+
+    Its platform is ~platform_name, else the variable PLATFORM_NAME, else DigitalTesterStation.
+    """
     from rostether.platform.digital_tester import publish_test_values
 
     default = os.environ.get("PLATFORM_NAME") or "DigitalTesterStation"
@@ -82,26 +67,20 @@ def _path(text: str) -> Path:
     return Path(text).expanduser()
 
 
-@click.command(
+@role(
     "arduino-control",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role arduino-control
     rostether role arduino-control _formula:=radial _deadzone:=0.15 joy:=/robot_3/joy
     """,
+    has_ros2=True,
 )
-@node_words
-@ROS2_CHOICE
-def arduino_control(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def arduino_control(graph: TypedGraph, _: Arguments) -> None:
     """Turn a joystick's axes (`joy`) into commands for a robot (`arduino_control`).
 
     Parameters: ~deadzone (0.1), ~formula (reference). With ~formula radial, the speed grows smoothly from the
     edge of the dead zone to at most 1 in every direction; with reference, it reaches 1.414 in the corners.
     """
-    run_role("arduino_control", arguments, _main, ros2)
-
-
-async def _main(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.arduino_control import DEFAULT_DEADZONE, StickSettings, publish_commands
 
     parameters = Parameters(graph, "arduino_control")

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
+from collections.abc import AsyncGenerator, Callable
 from functools import partial
 from pathlib import Path
 
-import click
-
-from rostether.cli.access.graph_options import ROS2_CHOICE
-from rostether.cli.role.node import RoleVerb, node_arguments, node_words, reporter, run_role
+from rostether.cli.role.node import reporter, role
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
@@ -23,101 +20,110 @@ from rostether.platform.node_parameters import (
 from rostether.platform.sensors.registered_sensor import platform_word
 
 
-def run_sensor(
-    word: str,
-    words: Sequence[str],
-    main: Callable[[TypedGraph, Arguments], Awaitable[None]],
-    ros2: str | None,
-) -> None:
-    """Run a sensor's node; its name contains the robot's, so that robots share a graph."""
-    given = node_arguments(words).private_params
+def sensor_node_name(word: str, arguments: Arguments) -> str:
+    """Return the name of a sensor's node; it contains the robot's, so that robots share a graph."""
+    given = arguments.private_params
     platform = str(given.get("platform_name") or default_platform())
-    run_role(f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}", words, main, ros2)
+    return f"{platform_word(platform)}_{platform_word(str(given.get('id', word)))}"
 
 
-@click.command(
+_sensor = partial(role, has_ros2=True, node_name=sensor_node_name)
+
+
+@_sensor(
     "analog",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role analog _id:=voltage _path:=/sys/bus/iio/devices/iio:device0/in_voltage0_raw _scale:=11
     rostether role analog _id:=distance _topic:=/arm/ultrasound _field:=range _unit:=m _alert_below:=0.1
     """,
 )
-@node_words
-@ROS2_CHOICE
-def analog(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def analog(graph: TypedGraph, _: Arguments) -> None:
     """Publish a number as a sensor: of a file of the system, or of a field of a topic.
 
     Parameters: ~path (a file with a number; those in /sys/bus/iio get their unit), or ~topic and ~field
     (data); ~scale (1), ~offset (0), ~alert_below, ~alert_above, ~rate (10, for a file), ~unit, ~id (analog),
     ~name, ~platform_name, ~frame_id.
     """
-    run_sensor("analog", arguments, partial(_value, "analog"), ros2)
+    await _publish_value("analog", graph)
 
 
-@click.command(
+@_sensor(
     "digital",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role digital _id:=bumper _gpio:=GPIO17 _bias:=pull_up _active_low:=true
     rostether role digital _id:=button _topic:=/arm/button
     """,
 )
-@node_words
-@ROS2_CHOICE
-def digital(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def digital(graph: TypedGraph, _: Arguments) -> None:
     """Publish 1 or 0 as a sensor: of a GPIO line, of a file, or of a field of a topic.
 
     Parameters: ~gpio (number or name of a line), ~chip (/dev/gpiochip0), ~bias (as_is, disabled, pull_up,
     pull_down), ~active_low; or ~path; or ~topic and ~field (data); ~id (digital), ~name, ~platform_name.
     """
-    run_sensor("digital", arguments, partial(_value, "digital"), ros2)
+    await _publish_value("digital", graph)
 
 
-@click.command(
+@_sensor(
     "gps",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role gps _port:=/dev/ttyACM0
     rostether role gps "_port:=/dev/ttyUSB0?baud=9600" _frame_id:=gps
     rostether role gps "_port:=tcp://192.168.1.7:11123?connect=yes"
     """,
 )
-@node_words
-@ROS2_CHOICE
-def gps(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def gps(graph: TypedGraph, _: Arguments) -> None:
     """Publish the positions of a receiver that sends NMEA, as a sensor (sensor_msgs/NavSatFix).
 
     Parameters: ~port (/dev/ttyACM0; a link address), ~baud (9600), ~frame_id (gps), ~id (gps), ~name,
     ~platform_name.
     """
-    run_sensor("gps", arguments, _gps, ros2)
+    from dataclasses import replace
+
+    from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
+    from rostether.transports.address import SerialAddress
+    from rostether.transports.address_parser import parse_address
+
+    parameters = Parameters(graph, "gps")
+    address = parse_address(await parameters.text("/dev/ttyACM0", "port"))
+    if isinstance(address, SerialAddress) and "baud" not in address.given:
+        address = replace(address, baud=await parameters.whole(9600, 300, 4_000_000, "baud"))
+    description = await read_description(parameters, SensorKind("gps", "GPS", MESSAGE_TYPE, 1.0))
+    description = replace(description, frame_id=description.frame_id or "gps")
+    await publish_positions(graph, description, address, reporter(graph))
 
 
-@click.command("battery", cls=RoleVerb, examples="rostether role battery _alert_below:=0.2")
-@node_words
-@ROS2_CHOICE
-def battery(arguments: tuple[str, ...], ros2: str | None) -> None:
+@_sensor("battery", "rostether role battery _alert_below:=0.2")
+async def battery(graph: TypedGraph, _: Arguments) -> None:
     """Publish this computer's battery as a sensor (sensor_msgs/BatteryState).
 
     Parameters: ~path (the first battery in /sys/class/power_supply), ~alert_below (0.15), ~rate (0.5),
     ~id (battery), ~name, ~platform_name.
     """
-    run_sensor("battery", arguments, _battery, ros2)
+    from rostether.platform.sensors.battery import MESSAGE_TYPE, publish_battery
+
+    parameters = Parameters(graph, "battery")
+    path = await parameters.text("", "path")
+    description = await read_description(parameters, SensorKind("battery", "BATTERY", MESSAGE_TYPE, 0.5))
+    alert_below = await parameters.number(0.15, "alert_below")
+    await publish_battery(graph, description, Path(path) if path else None, alert_below, reporter(graph))
 
 
-@click.command("system-load", cls=RoleVerb, examples="rostether role system-load _rate:=0.2")
-@node_words
-@ROS2_CHOICE
-def system_load(arguments: tuple[str, ...], ros2: str | None) -> None:
+@_sensor("system-load", "rostether role system-load _rate:=0.2")
+async def system_load(graph: TypedGraph, _: Arguments) -> None:
     """Publish this computer's load as sensors: cpu, memory and disk in percent, and its temperature.
 
     Parameters: ~rate (0.5), ~disk (a folder on the disk; /), ~platform_name.
     """
-    run_sensor("system_load", arguments, _system_load, ros2)
+    from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
+
+    parameters = Parameters(graph, "system_load")
+    platform = await parameters.text(default_platform(), "platform_name")
+    files = SystemFiles(disk=Path(await parameters.text("/", "disk")))
+    rate_hz = await read_rate(parameters, 0.5)
+    await publish_system_load(graph, platform, platform_word(platform), rate_hz, files, reporter(graph))
 
 
-async def _value(word: str, graph: TypedGraph, _: Arguments) -> None:
+async def _publish_value(word: str, graph: TypedGraph) -> None:
     from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
 
     parameters = Parameters(graph, word)
@@ -169,40 +175,3 @@ async def _value_source(
         await parameters.flag(False, "active_low"),
     )
     return gpio.levels, "", ""
-
-
-async def _gps(graph: TypedGraph, _: Arguments) -> None:
-    from dataclasses import replace
-
-    from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
-    from rostether.transports.address import SerialAddress
-    from rostether.transports.address_parser import parse_address
-
-    parameters = Parameters(graph, "gps")
-    address = parse_address(await parameters.text("/dev/ttyACM0", "port"))
-    if isinstance(address, SerialAddress) and "baud" not in address.given:
-        address = replace(address, baud=await parameters.whole(9600, 300, 4_000_000, "baud"))
-    description = await read_description(parameters, SensorKind("gps", "GPS", MESSAGE_TYPE, 1.0))
-    description = replace(description, frame_id=description.frame_id or "gps")
-    await publish_positions(graph, description, address, reporter(graph))
-
-
-async def _battery(graph: TypedGraph, _: Arguments) -> None:
-    from rostether.platform.sensors.battery import MESSAGE_TYPE, publish_battery
-
-    parameters = Parameters(graph, "battery")
-    path = await parameters.text("", "path")
-    description = await read_description(parameters, SensorKind("battery", "BATTERY", MESSAGE_TYPE, 0.5))
-    alert_below = await parameters.number(0.15, "alert_below")
-    await publish_battery(graph, description, Path(path) if path else None, alert_below, reporter(graph))
-
-
-async def _system_load(graph: TypedGraph, _: Arguments) -> None:
-    from rostether.platform.sensors.registered_sensor import platform_word
-    from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
-
-    parameters = Parameters(graph, "system_load")
-    platform = await parameters.text(default_platform(), "platform_name")
-    files = SystemFiles(disk=Path(await parameters.text("/", "disk")))
-    rate_hz = await read_rate(parameters, 0.5)
-    await publish_system_load(graph, platform, platform_word(platform), rate_hz, files, reporter(graph))

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-import click
-
-from rostether.cli.role.node import RoleVerb, node_words, reporter, run_role
+from rostether.cli.role.node import reporter, role
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level, ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 
 
-@click.command(
+@role(
     "joy-node",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role joy-node
     rostether role joy-node _dev:=/dev/input/js1 _deadzone:=0.1 _autorepeat_rate:=20
     """,
 )
-@node_words
-def joy_node(arguments: tuple[str, ...]) -> None:
+async def joy_node(graph: TypedGraph, _: Arguments) -> None:
     """Publish a joystick as sensor_msgs/Joy on `joy`, like joy_node.
 
     Parameters: ~dev (/dev/input/js0), ~dev_name, ~deadzone (0.05), ~autorepeat_rate (0), ~coalesce_interval
     (0.001), ~sticky_buttons, ~default_trig_val.
     """
-    run_role("joy_node", arguments, _main)
-
-
-async def _main(graph: TypedGraph, _: Arguments) -> None:
     from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
 
     report = reporter(graph)

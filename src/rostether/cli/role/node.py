@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
-from rostether.cli.access.graph_options import GraphOptions, ros_arguments
+from rostether.cli.access.graph_options import (
+    ROS2_CHOICE,
+    GraphOptions,
+    Middleware,
+    chosen_middleware,
+    ros_arguments,
+)
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
@@ -85,7 +91,6 @@ async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
 
 @asynccontextmanager
 async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[Graph]:
-    from rostether.cli.access.graph_options import Middleware, chosen_middleware
     from rostether.cli.access.ros2_access import ros2_access
 
     async with ros2_access(chosen_middleware(ros2=ros2) or Middleware.ZENOH) as access:
@@ -116,6 +121,35 @@ def run_role(
             await run_until(main(graph, arguments), graph.raw.wait_closed())
 
     run(until_ended(), is_service=True)
+
+
+Main: TypeAlias = Callable[["TypedGraph", Arguments], Awaitable[None]]
+
+
+def role(
+    verb: str,
+    examples: str,
+    *,
+    has_ros2: bool = False,
+    node_name: Callable[[str, Arguments], str] = lambda default, _: default,
+) -> Callable[[Main], click.Command]:
+    """Return a decorator that makes a node's coroutine a verb; its docstring is the help.
+
+    Args:
+        verb: The name of the verb. examples: Command lines for the help. has_ros2: Whether to add --ros2.
+        node_name: Returns the node's usual name from the verb with underscores and the node's arguments.
+    """
+
+    def decorate(main: Main) -> click.Command:
+        def command(arguments: tuple[str, ...], ros2: str | None = None) -> None:
+            name = node_name(verb.replace("-", "_"), node_arguments(arguments))
+            run_role(name, arguments, main, ros2)
+
+        command.__doc__ = main.__doc__
+        decorated = node_words(ROS2_CHOICE(command) if has_ros2 else command)
+        return click.command(verb, cls=RoleVerb, examples=examples)(decorated)
+
+    return decorate
 
 
 def reporter(graph: TypedGraph) -> Callable[[Level, str], None]:
