@@ -107,55 +107,54 @@ class _Walker:
                 pending.append((target, state))
         return found
 
-    def _step(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of instruction
-        self, address: int, instruction: Instruction, state: _State
-    ) -> list[tuple[int, _State]]:
+    def _step(self, address: int, instruction: Instruction, state: _State) -> list[tuple[int, _State]]:
         """Return the possible next instructions, each with its stack."""
-        code, found = self._code, self._found
-        following = address + instruction.size
-        depth, frame = state
+        flash, following = self._code.flash, address + instruction.size
         match instruction.op:
-            case Op.PUSH:
-                return [(following, (depth + 1, frame))]
-            case Op.POP:
-                return [(following, (max(depth - 1, 0), frame))]
-            case Op.READ_STACK_POINTER:
-                return [(following, (depth, depth))]
-            case Op.MOVE_FRAME:
-                return [(following, (depth, None if frame is None else frame - instruction.value))]
-            case Op.MOVE_FRAME_HIGH:
-                # subi has eight bits; its carry and sbci complete the number.
-                return [
-                    (following, (depth, None if frame is None else _with_high(frame, depth, instruction)))
-                ]
-            case Op.WRITE_STACK_POINTER:
-                if frame is None or instruction.register != _FRAME_POINTER:
-                    found.is_unknown = True
-                    return [(following, state)]
-                return [(following, (max(frame, 0), frame))]
-            case Op.CALL:
-                if instruction.target == following:  # rcall .+0 makes room for a frame
-                    return [(following, (depth + code.return_bytes, frame))]
-                if instruction.target:  # otherwise the function is undefined, and the call is never reached
-                    self._add(found.calls, instruction.target, depth + code.return_bytes)
-                return [(following, state)]
-            case Op.INDIRECT_CALL:
-                self._add(found.indirect, pointer_kind(code.flash, address), depth + code.return_bytes)
-                return [(following, state)]
-            case Op.INDIRECT_JUMP:
-                self._add(found.indirect, pointer_kind(code.flash, address), depth)
-                return []
             case Op.RETURN:
+                return []
+            case Op.INDIRECT_JUMP:
+                self._add(self._found.indirect, pointer_kind(flash, address), state[0])
                 return []
             case Op.JUMP:
                 return self._jump(address, instruction, state)
             case Op.BRANCH:
                 return [(following, state), (instruction.target, state)]
             case Op.SKIP:
-                return [(following, state), (following + decode(code.flash, following).size, state)]
+                return [(following, state), (following + decode(flash, following).size, state)]
+        return [(following, self._stack_after(address, instruction, state))]
+
+    def _stack_after(self, address: int, instruction: Instruction, state: _State) -> _State:
+        """Return the stack after an instruction that does not jump."""
+        depth, frame = state
+        match instruction.op:
+            case Op.PUSH:
+                return depth + 1, frame
+            case Op.POP:
+                return max(depth - 1, 0), frame
+            case Op.READ_STACK_POINTER:
+                return depth, depth
+            case Op.MOVE_FRAME | Op.MOVE_FRAME_HIGH:
+                return depth, None if frame is None else _moved(frame, depth, instruction)
+            case Op.WRITE_STACK_POINTER:
+                if frame is not None and instruction.register == _FRAME_POINTER:
+                    return max(frame, 0), frame
+                self._found.is_unknown = True
+            case Op.CALL:
+                return self._depth_after_call(address, instruction, depth), frame
+            case Op.INDIRECT_CALL:
+                kind = pointer_kind(self._code.flash, address)
+                self._add(self._found.indirect, kind, depth + self._code.return_bytes)
             case Op.ENABLE_INTERRUPTS:
-                found.enables_interrupts = True
-        return [(following, state)]
+                self._found.enables_interrupts = True
+        return state
+
+    def _depth_after_call(self, address: int, call: Instruction, depth: int) -> int:
+        if call.target == address + call.size:  # rcall .+0 makes room for a frame
+            return depth + self._code.return_bytes
+        if call.target:  # otherwise the function is undefined, and the call is never reached
+            self._add(self._found.calls, call.target, depth + self._code.return_bytes)
+        return depth
 
     def _jump(self, address: int, instruction: Instruction, state: _State) -> list[tuple[int, _State]]:
         target, depth = instruction.target, state[0]
@@ -180,9 +179,11 @@ class _Walker:
         self._found.depth_bytes = max(self._found.depth_bytes, depth)
 
 
-def _with_high(frame: int, depth: int, instruction: Instruction) -> int:
-    # subi r28, low / sbci r29, high subtract one number: the frame's size to grow the stack, or its
-    # complement to 65536 to shrink it.
+def _moved(frame: int, depth: int, instruction: Instruction) -> int:
+    if instruction.op is Op.MOVE_FRAME:
+        return frame - instruction.value
+    # subi has eight bits; its carry and sbci complete the number. subi r28, low / sbci r29, high subtract one
+    # number: the frame's size to grow the stack, or its complement to 65536 to shrink it.
     total = frame - depth + (-instruction.value << 8)
     return depth + (total - 0x10000 if total >= 0x8000 else total)
 
