@@ -122,16 +122,23 @@ async def used_master(
     if await master_answers(environment):
         yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
         return
+    async with AsyncExitStack() as stack:
+        try:
+            used = await stack.enter_async_context(own_master(environment))
+        except GraphError:
+            # Another program took the port in the meantime; join it if it is a master.
+            if not await master_answers(environment):
+                raise
+            used = UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
+        yield used
+
+
+@asynccontextmanager
+async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
+    """Run a master at the environment's URI until the end of the block. Raises GraphError."""
     from rostether.ros1.roscore import Roscore
 
-    try:
-        core = await Roscore.start(environment, port=environment.master.port)
-    except GraphError:
-        # Another program took the port in the meantime; join it if it is a master.
-        if not await master_answers(environment):
-            raise
-        yield UsedMaster(environment, f"Joining the ROS master at {environment.master_uri}")
-        return
+    core = await Roscore.start(environment, port=environment.master.port)
     try:
         line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
         yield UsedMaster(environment, line, is_ours=True)

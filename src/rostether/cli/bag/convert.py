@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.bag.recording_files import asked_form, format_option, recording_types, storage_option
+from rostether.cli.bag.recording_files import (
+    asked_form,
+    format_option,
+    open_for,
+    recording_types,
+    storage_option,
+)
 from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
@@ -48,16 +55,12 @@ def bag_convert(
     The formats follow from the names: .bag, .mcap or .db3; a name without one of these endings is a ROS 2
     bag, a folder. Messages are copied byte for byte, and converted only between ROS 1 and ROS 2.
     """
-    from rostether.recording.files import Form, form_for, form_of, open_recording
+    from rostether.recording.files import Form
     from rostether.recording.reindexing import copy, refuse_same
 
     refuse_same(source, target)
-    reader = open_recording(source)
-    try:
-        target_form = form_for(target, form_of(reader), asked_form(form))
-        if target_form is Form.ROS2 and form_of(reader) is Form.ROS2:
-            reader.close()
-            reader = open_recording(source, is_native=True)
+    reader, target_form = open_for(source, target, asked_form(form))
+    with closing(reader):
         if reader.damage:
             warn(f"{source}: {reader.damage}; only its complete part is read")
         # Only types that go from ROS 1 to ROS 2 must be known; the recordings contain all others.
@@ -68,6 +71,4 @@ def bag_convert(
             warn(f"{source}: {unfit} messages do not fit their type; `rostether bag check` shows which")
         for topic, why in reader.unreadable.items():
             warn(f"{source}: {topic} is not copied completely: {why}")
-    finally:
-        reader.close()
     write_line(f"{target}: {count} messages")

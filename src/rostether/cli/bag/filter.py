@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.bag.recording_files import open_for
 from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
@@ -45,7 +47,7 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     """
     from rostether.expression.compiler import compile_expression
     from rostether.recording.decoding import Decoder
-    from rostether.recording.files import Form, create_recording, form_for, form_of, open_recording
+    from rostether.recording.files import create_recording
     from rostether.recording.reindexing import refuse_same, write_messages
 
     refuse_same(source, target)
@@ -72,15 +74,8 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
             write_line(f"{'MATCH' if matches else 'NO MATCH'} {line}")
         return matches
 
-    reader = open_recording(source)
-    try:
-        form = form_for(target, form_of(reader))
-        if form is Form.ROS2 and form_of(reader) is Form.ROS2:
-            # Messages are then values of ROS 2, with its names of fields.
-            reader.close()
-            reader = open_recording(source, is_native=True)
+    reader, form = open_for(source, target)
+    with closing(reader):
         messages = filter(is_wanted, reader.messages())
         count = write_messages(messages, target, partial(create_recording, form=form))
-    finally:
-        reader.close()
     write_line(f"{target}: {count} of {total} messages")

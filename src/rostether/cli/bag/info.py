@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from array import array
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -55,8 +56,7 @@ def bag_info(
     if key is not None and not as_yaml:
         raise click.UsageError("-k needs -y")
     for number, path in enumerate(files):
-        reader = open_recording(path)
-        try:
+        with closing(open_recording(path)) as reader:
             facts = _facts(path, reader)
             if with_rates:
                 _add_rates(facts, reader)
@@ -73,8 +73,6 @@ def bag_info(
                 if number:
                     write_line("---")
                 _print(facts, reader)
-        finally:
-            reader.close()
 
 
 def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from rostether.errors import ConfigError
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.files import Form
-    from rostether.recording.recorded import RecordingWriter, Ros2Origin
+    from rostether.recording.recorded import RecordingReader, RecordingWriter, Ros2Origin
     from rostether.recording.ros2.bag_writer import Ros2Bag
     from rostether.recording.ros2.channels import UnfitMessages
     from rostether.ros2.types.type_support import Ros2Types
@@ -45,6 +45,26 @@ def asked_form(typed: str | None) -> Form | None:
     from rostether.recording.files import Form
 
     return None if typed is None else Form(typed)
+
+
+def open_for(source: Path, target: Path, asked: Form | None = None) -> tuple[RecordingReader, Form]:
+    """Open a recording to copy it to `target`, and return the format to write.
+
+    Between two ROS 2 bags, messages are read as values of ROS 2, with its names of fields.
+    """
+    from rostether.recording.files import Form, form_for, form_of, open_recording
+
+    reader = open_recording(source)
+    try:
+        form = form_for(target, form_of(reader), asked)
+        is_native = form is Form.ROS2 and form_of(reader) is Form.ROS2
+    except BaseException:
+        reader.close()
+        raise
+    if is_native:
+        reader.close()
+        reader = open_recording(source, is_native=True)
+    return reader, form
 
 
 @dataclass(frozen=True, slots=True)

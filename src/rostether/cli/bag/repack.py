@@ -2,41 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
 
 import click
 
 from rostether.cli.bag.figures import size_text
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, argument, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+
+@dataclass(frozen=True, slots=True)
+class PlaceOptions:
+    """The files to rewrite, and where."""
+
+    files: tuple[Path, ...] = argument(nargs=-1, required=True, metavar="FILE...", type=PATH)
+    output_dir: Path | None = option(
+        "--output-dir",
+        "Write to DIR instead.",
+        metavar="DIR",
+        type=click.Path(path_type=Path, file_okay=False),
+    )
+    force: bool = flag("-f --force", "Overwrite an older NAME.orig.bag.")
+    quiet: bool = flag("-q --quiet", "Print only errors.")
 
 
-def place_options(function: Function) -> Function:
-    """Add --output-dir, --force and --quiet."""
-    for option in (
-        click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
-        click.option("-f", "--force", is_flag=True, help="Overwrite an older NAME.orig.bag."),
-        click.option(
-            "--output-dir",
-            metavar="DIR",
-            type=click.Path(path_type=Path, file_okay=False),
-            help="Write to DIR instead.",
-        ),
-    ):
-        function = option(function)
-    return function
-
-
-def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path, Path | None]:
+def new_place(path: Path, options: PlaceOptions) -> tuple[Path, Path | None]:
     """Return the path of the new recording, and that of the old one if it is moved. Raises ConfigError."""
-    name = path.name.removesuffix(".active")
+    name, output_dir = path.name.removesuffix(".active"), options.output_dir
     if output_dir is not None:
         try:
             output_dir.mkdir(parents=True, exist_ok=True)
@@ -48,7 +44,7 @@ def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path
     output = path.parent / name
     stem, _, suffix = name.rpartition(".")
     backup = path.with_name(f"{name}.orig" if path.is_dir() else f"{stem}.orig.{suffix}")
-    if backup.exists() and not force:
+    if backup.exists() and not options.force:
         raise ConfigError(f"{backup} already exists; -f overwrites it")
     if output != path and output.exists():
         raise ConfigError(f"{output} already exists, so {path} cannot be written there; use --output-dir")
@@ -63,20 +59,17 @@ def new_place(path: Path, output_dir: Path | None, *, force: bool) -> tuple[Path
     rostether bag compress --lz4 --output-dir small *.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
 @click.option("-j", "--bz2", is_flag=True, help="Use bz2 (the default for .bag files).")
 @click.option("--lz4", is_flag=True, help="Use LZ4: larger, but much faster to read.")
-@place_options
-def bag_compress(
-    files: tuple[Path, ...], bz2: bool, lz4: bool, output_dir: Path | None, force: bool, quiet: bool
-) -> None:
+@option_group("options", PlaceOptions)
+def bag_compress(options: PlaceOptions, bz2: bool, lz4: bool) -> None:
     """Compress recordings with bz2 or LZ4. The original file is kept as NAME.orig.bag."""
     if bz2 and lz4:
         raise click.UsageError("give --bz2 or --lz4, not both")
-    for path in files:
+    for path in options.files:
         # MCAP has no bz2.
         is_lz4 = lz4 or (not bz2 and path.suffix != ".bag")
-        _repack(path, "lz4" if is_lz4 else "bz2", output_dir, force=force, quiet=quiet)
+        _repack(path, "lz4" if is_lz4 else "bz2", options)
 
 
 @click.command(
@@ -86,21 +79,20 @@ def bag_compress(
     rostether bag decompress drive.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
-@place_options
-def bag_decompress(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
+@option_group("options", PlaceOptions)
+def bag_decompress(options: PlaceOptions) -> None:
     """Decompress recordings. The original file is kept as NAME.orig.bag."""
-    for path in files:
-        _repack(path, "none", output_dir, force=force, quiet=quiet)
+    for path in options.files:
+        _repack(path, "none", options)
 
 
-def _repack(path: Path, compression: str, output_dir: Path | None, *, force: bool, quiet: bool) -> None:
+def _repack(path: Path, compression: str, options: PlaceOptions) -> None:
     from rostether.recording.reindexing import repack
 
     before = _size_bytes(path)  # and no folder is created for a file that is not a recording
-    output, backup = new_place(path, output_dir, force=force)
+    output, backup = new_place(path, options)
     count = repack(path, output, compression, keep_original=backup)
-    if not quiet:
+    if not options.quiet:
         sizes = f"{size_text(before)} before, {size_text(_size_bytes(output))} now"
         write_line(f"{output}: {count} messages, {sizes}")
 
@@ -120,9 +112,8 @@ def _size_bytes(path: Path) -> int:
     rostether bag reindex --output-dir repaired *.bag
     """,
 )
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
-@place_options
-def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool) -> None:
+@option_group("options", PlaceOptions)
+def bag_reindex(options: PlaceOptions) -> None:
     """Repair recordings that are truncated or damaged: keep every complete message.
 
     The original file is kept as NAME.orig.bag. NAME.bag.active becomes NAME.bag. Complete recordings are not
@@ -130,10 +121,10 @@ def bag_reindex(files: tuple[Path, ...], output_dir: Path | None, force: bool, q
     """
     from rostether.recording.reindexing import reindex
 
-    for path in files:
-        output, backup = new_place(path, output_dir, force=force)
+    for path in options.files:
+        output, backup = new_place(path, options)
         mended = reindex(path, output, keep_original=backup)
-        if not quiet:
+        if not options.quiet:
             what = f"{mended.message_count} messages"
             if not mended.damage:
                 write_line(f"{output}: {what}, complete, not changed")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import click
 
@@ -19,10 +19,6 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
-
-if TYPE_CHECKING:
-    pass
-
 
 OLD_OPTIONS = {"--for": "--duration"}
 # Options that are commands of the simulator under the same name.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from rostether.transports.address import Address, ProgramSize, SerialAddress, Si
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
     from rostether.simulation.opencr.board import OpenCrBoard
+    from rostether.simulation.qemu import QemuBoard
     from rostether.simulation.simavr.board_events import BoardEvent
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
     from rostether.simulation.simavr.simulation_node import ShownBoard
@@ -69,14 +70,16 @@ async def simulated(
             size: ProgramSize | None = None
             shown: ShownBoard | None = None
             if link.board in MACHINES:
-                place, report = await _start_qemu(link, reporter, stack)
+                qemu = await _start_qemu(link, reporter, stack)
+                place, report = qemu.address, _report_end(qemu, link, reporter)
             elif link.board == OPENCR:
-                opencr, report = await _start_opencr(link, reporter, stack, msg_paths)
-                place, shown = opencr.address, ShownOpenCr(opencr)
+                opencr = await _start_opencr(link, reporter, stack, msg_paths)
+                place, report = opencr.address, _report_end(opencr, link, reporter)
+                shown = ShownOpenCr(opencr)
             else:
                 board, size = await _start_avr(link, reporter, stack, msg_paths)
-                place, shown = board.address, board
-                report = _report(board, str(link), reporter, _hidden(link))
+                place, report = board.address, _report_events(board, link, reporter)
+                shown = board
             if join is not None and shown is not None:
                 joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
                 reports.append(asyncio.create_task(_be_node(shown, link, joining, reporter)))
@@ -106,7 +109,8 @@ async def _start_avr(
                 program, board=link.board, commands=link.words, uart=link.uart, seed=link.seed
             )
         )
-    reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{_note(board)}")
+    note = f" ({board.note})" if board.note else ""
+    reporter.line(Level.INFO, f"simulated {board.kind} runs {link.program} at {board.address}{note}")
     return board, size
 
 
@@ -136,28 +140,20 @@ async def _be_node(
         reporter.line(Level.WARN, f"{link}: the dashboard cannot show its pins: {error}")
 
 
-async def _start_qemu(
-    link: SimAddress, reporter: Reporter, stack: AsyncExitStack
-) -> tuple[str, Coroutine[None, None, None]]:
-    """Start a Cortex-M that ends with the exit stack; return its serial port, and its reporter."""
+async def _start_qemu(link: SimAddress, reporter: Reporter, stack: AsyncExitStack) -> QemuBoard:
+    """Start a Cortex-M that ends with the exit stack."""
     has_words = bool(link.words or link.uart is not None or link.seed)
     board = await stack.enter_async_context(
         await start_in_qemu(Path(link.program), link.board, has_words=has_words)
     )
     reporter.line(Level.INFO, f"simulated {link.board} runs {link.program} at {board.address}")
-
-    async def report() -> None:
-        await board.wait_end()
-        reason = f": {board.last_words}" if board.last_words else ""
-        reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
-
-    return board.address, report()
+    return board
 
 
 async def _start_opencr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
-) -> tuple[OpenCrBoard, Coroutine[None, None, None]]:
-    """Start an OpenCR that ends with the exit stack; return it, and its reporter."""
+) -> OpenCrBoard:
+    """Start an OpenCR that ends with the exit stack."""
     from rostether.simulation.simavr.board_events import show_event
 
     has_other_options = bool(link.uart is not None or link.seed)
@@ -168,17 +164,7 @@ async def _start_opencr(
     )
     board.on_event = lambda event: reporter.line(Level.INFO, f"{link}: {show_event(event).strip()}")
     reporter.line(Level.INFO, f"simulated {OPENCR} runs {link.program} at {board.address}")
-
-    async def report() -> None:
-        await board.wait_end()
-        reason = f": {board.last_words}" if board.last_words else ""
-        reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
-
-    return board, report()
-
-
-def _note(board: SimulatedBoard) -> str:
-    return f" ({board.note})" if board.note else ""
+    return board
 
 
 def _name(program: Path, taken: Sequence[str]) -> str:
@@ -190,20 +176,21 @@ def _name(program: Path, taken: Sequence[str]) -> str:
     return numbered
 
 
-def _hidden(link: SimAddress) -> frozenset[str]:
-    return _ASKED_BY_NODE - {word.partition(" ")[0] for word in link.words}
+async def _report_end(board: QemuBoard | OpenCrBoard, link: SimAddress, reporter: Reporter) -> None:
+    await board.wait_end()
+    reason = f": {board.last_words}" if board.last_words else ""
+    reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
 
 
-async def _report(
-    board: SimulatedBoard, title: str, reporter: Reporter, hidden: frozenset[str] = frozenset()
-) -> None:
+async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Reporter) -> None:
     from rostether.bridge.reporter import Notices
     from rostether.simulation.simavr.board_events import show_event
 
     notices = Notices(reporter, "", asyncio.get_running_loop().time)
+    hidden = _ASKED_BY_NODE - {word.partition(" ")[0] for word in link.words}
 
-    def report_event(event: BoardEvent) -> None:
-        text = f"{title}: {show_event(event).strip()}"
+    def report(event: BoardEvent) -> None:
+        text = f"{link}: {show_event(event).strip()}"
         if event.name in _WARNINGS:
             # One event for each lost byte: thousands, when a program does not read.
             notices.episode(event.name, Level.WARN, text)
@@ -211,11 +198,11 @@ async def _report(
             notices.show(Level.INFO, text)
 
     for event in [each for each in board.recent if each.name not in _KNOWN_FROM_ITS_START]:
-        report_event(event)
+        report(event)
     async for event in board.events():
         if event.name not in hidden:
-            report_event(event)
-    reporter.line(Level.ERROR, f"{title}: the simulated board has ended")
+            report(event)
+    reporter.line(Level.ERROR, f"{link}: the simulated board has ended")
 
 
 async def _end(tasks: Sequence[asyncio.Task[None]]) -> None:

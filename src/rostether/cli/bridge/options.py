@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, Function
 from rostether.errors import ConfigError
 from rostether.ports.devices_toml import BOARD_LIMITS, Limit, may_be_broken
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -35,8 +35,6 @@ probe_option = click.option(
     metavar="WHAT",
     help="Also probe this port for a board: a USB id such as 1a86:7523, a path, a pattern, or all.",
 )
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 _MIB = 1024 * 1024
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rostether.cli.access.graph_options import Middleware, ZenohReach, chosen_middleware
 from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.shell.output import paint_finding, write_json, write_line
+from rostether.cli.shell.output import write_finding
 from rostether.errors import RostetherError
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.ros2.environment import Ros2Environment
@@ -25,11 +25,7 @@ async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
     is_well = True
     async for finding in _examine(middleware):
         is_well = is_well and finding.is_well
-        if as_json:
-            write_json({"ok": finding.is_well, "what": finding.what, "text": finding.text})
-        else:
-            word = "ok" if finding.is_well else "PROBLEM"
-            write_line(f"{word}: {finding.what}: {finding.text}", paint_finding)
+        write_finding(finding.what, finding.text, is_well=finding.is_well, as_json=as_json)
     return is_well
 
 

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 
 from rostether.bridge.reporter import Reporter
 from rostether.cli.access.graph_options import Middleware
-from rostether.cli.access.served_graphs import UsedMaster, master_answers, used_master
+from rostether.cli.access.served_graphs import UsedMaster, master_answers, own_master, used_master
 from rostether.cli.demo.view import our_command
 from rostether.errors import GraphError, RostetherError, UnknownNameError
 from rostether.extras import install_command
@@ -36,26 +36,21 @@ async def demo_master(
         async with used_master(environment) as used:
             yield used
         return
-    from rostether.ros1.roscore import Roscore
-
     usual = environment.master if is_loopback(environment.master.host) else RosEnvironment().master
     first = usual.port if port is None else port
     failure = GraphError(f"a ROS master uses port {first} already; choose another --port")
-    for tried in range(first, first + (MAX_DEMOS if port is None else 1)):
-        own = replace(environment, master_uri=format_uri(usual.host, tried), master_uri_is_set=True)
-        if await master_answers(own):
-            continue
-        try:
-            core = await Roscore.start(own, port=tried)
-        except GraphError as error:
-            failure = error
-            continue
-        try:
-            line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
-            yield UsedMaster(own, line, is_ours=True)
-        finally:
-            await core.close()
-        return
+    async with AsyncExitStack() as stack:
+        for tried in range(first, first + (MAX_DEMOS if port is None else 1)):
+            own = replace(environment, master_uri=format_uri(usual.host, tried), master_uri_is_set=True)
+            if await master_answers(own):
+                continue
+            try:
+                used = await stack.enter_async_context(own_master(own))
+            except GraphError as error:
+                failure = error
+                continue
+            yield used
+            return
     raise failure
 
 

@@ -5,23 +5,20 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Callable, Sequence
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, option_group
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
 
 if TYPE_CHECKING:
     from rostether.firmware.build import BuildOptions, BuiltFirmware
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 DEFAULT_BOARD = "uno"
 ARDUINO_CLI = "arduino-cli"
@@ -59,37 +56,6 @@ port_option = click.option(
     metavar="PORT",
     help="The board's serial port (default: the only one found).",
 )
-
-
-def build_options(function: Function) -> Function:
-    """Add the sketch argument and the build options to a command, as `sketch` and `options`."""
-
-    @wraps(function)
-    def with_options(
-        libraries: tuple[Path, ...],
-        msg_paths: tuple[Path, ...],
-        defines: tuple[str, ...],
-        warnings: bool,
-        verbose: bool,
-        builder: str,
-        **rest: Any,
-    ) -> Any:
-        from rostether.firmware.build import BuildOptions
-
-        options = BuildOptions(
-            libraries=libraries,
-            msg_paths=tuple(each.expanduser() for each in msg_paths),
-            defines=defines,
-            warnings=warnings,
-            uses_arduino_cli=builder == ARDUINO_CLI,
-            show=_show if verbose else None,
-        )
-        return function(options=options, **rest)
-
-    decorated: Any = with_options
-    for decorate in reversed(_OPTIONS):
-        decorated = decorate(decorated)
-    return decorated  # type: ignore[no-any-return]
 
 
 async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFirmware:
@@ -149,3 +115,28 @@ _OPTIONS: tuple[Callable[[Any], Any], ...] = (
         help="Build with Debian's compiler (the default) or arduino-cli, also for boards without an AVR.",
     ),
 )
+
+
+def _build_options(
+    *,
+    libraries: tuple[Path, ...] = (),
+    msg_paths: tuple[Path, ...] = (),
+    defines: tuple[str, ...] = (),
+    warnings: bool = False,
+    verbose: bool = False,
+    builder: str = AVR_GCC,
+) -> BuildOptions:
+    from rostether.firmware.build import BuildOptions
+
+    return BuildOptions(
+        libraries=libraries,
+        msg_paths=tuple(each.expanduser() for each in msg_paths),
+        defines=defines,
+        warnings=warnings,
+        uses_arduino_cli=builder == ARDUINO_CLI,
+        show=_show if verbose else None,
+    )
+
+
+# Adds the sketch, as `sketch`, its board, as `board_name`, and the options of the build, as `options`.
+build_options = option_group("options", _build_options, _OPTIONS)

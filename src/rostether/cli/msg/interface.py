@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import functools
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import Function
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import UnknownTypeError
@@ -43,18 +42,23 @@ def interface() -> None:
 _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
 
 
-def _kind_options(function: Function) -> Function:
-    """Add options that choose kinds of types; the verb gets the chosen ones as `kinds`, or all."""
+def _chosen_kinds(
+    *, only_msgs: bool = False, only_srvs: bool = False, only_actions: bool = False
+) -> list[str]:
+    chosen = zip(_TITLES, (only_msgs, only_srvs, only_actions), strict=True)
+    return [kind for kind, is_chosen in chosen if is_chosen] or list(_TITLES)
 
-    @functools.wraps(function)
-    def chosen(*args: Any, only_msgs: bool, only_srvs: bool, only_actions: bool, **kwargs: Any) -> Any:
-        flags = zip(_TITLES, (only_msgs, only_srvs, only_actions), strict=True)
-        kinds = [kind for kind, is_chosen in flags if is_chosen]
-        return function(*args, kinds=kinds or list(_TITLES), **kwargs)
 
-    decorated: Any = click.option("-m", "--only-msgs", is_flag=True, help="Only messages.")(chosen)
-    decorated = click.option("-s", "--only-srvs", is_flag=True, help="Only services.")(decorated)
-    return click.option("-a", "--only-actions", is_flag=True, help="Only actions.")(decorated)  # type: ignore[no-any-return]
+# Options that choose kinds of types; the verb gets the chosen ones as `kinds`, or all.
+_kind_options = option_group(
+    "kinds",
+    _chosen_kinds,
+    (
+        click.option("-m", "--only-msgs", is_flag=True, help="Only messages."),
+        click.option("-s", "--only-srvs", is_flag=True, help="Only services."),
+        click.option("-a", "--only-actions", is_flag=True, help="Only actions."),
+    ),
+)
 
 
 @click.command("show", cls=Verb, examples="rostether interface show std_srvs/srv/SetBool")
@@ -126,6 +130,7 @@ def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
 def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
     """Print a message with its default values, a service's request, or an action's goal, as YAML."""
     from rostether.ros2.types.message_text import MessageText, TextStyle
+    from rostether.ros2.types.native_registry import short_name
     from rostether.ros2.types.value_form import ValueForm
     from rostether.rostime import Time
     from rostether.serde.store import TypeStore
@@ -139,7 +144,7 @@ def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
         case _:
             definition = registry.definitions.action(name).action.goal
     form = ValueForm(registry.ros2_message, Time)
-    message = form.fill(TypeStore(registry).codec(_short(definition.full_name)), definition, [])
+    message = form.fill(TypeStore(registry).codec(short_name(definition.full_name)), definition, [])
     text = MessageText(registry.ros2_message, TextStyle(truncate_length=None)).yaml(message, definition)
     write_line(text.removesuffix("\n") if no_quotes else f'"{text}"')
 
@@ -158,12 +163,6 @@ def _kind(name: str) -> str:
     raise click.UsageError(
         f"{name!r} is not a type; write PACKAGE/msg/NAME, PACKAGE/srv/NAME or PACKAGE/action/NAME"
     )
-
-
-def _short(name: str) -> str:
-    from rostether.ros2.types.native_registry import short_name
-
-    return short_name(name)
 
 
 def _names(registry: NativeRegistry, kind: str, package: str | None = None) -> list[str]:

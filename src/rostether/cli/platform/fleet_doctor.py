@@ -10,7 +10,7 @@ import click
 from rostether.cli.platform.fleet_options import fleet_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import NumberRange
-from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_finding
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 
@@ -57,9 +57,5 @@ async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bo
     disk = shutil.disk_usage(".")
     findings.append(disk_finding("this folder", disk.free, disk.total))
     for finding in findings:
-        if as_json:
-            write_json({"ok": finding.is_well, "what": finding.what, "text": finding.text})
-        else:
-            word = {True: "ok", False: "PROBLEM", None: "not checked"}[finding.is_well]
-            write_line(f"{word}: {finding.what}: {finding.text}", paint_finding)
+        write_finding(finding.what, finding.text, is_well=finding.is_well, as_json=as_json)
     return EXIT_FAILED if any(each.is_well is False for each in findings) else EXIT_DONE

@@ -83,8 +83,6 @@ def tree(file: Path, mappings: tuple[str, ...], as_json: bool) -> None:
 
 
 def _load(file: Path, mappings: tuple[str, ...]) -> RobotModel:
-    import os
-
     from rostether.packages.locate import package_folders
     from rostether.robot.urdf import parse_urdf
     from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings
@@ -153,8 +151,8 @@ def _record(joint: Joint) -> dict[str, object]:
     rostether xacro --deps robot.urdf.xacro
     """,
 )
-@click.argument("file", type=EXISTING_FILE)
-@click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
+@_file
+@_mappings
 @click.option("-o", "--output", type=PATH, metavar="FILE", help="Write the URDF to this file.")
 @click.option("--deps", is_flag=True, help="Print the included files instead.")
 @ignored_options(inorder="--inorder -i", quiet="-q")

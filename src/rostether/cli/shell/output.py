@@ -84,6 +84,15 @@ def _encode_bytes(value: object) -> str:
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
+def write_finding(what: str, text: str, *, is_well: bool | None, as_json: bool) -> None:
+    """Write one result of an examination; `is_well` is None for what could not be checked."""
+    if as_json:
+        write_json({"ok": is_well, "what": what, "text": text})
+    else:
+        word = {True: "ok", False: "PROBLEM", None: "not checked"}[is_well]
+        write_line(f"{word}: {what}: {text}", paint_finding)
+
+
 def has_colors() -> bool:
     """Return whether the output is a terminal whose user wants colors."""
     is_wanted = not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"

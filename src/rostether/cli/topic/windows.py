@@ -124,27 +124,25 @@ def format_delay(spread: Spread) -> str:
 
 def format_bandwidth(bandwidth: Bandwidth) -> str:
     """Return the two lines of `rostopic bw`, all in the unit that suits the average."""
-    rate = bandwidth.bytes_per_s
-    divisor, unit = (1, "B") if rate < 1e3 else (1e3, "KB") if rate < 1e6 else (1e6, "MB")
-    mean, low, high = (
-        f"{size / divisor:.2f}{unit}"
-        for size in (bandwidth.mean_bytes, bandwidth.min_bytes, bandwidth.max_bytes)
-    )
-    return (
-        f"average: {rate / divisor:.2f}{unit}/s\n"
-        f"\tmean: {mean} min: {low} max: {high} window: {bandwidth.window}"
-    )
+    divisor, unit, _ = _unit(bandwidth)
+    average, mean, low, high = (f"{each / divisor:.2f}{unit}" for each in _amounts(bandwidth))
+    return f"average: {average}/s\n\tmean: {mean} min: {low} max: {high} window: {bandwidth.window}"
 
 
 def format_ros2_bandwidth(bandwidth: Bandwidth) -> str:
     """Return the two lines of `ros2 topic bw`, all in the unit that suits the average."""
-    rate = bandwidth.bytes_per_s
-    divisor, unit, places = (1, "B", 0) if rate < 1e3 else (1e3, "KB", 2) if rate < 1e6 else (1e6, "MB", 2)
-    average, mean, low, high = (
-        f"{size / divisor:.{places}f} {unit}"
-        for size in (rate, bandwidth.mean_bytes, bandwidth.min_bytes, bandwidth.max_bytes)
-    )
+    divisor, unit, places = _unit(bandwidth)
+    average, mean, low, high = (f"{each / divisor:.{places}f} {unit}" for each in _amounts(bandwidth))
     return f"{average}/s from {bandwidth.window} messages\n\tMessage size mean: {mean} min: {low} max: {high}"
+
+
+def _unit(bandwidth: Bandwidth) -> tuple[float, str, int]:
+    rate = bandwidth.bytes_per_s
+    return (1, "B", 0) if rate < 1e3 else (1e3, "KB", 2) if rate < 1e6 else (1e6, "MB", 2)
+
+
+def _amounts(bandwidth: Bandwidth) -> tuple[float, ...]:
+    return bandwidth.bytes_per_s, bandwidth.mean_bytes, bandwidth.min_bytes, bandwidth.max_bytes
 
 
 def format_rate_table(spreads: dict[str, Spread]) -> str:

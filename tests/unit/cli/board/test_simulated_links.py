@@ -12,14 +12,14 @@ import pytest
 
 from interop.ros1_peers import free_port
 from programs import Peer, started
-from rostether.cli.board.simulated_links import _report, simulated
+from rostether.cli.board.simulated_links import _report_events, simulated
 from rostether.errors import BoardError, ConfigError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.simulated_board import SimulatedBoard
-from rostether.transports.address import PtyAddress, SerialAddress
+from rostether.transports.address import PtyAddress, SerialAddress, SimAddress
 from rostether.transports.address_parser import parse_address
 from unit.simulation.simavr.programs import build
 
@@ -171,6 +171,6 @@ async def test_a_warning_that_repeats_is_one_line() -> None:
                 yield BoardEvent("pin", number / 1000)
 
     lines = Lines()
-    await _report(cast(SimulatedBoard, Board()), "sim:x.elf", lines)
+    await _report_events(cast(SimulatedBoard, Board()), SimAddress("x.elf"), lines)
     assert sum("lost serial" in text for _, text in lines.lines) == 1
     assert sum(level is Level.INFO for level, _ in lines.lines) == 1000
