@@ -9,7 +9,7 @@ DIR/ros_lib/
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,9 +63,19 @@ def write_library(
     Has the arguments and errors of `render_library`; also raises CodegenError if the path is in use or
     cannot be written.
     """
+    return write_rendered(
+        directory, lambda: render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
+    )
+
+
+def write_rendered(directory: Path, render: Callable[[], RenderedLibrary]) -> WrittenLibrary:
+    """Write a library to `directory`/ros_lib, replacing an older generated one as a whole.
+
+    Raises CodegenError if the path is in use or cannot be written, and the errors of `render`.
+    """
     directory = directory.expanduser()
     check_parent(directory, LIBRARY_NAME)
-    rendered = render_library(registry, for_sketch=for_sketch, packages=packages, search=search)
+    rendered = render()
     target = directory / LIBRARY_NAME
     if target.resolve() == client_library().resolve():
         raise CodegenError(f"{target} is the hand-written library itself; give another folder")

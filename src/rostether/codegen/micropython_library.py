@@ -12,8 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from rostether.codegen.arduino_library import LIBRARY_NAME, RenderedLibrary, WrittenLibrary
-from rostether.codegen.library_folder import check_parent, write_library_folder
+from rostether.codegen.arduino_library import RenderedLibrary, WrittenLibrary, write_rendered
 from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_files
 from rostether.codegen.program_imports import types_of_program
 from rostether.codegen.python_message import message_module, service_module
@@ -47,11 +46,10 @@ def write_micropython_library(
     Has the arguments and errors of `render_micropython_library`; also raises CodegenError if the path is in
     use or it cannot be written.
     """
-    directory = directory.expanduser()
-    check_parent(directory, LIBRARY_NAME)
-    rendered = render_micropython_library(registry, for_program=for_program, packages=packages)
-    target = directory / LIBRARY_NAME
-    return WrittenLibrary(target, write_library_folder(target, rendered.files), rendered)
+    return write_rendered(
+        directory,
+        lambda: render_micropython_library(registry, for_program=for_program, packages=packages),
+    )
 
 
 def render_micropython_library(

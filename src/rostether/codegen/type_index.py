@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import MessageSpec
 
@@ -11,22 +13,16 @@ class TypeIndex:
 
     def __init__(self, registry: Registry) -> None:
         self.registry = registry
-        self._messages: dict[str, frozenset[str]] = {}
-        self._services: dict[str, frozenset[str]] = {}
+        self._messages = cache(lambda package: frozenset(registry.messages(package)))
+        self._services = cache(lambda package: frozenset(registry.services(package)))
 
     def is_message(self, name: str) -> bool:
         """Return whether `package/Name` is a message, and not only the request or response of a service."""
-        package = name.partition("/")[0]
-        if package not in self._messages:
-            self._messages[package] = frozenset(self.registry.messages(package))
-        return name in self._messages[package]
+        return name in self._messages(name.partition("/")[0])
 
     def is_service(self, name: str) -> bool:
         """Return whether `package/Name` is a service."""
-        package = name.partition("/")[0]
-        if package not in self._services:
-            self._services[package] = frozenset(self.registry.services(package))
-        return name in self._services[package]
+        return name in self._services(name.partition("/")[0])
 
     def header_of(self, message: str) -> str:
         """Return the type whose header contains a message: the message itself, or its service."""

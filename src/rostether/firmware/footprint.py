@@ -67,19 +67,9 @@ class Footprint:
     stack: StackEstimate | None
 
     @property
-    def flash_limit_bytes(self) -> int:
-        """The flash without the boot loader."""
-        return self.board.flash_bytes
-
-    @property
-    def ram_limit_bytes(self) -> int:
-        """The board's RAM."""
-        return self.board.ram_bytes
-
-    @property
     def free_ram_bytes(self) -> int:
         """The RAM left after variables and the estimated stack; negative if they do not fit."""
-        return self.ram_limit_bytes - self.ram_bytes - (self.stack.total_bytes if self.stack else 0)
+        return self.board.ram_bytes - self.ram_bytes - (self.stack.total_bytes if self.stack else 0)
 
     @property
     def fits(self) -> bool:
@@ -89,29 +79,29 @@ class Footprint:
     def refusals(self) -> list[str]:
         """Return the reasons why the program does not fit the board, one line each."""
         lines = []
-        if self.flash_limit_bytes and self.flash_bytes > self.flash_limit_bytes:
-            over = self.flash_bytes - self.flash_limit_bytes
+        if self.board.flash_bytes and self.flash_bytes > self.board.flash_bytes:
+            over = self.flash_bytes - self.board.flash_bytes
             lines.append(
                 f"{self.flash_bytes} bytes of flash do not fit: {self.board.title} has "
-                f"{self.flash_limit_bytes} for programs, {over} fewer; {self._advice('flash_bytes')}"
+                f"{self.board.flash_bytes} for programs, {over} fewer; {self._advice('flash_bytes')}"
             )
-        if self.ram_limit_bytes and self.ram_bytes > self.ram_limit_bytes:
-            over = self.ram_bytes - self.ram_limit_bytes
+        if self.board.ram_bytes and self.ram_bytes > self.board.ram_bytes:
+            over = self.ram_bytes - self.board.ram_bytes
             lines.append(
-                f"variables of {self.ram_bytes} bytes do not fit the {self.ram_limit_bytes} bytes of RAM of "
+                f"variables of {self.ram_bytes} bytes do not fit the {self.board.ram_bytes} bytes of RAM of "
                 f"{self.board.title}: {over} too many; {self._advice('ram_bytes')}"
             )
         return lines
 
     def warnings(self) -> list[str]:
         """Return the expected problems at run time, one line each."""
-        if not self.ram_limit_bytes or self.stack is None or self.ram_bytes > self.ram_limit_bytes:
+        if not self.board.ram_bytes or self.stack is None or self.ram_bytes > self.board.ram_bytes:
             return []
         if self.free_ram_bytes >= MARGIN_BYTES:
             return []
         return [
             f"variables ({self.ram_bytes} bytes) and stack (up to {self.stack.total_bytes}) leave "
-            f"{self.free_ram_bytes} of {self.ram_limit_bytes} bytes of RAM: the stack may overwrite "
+            f"{self.free_ram_bytes} of {self.board.ram_bytes} bytes of RAM: the stack may overwrite "
             f"variables; {self._advice('ram_bytes')}"
         ]
 

@@ -30,7 +30,7 @@ def node_lines(plan: LaunchPlan) -> list[str]:
 
 def argument_lines(plan: LaunchPlan) -> Iterator[str]:
     """Yield the arguments of the files, required ones first."""
-    known = sorted((each for each in plan.arguments if not each.is_fixed), key=lambda each: each.name)
+    known = [plan.arguments[name] for name in sorted(plan.arguments) if not plan.arguments[name].is_fixed]
     required = [each for each in known if not each.default]
     optional = [each for each in known if each.default]
     if not known:

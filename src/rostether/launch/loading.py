@@ -60,7 +60,7 @@ def load_launch(
         loader.load_root(read_file(str(path)), str(path), namespace, arguments)
     if text is not None:
         loader.load_root(text, STDIN_NAME, namespace, arguments)
-    return loader.reader.draft.finish()
+    return loader.reader.plan
 
 
 class _Loader:
@@ -84,11 +84,12 @@ class _Loader:
         scope = Scope(file=file, namespace=namespace, arguments=dict(arguments))
         self._read_children(root, scope)
         for name, argument in scope.declared.items():
-            self.reader.draft.arguments.setdefault(name, argument)
+            self.reader.plan.arguments.setdefault(name, argument)
 
     def _parse(self, data: bytes, file: str) -> XmlElement:
         root = parse_launch_xml(data, file=file)
-        self.reader.draft.files.append(file)
+        if file not in self.reader.plan.files:
+            self.reader.plan.files.append(file)
         if notice := root.attributes.get("deprecated"):
             self.reader.warn(root, f"deprecated: {notice}")
         return root
@@ -133,7 +134,7 @@ class _Loader:
         reader, values = self.reader, values or scope
         reader.check_attributes(element, ("name", "value", "default", "doc"))
         name = reader.required(element, values, "name")
-        reader.draft.argument_names.add(name)
+        reader.plan.argument_names.add(name)
         value, default, doc = (reader.optional(element, values, each) for each in ("value", "default", "doc"))
         if value is not None and default is not None:
             raise LaunchError(f"argument {name!r} has both value= and default=; keep one of them")
@@ -149,7 +150,7 @@ class _Loader:
             raise LaunchError(
                 f"two nodes have the name {node.full_name}, one at {earlier.file}:{earlier.line}; rename one"
             )
-        self.reader.draft.nodes.append(node)
+        self.reader.plan.nodes.append(node)
 
     def _include(self, element: XmlElement, scope: Scope) -> None:
         reader = self.reader

@@ -90,11 +90,11 @@ class ParameterTags:
             case "dump":
                 if not file:
                     raise LaunchError("<rosparam command='dump'> needs file=, the file to write")
-                reader.draft.before.append(DumpParameters(full_name, file))
+                reader.plan.before.append(DumpParameters(full_name, file))
             case "delete":
                 if file is not None:
                     raise LaunchError("<rosparam command='delete'> cannot have file=")
-                reader.draft.before.append(DeleteParameters(full_name))
+                reader.plan.before.append(DeleteParameters(full_name))
             case _:
                 raise LaunchError(f"<rosparam> has no command {command!r}; known: {', '.join(_COMMANDS)}")
 

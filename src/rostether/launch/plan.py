@@ -85,19 +85,20 @@ class DeclaredArgument:
     is_fixed: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class LaunchPlan:
     """The whole plan, in the order of execution: `before`, `cleared`, `parameters`, `nodes`.
 
-    `cleared` are namespaces with a trailing slash. `arguments` are those of the given files; `argument_names`
-    also has those of included files. `files` are all files that were read. `warnings` are lines for users.
+    `cleared` are namespaces with a trailing slash. `arguments` are those of the given files, by name;
+    `argument_names` also has those of included files. `files` are all files that were read, each once.
+    `warnings` are lines for users.
     """
 
-    nodes: tuple[LaunchNode, ...] = ()
+    nodes: list[LaunchNode] = field(default_factory=list)
     parameters: dict[str, ParamValue] = field(default_factory=dict)
-    before: tuple[DumpParameters | DeleteParameters, ...] = ()
-    cleared: tuple[str, ...] = ()
-    arguments: tuple[DeclaredArgument, ...] = ()
-    argument_names: frozenset[str] = frozenset()
-    files: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    before: list[DumpParameters | DeleteParameters] = field(default_factory=list)
+    cleared: list[str] = field(default_factory=list)
+    arguments: dict[str, DeclaredArgument] = field(default_factory=dict)
+    argument_names: set[str] = field(default_factory=set)
+    files: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)

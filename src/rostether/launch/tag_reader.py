@@ -4,18 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import Any
 
 from rostether.errors import ConfigError, InvalidNameError, LaunchError
-from rostether.graph.ports import ParamValue
-from rostether.launch.plan import (
-    DeclaredArgument,
-    DeleteParameters,
-    DumpParameters,
-    LaunchNode,
-    LaunchPlan,
-)
+from rostether.launch.plan import LaunchPlan
 from rostether.launch.scope import Scope, as_namespace
 from rostether.launch.substitution import LaunchContext, substitute
 from rostether.launch.values import as_bool, check
@@ -28,42 +20,15 @@ MAX_SUBSTITUTED_CHARS = 64 << 20
 _CONDITIONS = ("if", "unless")
 
 
-@dataclass(slots=True)
-class Draft:
-    """An unfinished plan."""
-
-    nodes: list[LaunchNode] = field(default_factory=list)
-    parameters: dict[str, ParamValue] = field(default_factory=dict)
-    before: list[DumpParameters | DeleteParameters] = field(default_factory=list)
-    cleared: list[str] = field(default_factory=list)
-    arguments: dict[str, DeclaredArgument] = field(default_factory=dict)
-    argument_names: set[str] = field(default_factory=set)
-    files: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-    def finish(self) -> LaunchPlan:
-        """Return the plan."""
-        return LaunchPlan(
-            nodes=tuple(self.nodes),
-            parameters=self.parameters,
-            before=tuple(self.before),
-            cleared=tuple(self.cleared),
-            arguments=tuple(self.arguments.values()),
-            argument_names=frozenset(self.argument_names),
-            files=tuple(dict.fromkeys(self.files)),
-            warnings=tuple(self.warnings),
-        )
-
-
 class TagReader:
-    """Reads attributes with their arguments substituted, and adds to the draft.
+    """Reads attributes with their arguments substituted, and adds to the plan.
 
     All methods raise LaunchError; the loader adds the element's file and line if they are missing.
     """
 
     def __init__(self, context: LaunchContext) -> None:
         self.context = context
-        self.draft = Draft()
+        self.plan = LaunchPlan()
         self._substituted_chars = 0
 
     def substitute(self, text: str, scope: Scope) -> str:
@@ -122,7 +87,7 @@ class TagReader:
 
     def warn(self, element: XmlElement, text: str) -> None:
         """Report a problem with an element that does not stop the launch."""
-        self.draft.warnings.append(f"{element.file}:{element.line}: {text}")
+        self.plan.warnings.append(f"{element.file}:{element.line}: {text}")
 
     def namespace(self, element: XmlElement, scope: Scope, node_name: str = "") -> Scope:
         """Return the scope inside an element with ns= and clear_params=."""
@@ -138,7 +103,7 @@ class TagReader:
             if not node_name and element.tag in ("node", "test"):
                 raise LaunchError(f"<{element.tag} clear_params=...> needs a name=")
             cleared = as_namespace(join(inside.namespace, node_name)) if node_name else inside.namespace
-            self.draft.cleared.append(cleared)
+            self.plan.cleared.append(cleared)
         return inside
 
     def remap(self, element: XmlElement, scope: Scope) -> None:
@@ -172,9 +137,9 @@ class TagReader:
         check(key, value)
         above = namespace_of(key)
         while True:
-            if above in self.draft.parameters and above != key:
+            if above in self.plan.parameters and above != key:
                 self.warn(element, f"parameter {key} is below {above}, which also has a value")
             if above == SEPARATOR:
                 break
             above = namespace_of(above)
-        self.draft.parameters[key] = value
+        self.plan.parameters[key] = value

@@ -86,7 +86,9 @@ def described(plan: LaunchPlan) -> Any:
             "cleared": list(plan.cleared),
             "before": [_before(step) for step in plan.before],
             "arguments": {
-                each.name: [each.default, each.doc or None] for each in plan.arguments if not each.is_fixed
+                each.name: [each.default, each.doc or None]
+                for each in plan.arguments.values()
+                if not each.is_fixed
             },
         }
     )

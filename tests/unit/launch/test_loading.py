@@ -127,7 +127,7 @@ def test_machine_elsewhere_is_refused_with_what_to_do() -> None:
 def test_files_and_arguments_are_listed() -> None:
     plan = load(ROBOT / "launch" / "include_pass_all.launch")
     assert [Path(file).name for file in plan.files] == ["include_pass_all.launch", "args.xml", "fixed.xml"]
-    assert [each.name for each in plan.arguments] == ["required", "optional", "extra"]
+    assert [each.name for each in plan.arguments.values()] == ["required", "optional", "extra"]
     assert load(ROBOT / "launch" / "include_recursive.launch").argument_names == {"count"}
 
 

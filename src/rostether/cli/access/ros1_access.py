@@ -43,6 +43,14 @@ def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
     return environment if graph.master is None else environment.with_master(graph.master)
 
 
+def type_store(msg_paths: Iterable[Path] = ()) -> TypeStore:
+    """Return the types of messages; definitions in the folders `msg_paths` come first."""
+    from rostether.msgdef.registry import Registry
+    from rostether.serde.store import TypeStore
+
+    return TypeStore(Registry.from_environment(msg_paths))
+
+
 def resolve(name: str, environment: RosEnvironment) -> str:
     """Return the full form of a user's name. Raises InvalidNameError."""
     return resolve_name(name, namespace=environment.namespace, node_name=TOOL_NAME)
@@ -80,17 +88,12 @@ async def joined(
     from rostether.mechanisms.anonymous import anonymous_name
     from rostether.ros1.node.node import join_ros1
 
-    if store is None:
-        from rostether.msgdef.registry import Registry
-        from rostether.serde.store import TypeStore
-
-        store = TypeStore(Registry.from_environment(msg_paths))
     environment = environment or read_environment(graph)
     name = graph.arguments.get("__name") or anonymous_name(purpose)
     try:
         node = await join_ros1(name, environment=environment, namespace=environment.namespace)
         try:
-            yield TypedGraph(node, store)
+            yield TypedGraph(node, store or type_store(msg_paths))
         finally:
             await node.close()
     except MasterUnreachableError as error:

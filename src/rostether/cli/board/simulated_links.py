@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rostether.cli.access.ros1_access import type_store
 from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
@@ -118,15 +119,13 @@ async def _be_node(
     board: ShownBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
 ) -> None:
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.store import TypeStore
     from rostether.simulation.opencr.board import PIN_FULL_SCALE_V
     from rostether.simulation.simavr.simulation_node import SimulationNode
 
     try:
         graph = await join()
         try:
-            typed = TypedGraph(graph, TypeStore(Registry.from_environment()))
+            typed = TypedGraph(graph, type_store())
             if link.board == OPENCR:
                 # Its robot always has wheels.
                 words = ("wheels", *link.words)

@@ -97,9 +97,8 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
     from rostether.bridge.health.doctor import Doctor
     from rostether.bridge.health.watching import WATCH_S
     from rostether.bridge.reporter import SilentReporter
+    from rostether.cli.access.ros1_access import type_store
     from rostether.cli.board.simulated_links import simulated
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.store import TypeStore
     from rostether.transports.serial import list_ports
 
     ports = list_ports()
@@ -110,7 +109,7 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
             _explain_no_board(ports)
         return EXIT_DONE if served else EXIT_FAILED
     examiner = Doctor(
-        TypeStore(Registry.from_environment(msg_paths)),
+        type_store(msg_paths),
         watch_s=WATCH_S if seconds is None else seconds,
         report_step=(lambda _: None) if as_json else warn,
         list_ports=list_ports,

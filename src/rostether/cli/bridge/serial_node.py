@@ -21,10 +21,10 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option
-from rostether.cli.access.ros1_access import joining_ros1
+from rostether.cli.access.ros1_access import joining_ros1, type_store
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
-from rostether.cli.bridge.serving import loopback_lines, read_links, serving, type_store
+from rostether.cli.bridge.serving import loopback_lines, read_links, serving
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError, GraphError, UnknownNameError

@@ -15,7 +15,7 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option, msg_path_option
-from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.access.served_graphs import served_graphs
 from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.bag.line_capture import record_limit_option, recorded
@@ -39,7 +39,6 @@ from rostether.cli.bridge.serving import (
     read_web_boards,
     serving,
     shortage_lines,
-    type_store,
 )
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.gateway.gateways import served_gateways

@@ -17,13 +17,10 @@ from rostether.transports.opening import list_serial_ports
 from rostether.transports.typed_port import check_typed_port
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import click
 
     from rostether.bridge.reporter import Reporter
     from rostether.bridge.supervisor import Supervisor
-    from rostether.serde.store import TypeStore
     from rostether.transports.web_boards import WebBoards
 
 
@@ -106,14 +103,6 @@ def shortage_lines(connections: int | None, links: Sequence[Address]) -> list[st
     listeners = sum(isinstance(link, TcpAddress | UdpAddress) and link.listens for link in links)
     line = shortage((connections or 0) * listeners)
     return [] if line is None else [line]
-
-
-def type_store(msg_paths: Sequence[Path] = ()) -> TypeStore:
-    """Return the types of messages, with those in `msg_paths` first."""
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.store import TypeStore
-
-    return TypeStore(Registry.from_environment(msg_paths))
 
 
 @asynccontextmanager

@@ -78,8 +78,8 @@ async def demo_board(
 
 @asynccontextmanager
 async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> AsyncIterator[DemoBoard]:
+    from rostether.cli.access.ros1_access import type_store
     from rostether.cli.board.qemu import find_program, measure_program
-    from rostether.cli.bridge.serving import type_store
     from rostether.firmware.toolchain import find_avr_toolchain
     from rostether.graph.typed_graph import TypedGraph
     from rostether.simulation.simavr.compile import missing_parts

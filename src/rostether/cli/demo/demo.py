@@ -19,10 +19,10 @@ from rostether.bridge.settings import BoardNodes
 from rostether.bridge.supervisor import Links, Supervisor
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.ros1_access import joining_ros1, read_environment
+from rostether.cli.access.ros1_access import joining_ros1, read_environment, type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.bridge.options import read_devices
-from rostether.cli.bridge.serving import serving, type_store
+from rostether.cli.bridge.serving import serving
 from rostether.cli.dashboard.beside import DashboardSettings, dashboard_beside
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board

@@ -127,9 +127,9 @@ def _record(
         "board": footprint.board.fqbn,
         "fits": footprint.fits,
         "flash_bytes": footprint.flash_bytes,
-        "flash_limit_bytes": footprint.flash_limit_bytes or None,
+        "flash_limit_bytes": footprint.board.flash_bytes or None,
         "ram_bytes": footprint.ram_bytes,
-        "ram_limit_bytes": footprint.ram_limit_bytes or None,
+        "ram_limit_bytes": footprint.board.ram_bytes or None,
         "stack_bytes": None if stack is None else stack.total_bytes,
         "free_ram_bytes": footprint.free_ram_bytes if stack is not None else None,
         "stack": None if stack is None else asdict(stack),
@@ -165,7 +165,7 @@ def _totals(footprint: Footprint) -> Table:
     table = Table.grid(padding=(0, 2))
     for justify in ("left", "right", "left", "left"):
         table.add_column(justify=justify)
-    flash, ram = footprint.flash_limit_bytes, footprint.ram_limit_bytes
+    flash, ram = footprint.board.flash_bytes, footprint.board.ram_bytes
     table.add_row("flash", f"{footprint.flash_bytes:,}", _limit(flash), _bar(footprint.flash_bytes, 0, flash))
     stack = footprint.stack.total_bytes if footprint.stack is not None else 0
     table.add_row("RAM", f"{footprint.ram_bytes:,}", _limit(ram), _bar(footprint.ram_bytes, stack, ram))

@@ -15,6 +15,7 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.ros1_access import type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
@@ -177,10 +178,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
 
 def in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
     """Return the graphs with ROS 1 definitions, also on ROS 2: Foxglove's panels need them for times."""
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.store import TypeStore
-
-    store = TypeStore(Registry.from_environment(msg_paths))
+    store = type_store(msg_paths)
     if graphs.types is not None:
         from rostether.ros2.rcl_interfaces import rcl_interfaces
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, ZenohReach
-from rostether.cli.access.ros1_access import master_client, read_environment
+from rostether.cli.access.ros1_access import master_client, read_environment, type_store
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
@@ -68,15 +68,12 @@ async def gateway_graph(
 
     On ROS 1, or both, messages have ROS 1 types, as boards send them; on ROS 2 alone, ROS 2 types.
     """
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.store import TypeStore
-
     if graphs.ros1 is not None:
-        store = TypeStore(Registry.from_environment(msg_paths))
-        yield ros1_gateway_graph(graphs.join, store, graphs.ros1)
+        yield ros1_gateway_graph(graphs.join, type_store(msg_paths), graphs.ros1)
         return
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeClasses, NativeTypes
+    from rostether.serde.store import TypeStore
 
     assert options.ros2 is not None
     registry = NativeRegistry.from_environment(msg_paths)

@@ -14,9 +14,9 @@ import click
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.access.ros1_access import joining_ros1, read_environment
+from rostether.cli.access.ros1_access import joining_ros1, read_environment, type_store
 from rostether.cli.access.served_graphs import used_master
-from rostether.cli.bridge.serving import serving, type_store
+from rostether.cli.bridge.serving import serving
 from rostether.cli.shell.option_group import PATH, NumberRange
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run

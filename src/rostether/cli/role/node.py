@@ -16,7 +16,7 @@ from rostether.cli.access.graph_options import (
     chosen_middleware,
     ros_arguments,
 )
-from rostether.cli.access.ros1_access import read_environment
+from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.graph.ports import Level
@@ -59,14 +59,12 @@ async def role_node(
     InvalidNameError, ConfigError.
     """
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.store import TypeStore
 
     name = arguments.special.get("__name", default_name)
     async with _on_ros1(arguments, name) if ros2 is None else _on_ros2(arguments, name, ros2) as graph:
         for parameter, value in arguments.private_params.items():
             await graph.set_param(f"~{parameter}", value)
-        yield TypedGraph(graph, TypeStore(Registry.from_environment()))
+        yield TypedGraph(graph, type_store())
 
 
 @asynccontextmanager

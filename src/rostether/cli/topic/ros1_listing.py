@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
-from rostether.cli.access.ros1_access import master_client, read_environment, resolve
+from rostether.cli.access.ros1_access import master_client, read_environment, resolve, type_store
 from rostether.cli.shell.output import write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.ros1_chosen_topic import (
@@ -88,12 +88,10 @@ class Ros1TopicListing:
 
     def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the type of a topic, or of a field in it. Raises UnknownNameError."""
-        from rostether.msgdef.registry import Registry
         from rostether.serde.field_path import FieldPath
-        from rostether.serde.store import TypeStore
 
         name = resolve_with_field(topic, self._environment)
-        store = TypeStore(Registry.from_environment(msg_paths))
+        store = type_store(msg_paths)
         views = run(fetch_topics(self._environment))
         chosen = choose_topic(name, views, store)
         if chosen is None:

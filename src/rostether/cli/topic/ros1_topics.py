@@ -14,7 +14,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
-from rostether.cli.access.ros1_access import joined, read_environment, resolve
+from rostether.cli.access.ros1_access import joined, read_environment, resolve, type_store
 from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
@@ -87,13 +87,11 @@ class Ros1Topics(Ros1TopicListing):
 async def _publish(
     graph_options: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
 ) -> None:
-    from rostether.msgdef.registry import Registry
     from rostether.msgdef.search_waiting import definitions_at_hand
-    from rostether.serde.store import TypeStore
     from rostether.serde.yaml_form import fill_message, load_arguments
 
     name = resolve(topic, read_environment(graph_options))
-    store = TypeStore(Registry.from_environment(options.msg_paths))
+    store = type_store(options.msg_paths)
     await definitions_at_hand(store.registry, lambda: store.registry.message_type(type_name))
     codec = store.codec(type_name)
     values = load_arguments(given)
