@@ -16,6 +16,8 @@ from rostether.cli.shell.option_group import (
     EXISTING_FILE,
     Function,
     OptionalValueOption,
+    add_flag,
+    add_option,
     ignored_options,
     option_group,
 )
@@ -146,35 +148,31 @@ def ros2_option(explanation: str, metavar: str = "[zenoh|rclpy]") -> Callable[[F
 
 ROS2_CHOICE = ros2_option("Use the ROS 2 graph, through zenoh or an installed rclpy.")
 _REACH_OPTIONS = (
-    click.option(
-        "--zenoh-connect",
+    add_option(
+        "--zenoh-connect ENDPOINT",
+        "With --ros2 zenoh, connect to this router, e.g. tcp/192.168.1.7:7447; may be repeated.",
         multiple=True,
-        metavar="ENDPOINT",
-        help="With --ros2 zenoh, connect to this router, e.g. tcp/192.168.1.7:7447; may be repeated.",
     ),
-    click.option(
-        "--zenoh-listen",
+    add_option(
+        "--zenoh-listen ENDPOINT",
+        "With --ros2 zenoh, listen at this endpoint, e.g. tcp/0.0.0.0:7447; may be repeated.",
         multiple=True,
-        metavar="ENDPOINT",
-        help="With --ros2 zenoh, listen at this endpoint, e.g. tcp/0.0.0.0:7447; may be repeated.",
     ),
 )
 _SERVING_OPTIONS = (
-    click.option(
+    add_option(
         "--zenoh-router",
+        "With --ros2 zenoh, start the zenoh router of this machine: if there is none, never, or always. "
+        "The router listens at localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
         type=click.Choice(["auto", "never", "always"]),
         default="auto",
         show_default=True,
-        help="With --ros2 zenoh, start the zenoh router of this machine: if there is none, never, or always. "
-        "The router listens at localhost:7447; with `always` and --zenoh-listen, only at those endpoints.",
     ),
-    click.option(
-        "--params-file",
-        "params_files",
+    add_option(
+        "--params-file params_files FILE",
+        "With --ros2, a YAML file of node parameters; may be repeated.",
         multiple=True,
         type=EXISTING_FILE,
-        metavar="FILE",
-        help="With --ros2, a YAML file of node parameters; may be repeated.",
     ),
 )
 
@@ -193,12 +191,10 @@ def graph_options(
     options: list[Callable[[Any], Any]] = []
     takes_both = served or zenoh
     if master:
-        options.append(
-            click.option("--master", metavar="URI", help=_SERVED_MASTER if served else _TOOL_MASTER)
-        )
+        options.append(add_option("--master URI", _SERVED_MASTER if served else _TOOL_MASTER))
     if ros:
         end = "; with --ros2, use both." if takes_both else "."
-        options += (click.option("--ros1", is_flag=True, help=_ROS1_HELP + end), ROS2_CHOICE)
+        options += (add_flag("--ros1", _ROS1_HELP + end), ROS2_CHOICE)
     if zenoh or (served and ros):
         options += _REACH_OPTIONS
     if served and ros:
@@ -207,7 +203,7 @@ def graph_options(
         options.append(_DAEMON_HABITS)
     if allow or served:
         text = _SERVED_ALLOW if served else _TOOL_ALLOW
-        options.append(click.option("--allow", multiple=True, metavar="CIDR", help=text))
+        options.append(add_option("--allow CIDR", text, multiple=True))
     build = _ros1_graph if not ros else _chosen_graph if takes_both else _one_graph
     return option_group("graph", build, options)
 

@@ -7,15 +7,13 @@ from collections.abc import Callable
 import click
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.shell.option_group import PATH, Function, ignored_options
+from rostether.cli.shell.option_group import PATH, Function, add_option, ignored_options
 
-msg_path_option = click.option(
-    "--msg-path",
-    "msg_paths",
+msg_path_option = add_option(
+    "--msg-path msg_paths DIR",
+    "Search this folder for packages, .msg and .srv files before ROS_PACKAGE_PATH; may be repeated.",
     multiple=True,
-    metavar="DIR",
     type=PATH,
-    help="Search this folder for packages, .msg and .srv files before ROS_PACKAGE_PATH; may be repeated.",
 )
 
 
@@ -30,20 +28,17 @@ qos_habits = ignored_options(
 
 def window_option(default: int | None) -> Callable[[Function], Function]:
     """Return the option `-w` of the commands that measure over a window of messages."""
-    return click.option(
-        "-w",
-        "--window",
+    return add_option(
+        "-w --window COUNT",
+        f"Measure over the last COUNT messages{f' ({default})' if default else ''}.",
         type=click.IntRange(min=2),
         default=default,
-        metavar="COUNT",
-        help=f"Measure over the last COUNT messages{f' ({default})' if default else ''}.",
     )
 
 
-listen_option = click.option(
-    "--listen",
-    metavar="ADDRESS",
-    help="Listen at this address for other machines; 0.0.0.0 for all addresses (default: loopback only).",
+listen_option = add_option(
+    "--listen ADDRESS",
+    "Listen at this address for other machines; 0.0.0.0 for all addresses (default: loopback only).",
 )
 
 

@@ -10,10 +10,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.bag.figures import MEGABYTE, size_text
-from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, option_group
+from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 from rostether.mechanisms.run_until import run_until
@@ -38,24 +36,17 @@ class BagRecording:
 
 
 _OPTIONS = (
-    click.option(
-        "--record",
-        type=PATH,
-        metavar="DIR",
-        help="Record all topics of the graph into bags in this folder.",
-    ),
-    click.option(
-        "--record-size",
+    add_option("--record DIR", "Record all topics of the graph into bags in this folder.", type=PATH),
+    add_option(
+        "--record-size MB",
+        "With --record: start a new bag at this size (1000).",
         type=NumberRange(min=0.1),
         default=1000,
-        metavar="MB",
-        help="With --record: start a new bag at this size (1000).",
     ),
-    click.option(
-        "--record-keep",
+    add_option(
+        "--record-keep COUNT",
+        "With --record: keep only the newest COUNT bags of this run (default: all).",
         type=COUNT,
-        metavar="COUNT",
-        help="With --record: keep only the newest COUNT bags of this run (default: all).",
     ),
 )
 

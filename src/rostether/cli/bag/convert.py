@@ -15,7 +15,7 @@ from rostether.cli.bag.recording_files import (
     recording_types,
     storage_option,
 )
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -33,11 +33,11 @@ from rostether.cli.shell.verbs import Verb
 )
 @click.argument("source", type=PATH)
 @click.argument("target", type=PATH)
-@click.option(
+@add_option(
     "--compression",
+    "The compression of chunks (none).",
     type=click.Choice(["none", "bz2", "lz4"]),
     default="none",
-    help="The compression of chunks (none).",
 )
 @format_option
 @storage_option

@@ -10,7 +10,7 @@ import click
 
 from rostether.cli.bag.figures import time_text
 from rostether.cli.bag.record import DURATION
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -33,29 +33,15 @@ _SHOWN_TOPICS = 10
     """,
 )
 @click.argument("sources", nargs=-1, required=True, type=PATH, metavar="RECORDING...")
-@click.option(
-    "-o",
-    "--output",
-    "target",
-    required=True,
-    type=PATH,
-    metavar="FILE",
-    help="The .bag, .mcap or .db3 file, or folder.",
-)
-@click.option(
-    "--from",
-    "start",
-    required=True,
-    metavar="TIME",
-    help="The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the last one recorded; "
+@add_option("-o --output target FILE", "The .bag, .mcap or .db3 file, or folder.", required=True, type=PATH)
+@add_option(
+    "--from start TIME",
+    "The local time, e.g. 14:02, 14:02:30 or 2026-11-23 14:02; without a date, the last one recorded; "
     "+01:00 or Z after it names the time zone.",
+    required=True,
 )
-@click.option(
-    "--duration", type=DURATION, default=60.0, metavar="TIME", help="How much, e.g. 30, 30s, 5m or 2h (1m)."
-)
-@click.option(
-    "-t", "--topic", "topics", multiple=True, metavar="TOPIC", help="Only this topic; * matches anything."
-)
+@add_option("--duration TIME", "How much, e.g. 30, 30s, 5m or 2h (1m).", type=DURATION, default=60.0)
+@add_option("-t --topic topics TOPIC", "Only this topic; * matches anything.", multiple=True)
 def bag_cut(
     sources: tuple[Path, ...], target: Path, start: str, duration: float, topics: tuple[str, ...]
 ) -> None:

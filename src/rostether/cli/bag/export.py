@@ -30,21 +30,19 @@ class ExportOptions:
 
     recording: Path = argument(type=PATH)
     output: str | None = option(
-        "-o --output",
+        "-o --output PATH",
         "A folder, a file if there is only one topic, or - for stdout (default: the folder NAME_FORMAT).",
-        metavar="PATH",
     )
     format_name: str | None = option(
         "--format", "The format (default: from the file's ending, or csv).", type=click.Choice(FORMATS)
     )
     topics: tuple[str, ...] = option(
-        "-t --topic", "Only this topic; * matches anything.", multiple=True, metavar="TOPIC"
+        "-t --topic TOPIC", "Only this topic; * matches anything.", multiple=True
     )
     fields: tuple[str, ...] = option(
-        "-f --field",
+        "-f --field FIELD",
         "Only this field, e.g. pose.position, ranges[0], ranges[:10], or a pattern such as *.x.",
         multiple=True,
-        metavar="FIELD",
     )
 
 

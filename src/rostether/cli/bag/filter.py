@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.bag.recording_files import open_for
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -36,9 +36,7 @@ _MESSAGE = re.compile(r"\bm\b")
 @click.argument("source", type=PATH)
 @click.argument("target", type=PATH)
 @click.argument("expression")
-@click.option(
-    "-p", "--print", "shown", metavar="EXPRESSION", help="Also print this expression for each message."
-)
+@add_option("-p --print shown EXPRESSION", "Also print this expression for each message.")
 def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -> None:
     """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
 

@@ -15,7 +15,7 @@ import yaml
 
 from rostether.bounded_yaml import YamlError, load
 from rostether.cli.bag.figures import duration_text, size_text, time_text
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_keys, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -43,9 +43,9 @@ _STEP = re.compile(r"\.?(?:(\w+)|\[(-?\d+)\])")
     """,
 )
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", type=PATH)
-@click.option("-y", "--yaml", "as_yaml", is_flag=True, help="Print YAML.")
-@click.option("-k", "--key", metavar="KEY", help="With --yaml: print only the value of KEY.")
-@click.option("--freq", "with_rates", is_flag=True, help="Show the message rate of each topic.")
+@add_flag("-y --yaml as_yaml", "Print YAML.")
+@add_option("-k --key KEY", "With --yaml: print only the value of KEY.")
+@add_flag("--freq with_rates", "Show the message rate of each topic.")
 @json_option
 def bag_info(
     files: tuple[Path, ...], as_yaml: bool, key: str | None, with_rates: bool, as_json: bool

@@ -8,10 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.bag.figures import MEGABYTE, size_text
-from rostether.cli.shell.option_group import NumberRange
+from rostether.cli.shell.option_group import NumberRange, add_option
 from rostether.graph.ports import Level
 
 if TYPE_CHECKING:
@@ -19,13 +17,11 @@ if TYPE_CHECKING:
     from rostether.transports.transport import Transport
 
 
-record_limit_option = click.option(
-    "--record-limit",
-    "record_limit_mb",
+record_limit_option = add_option(
+    "--record-limit record_limit_mb MB",
+    "Stop recording lines, not serving, when the file has that size (100).",
     type=NumberRange(min=0.01),
     default=100,
-    metavar="MB",
-    help="Stop recording lines, not serving, when the file has that size (100).",
 )
 
 

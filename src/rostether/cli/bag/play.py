@@ -47,54 +47,42 @@ class PlayOptions:
 
     rate: float = option("-r --rate", "Speed relative to the recording (1).", type=POSITIVE, default=1.0)
     start_s: float = option(
-        "-s --start", "Start SEC seconds after the beginning.", type=float, metavar="SEC", default=0.0
+        "-s --start SEC", "Start SEC seconds after the beginning.", type=float, default=0.0
     )
-    duration_s: float | None = option(
-        "-u --duration", "Play only SEC seconds.", type=NOT_NEGATIVE, metavar="SEC"
-    )
+    duration_s: float | None = option("-u --duration SEC", "Play only SEC seconds.", type=NOT_NEGATIVE)
     is_looping: bool = flag("-l --loop", "Start again at the end.")
     immediate: bool = flag("-i --immediate", "Play as fast as possible.")
     is_paused: bool = flag("--pause", "Start paused.")
     with_clock: bool = flag("--clock", "Publish the recorded time on /clock.")
     hz: float = option("--hz", "The rate of /clock, in Hz (100).", type=POSITIVE, default=100.0)
     topics: tuple[str, ...] = option(
-        "--topics", "Play only these topics; takes several.", multiple=True, metavar="TOPIC"
+        "--topics TOPIC", "Play only these topics; takes several.", multiple=True
     )
     pause_topics: tuple[str, ...] = option(
-        "--pause-topics", "Pause at each message of these topics.", multiple=True, metavar="TOPIC"
+        "--pause-topics TOPIC", "Pause at each message of these topics.", multiple=True
     )
     bags: tuple[str, ...] = option(
-        "--bags", "The recordings, if --topics comes before them.", multiple=True, metavar="FILE"
+        "--bags FILE", "The recordings, if --topics comes before them.", multiple=True
     )
-    prefix: str = option("-p --prefix", "Put all topics in the namespace NAME.", metavar="NAME", default="")
-    skip_empty: float | None = option(
-        "--skip-empty", "Skip gaps longer than SEC.", type=NOT_NEGATIVE, metavar="SEC"
-    )
+    prefix: str = option("-p --prefix NAME", "Put all topics in the namespace NAME.", default="")
+    skip_empty: float | None = option("--skip-empty SEC", "Skip gaps longer than SEC.", type=NOT_NEGATIVE)
     delay: float = option(
-        "-d --delay",
-        "Wait SEC seconds for subscribers to connect (0.2).",
-        type=NOT_NEGATIVE,
-        metavar="SEC",
-        default=0.2,
+        "-d --delay SEC", "Wait SEC seconds for subscribers to connect (0.2).", type=NOT_NEGATIVE, default=0.2
     )
     wait_for_subscribers: bool = flag("--wait-for-subscribers", "Start when every topic has a subscriber.")
     keep_alive: bool = flag("-k --keep-alive", "Keep running at the end, for latched topics.")
     queue: int | None = option(
-        "--queue",
+        "--queue COUNT",
         "Queue up to COUNT messages per topic for slow subscribers (default: 4 MB).",
         type=click.IntRange(min=0),
-        metavar="COUNT",
     )
     rate_control_topic: str | None = option(
-        "--rate-control-topic",
-        "Pause if TOPIC is silent for longer than --rate-control-max-delay.",
-        metavar="TOPIC",
+        "--rate-control-topic TOPIC", "Pause if TOPIC is silent for longer than --rate-control-max-delay."
     )
     rate_control_max_delay: float = option(
-        "--rate-control-max-delay",
+        "--rate-control-max-delay SEC",
         "The longest silence of --rate-control-topic, in seconds (1).",
         type=NOT_NEGATIVE,
-        metavar="SEC",
         default=1.0,
     )
     quiet: bool = flag("-q --quiet", "Print only errors.")

@@ -79,47 +79,34 @@ class RecordOptions:
 
     is_all: bool = flag("-a --all", "Record all topics, including those that appear later.")
     is_regex: bool = flag("-e --regex", "TOPICs are regular expressions.")
-    exclude: str | None = option("-x --exclude", "Leave out the topics that match.", metavar="REGEX")
-    node: str | None = option("--node", "Record all topics that a node subscribes to.", metavar="NODE")
-    output_name: str | None = option(
-        "-O --output", "The .bag, .mcap or .db3 file, or folder.", metavar="FILE"
-    )
+    exclude: str | None = option("-x --exclude REGEX", "Leave out the topics that match.")
+    node: str | None = option("--node NODE", "Record all topics that a node subscribes to.")
+    output_name: str | None = option("-O --output FILE", "The .bag, .mcap or .db3 file, or folder.")
     output_prefix: str | None = option(
-        "-o --output-prefix", "Begin the file's name with PREFIX, followed by the date.", metavar="PREFIX"
+        "-o --output-prefix PREFIX", "Begin the file's name with PREFIX, followed by the date."
     )
     split: bool = flag("--split", "Start a new file whenever --size or --duration is reached.")
-    max_splits: int | None = option(
-        "--max-splits", "Keep the newest COUNT files.", type=COUNT, metavar="COUNT"
-    )
+    max_splits: int | None = option("--max-splits COUNT", "Keep the newest COUNT files.", type=COUNT)
     size_mb: float | None = option(
-        "--size",
-        "Stop at this file size, or start a new file with --split.",
-        type=NumberRange(min=0.001),
-        metavar="MB",
+        "--size MB", "Stop at this file size, or start a new file with --split.", type=NumberRange(min=0.001)
     )
     duration_s: float | None = option(
-        "--duration",
+        "--duration TIME",
         "Stop after this time, e.g. 30, 30s, 5m or 2h, or start a new file with --split.",
         type=DURATION,
-        metavar="TIME",
     )
-    limit: int | None = option(
-        "-l --count", "Record at most COUNT messages of each topic.", type=COUNT, metavar="COUNT"
-    )
+    limit: int | None = option("-l --count COUNT", "Record at most COUNT messages of each topic.", type=COUNT)
     bz2: bool = flag("-j --bz2", "Compress with bz2: small, but slow (a few MB per second).")
     lz4: bool = flag("--lz4", "Compress with LZ4: fast.")
-    chunk_kb: int = option(
-        "--chunksize", "The size of a chunk, in KB (768).", type=COUNT, metavar="KB", default=768
-    )
+    chunk_kb: int = option("--chunksize KB", "The size of a chunk, in KB (768).", type=COUNT, default=768)
     publishes_begin: bool = flag("-p --publish", "Publish the name of each new file on /begin_write.")
     repeat_latched: bool = flag(
         "--repeat-latched", "Write the latched messages at the beginning of each file."
     )
     buffer_mb: int = option(
-        "-b --buffsize",
+        "-b --buffsize MB",
         "The size of the buffer; when it is full, messages are dropped (256).",
         type=click.IntRange(min=0),
-        metavar="MB",
         default=256,
     )
     form: str | None = shared(format_option, None)

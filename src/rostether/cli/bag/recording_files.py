@@ -14,6 +14,7 @@ import click
 from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.access.ros2_access import ros2_access
+from rostether.cli.shell.option_group import add_option
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -26,17 +27,16 @@ if TYPE_CHECKING:
 
 _SUFFIXES = (".bag", ".mcap", ".db3")
 
-format_option = click.option(
-    "--format",
-    "form",
+format_option = add_option(
+    "--format form",
+    "The ROS version of the messages (default: that of the graph or of the source).",
     type=click.Choice(["ros1", "ros2"]),
-    help="The ROS version of the messages (default: that of the graph or of the source).",
 )
-storage_option = click.option(
+storage_option = add_option(
     "--storage",
+    "The file format in a ROS 2 bag's folder (mcap).",
     type=click.Choice(["mcap", "sqlite3"]),
     default="mcap",
-    help="The file format in a ROS 2 bag's folder (mcap).",
 )
 
 

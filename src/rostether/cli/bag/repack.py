@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.bag.figures import size_text
-from rostether.cli.shell.option_group import PATH, argument, flag, option, option_group
+from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -21,10 +21,7 @@ class PlaceOptions:
 
     files: tuple[Path, ...] = argument(nargs=-1, required=True, metavar="FILE...", type=PATH)
     output_dir: Path | None = option(
-        "--output-dir",
-        "Write to DIR instead.",
-        metavar="DIR",
-        type=click.Path(path_type=Path, file_okay=False),
+        "--output-dir DIR", "Write to DIR instead.", type=click.Path(path_type=Path, file_okay=False)
     )
     force: bool = flag("-f --force", "Overwrite an older NAME.orig.bag.")
     quiet: bool = flag("-q --quiet", "Print only errors.")
@@ -59,8 +56,8 @@ def new_place(path: Path, options: PlaceOptions) -> tuple[Path, Path | None]:
     rostether bag compress --lz4 --output-dir small *.bag
     """,
 )
-@click.option("-j", "--bz2", is_flag=True, help="Use bz2 (the default for .bag files).")
-@click.option("--lz4", is_flag=True, help="Use LZ4: larger, but much faster to read.")
+@add_flag("-j --bz2", "Use bz2 (the default for .bag files).")
+@add_flag("--lz4", "Use LZ4: larger, but much faster to read.")
 @option_group("options", PlaceOptions)
 def bag_compress(options: PlaceOptions, bz2: bool, lz4: bool) -> None:
     """Compress recordings with bz2 or LZ4. The original file is kept as NAME.orig.bag."""

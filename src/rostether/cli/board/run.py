@@ -38,18 +38,13 @@ class BoardOptions:
     )
     link_path: Path | None = option("--link", "Create a link to the board's serial port at PATH.", type=PATH)
     tcp_port: int | None = option(
-        "--tcp",
-        "Offer the board's serial port as this TCP port.",
-        type=click.IntRange(0, 65535),
-        metavar="PORT",
+        "--tcp PORT", "Offer the board's serial port as this TCP port.", type=click.IntRange(0, 65535)
     )
     uart: int | None = option(
         "--uart", "The UART to connect (0; leonardo, micro: 1).", type=click.IntRange(0, 3)
     )
-    adc: tuple[str, ...] = option(
-        "--adc", "Set the voltage of an analog input.", multiple=True, metavar="A0=VOLTS"
-    )
-    pin: tuple[str, ...] = option("--pin", "Set the level of a digital pin.", multiple=True, metavar="D7=0|1")
+    adc: tuple[str, ...] = option("--adc A0=VOLTS", "Set the voltage of an analog input.", multiple=True)
+    pin: tuple[str, ...] = option("--pin D7=0|1", "Set the level of a digital pin.", multiple=True)
     range: str | None = option(
         "--range", "Connect an HC-SR04 with an obstacle at this distance.", metavar="METRES|none"
     )
@@ -60,14 +55,12 @@ class BoardOptions:
     watch: tuple[str, ...] = option(
         "--watch", "Print changes of a pin, or the serial output.", multiple=True, metavar="PIN|serial"
     )
-    servo: tuple[str, ...] = option(
-        "--servo", "Print the angle of a servo on a pin.", multiple=True, metavar="PIN"
-    )
+    servo: tuple[str, ...] = option("--servo PIN", "Print the angle of a servo on a pin.", multiple=True)
     fault: str | None = option(
         "--fault", "Simulate a bad serial line: flip, drop, delay.", metavar="flip=0.01,seed=3"
     )
     network: str | None = option(
-        "--network", "Connect all TCP connections of the sketch to this address.", metavar="HOST:PORT"
+        "--network HOST:PORT", "Connect all TCP connections of the sketch to this address."
     )
     w5100: str | None = option(
         "--w5100",
@@ -81,7 +74,7 @@ class BoardOptions:
     )
     autoreset: bool = flag("--autoreset", "Reset the board whenever the port is opened, as USB boards do.")
     guard: tuple[str, ...] = option(
-        "--guard", "Print writes to a variable of the program.", multiple=True, metavar="SYMBOL"
+        "--guard SYMBOL", "Print writes to a variable of the program.", multiple=True
     )
     seed: int = option(
         "--seed",
@@ -91,7 +84,7 @@ class BoardOptions:
     )
     is_fast: bool = flag("--fast", "Run as fast as possible instead of in real time.")
     duration: str | None = option(
-        "--duration", "Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles.", metavar="TIME"
+        "--duration TIME", "Stop after this simulated time, e.g. 2s, 20ms or 160000 cycles."
     )
 
     @property

@@ -19,7 +19,7 @@ from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import master_answers
 from rostether.cli.bridge.options import GRAPH_LIMITS, limit_option, read_graph_limits
-from rostether.cli.shell.option_group import ignored_options
+from rostether.cli.shell.option_group import add_option, ignored_options
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -49,11 +49,10 @@ _roscore_options = ignored_options(
     rostether core --ros2 zenoh --zenoh-listen tcp/0.0.0.0:7447
     """,
 )
-@click.option(
-    "-p",
-    "--port",
+@add_option(
+    "-p --port",
+    "The master's port (default: that of ROS_MASTER_URI, or 11311); 0 for any free port.",
     type=click.IntRange(0, 65535),
-    help="The master's port (default: that of ROS_MASTER_URI, or 11311); 0 for any free port.",
 )
 @listen_option
 @limit_option(GRAPH_LIMITS)

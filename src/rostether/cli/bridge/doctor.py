@@ -12,7 +12,7 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.graph_options import ros2_option
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.option_group import NumberRange
+from rostether.cli.shell.option_group import NumberRange, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
@@ -40,24 +40,21 @@ if TYPE_CHECKING:
     """,
 )
 @click.argument("port", required=False, metavar="[PORT]", shell_complete=complete_ports)
-@click.option(
-    "--duration",
-    "seconds",
-    type=NumberRange(min=1.0, max=3600.0),
-    metavar="SECONDS",
-    help="Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
+@add_option(
+    "--duration seconds SECONDS",
+    "Watch a connected board for this many seconds (8); 60 or more show restart loops and clock "
     "drift better.",
+    type=NumberRange(min=1.0, max=3600.0),
 )
 @ros2_option(
     "Check whether the ROS 2 graph can be reached, instead of a board: routers, certificates, nodes."
 )
-@click.option(
+@add_flag(
     "--fleet",
-    is_flag=True,
-    help="Examine the robots of a fleet instead of a board; --duration is then the time to listen for an "
+    "Examine the robots of a fleet instead of a board; --duration is then the time to listen for an "
     "IGMP querier. See also: fleet doctor.",
 )
-@click.option("--key-file", metavar="FILE", help="With --fleet, the fleet's key.")
+@add_option("--key-file FILE", "With --fleet, the fleet's key.")
 @msg_path_option
 @json_option
 def doctor(

@@ -19,6 +19,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.bridge.monitor_table import table
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -47,7 +48,7 @@ NOTHING = (
     rostether monitor --json              one object a board and second
     """,
 )
-@click.option("--once", is_flag=True, help="Print one table and exit (the default without a terminal).")
+@add_flag("--once", "Print one table and exit (the default without a terminal).")
 @json_option
 @graph_options(ros=False, allow=True)
 def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:

@@ -7,9 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from rostether.cli.shell.option_group import PATH, Function
+from rostether.cli.shell.option_group import PATH, Function, add_flag, add_option
 from rostether.errors import ConfigError
 from rostether.ports.devices_toml import BOARD_LIMITS, Limit, may_be_broken
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -19,21 +17,16 @@ if TYPE_CHECKING:
     from rostether.ports.device_book import DeviceBook
     from rostether.transports.address import Address
 
-config_option = click.option(
-    "--config",
-    metavar="FILE",
+config_option = add_option(
+    "--config FILE",
+    "File of board names and settings (default: ~/.config/rostether/devices.toml).",
     type=PATH,
-    help="File of board names and settings (default: ~/.config/rostether/devices.toml).",
 )
-discover_option = click.option(
-    "--discover", is_flag=True, help="Also search the serial ports for boards, as without an ADDRESS."
-)
-probe_option = click.option(
-    "--probe",
-    "probes",
+discover_option = add_flag("--discover", "Also search the serial ports for boards, as without an ADDRESS.")
+probe_option = add_option(
+    "--probe probes WHAT",
+    "Also probe this port for a board: a USB id such as 1a86:7523, a path, a pattern, or all.",
     multiple=True,
-    metavar="WHAT",
-    help="Also probe this port for a board: a USB id such as 1a86:7523, a path, a pattern, or all.",
 )
 
 _MIB = 1024 * 1024
@@ -96,12 +89,10 @@ def unchosen_lines(devices: DeviceBook, links: Sequence[Address]) -> list[str]:
 
 def limit_option(limits: Mapping[str, Limit]) -> Callable[[Function], Function]:
     """Return the option `--limit` for a command with these limits."""
-    return click.option(
-        "--limit",
-        "limits",
+    return add_option(
+        "--limit limits NAME=VALUE",
+        f"Set a limit; may be repeated. Names: {', '.join(limits)}.",
         multiple=True,
-        metavar="NAME=VALUE",
-        help=f"Set a limit; may be repeated. Names: {', '.join(limits)}.",
     )
 
 

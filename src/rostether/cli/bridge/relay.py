@@ -43,34 +43,21 @@ class RelayOptions:
 
     topics: tuple[str, ...] = argument(nargs=-1, metavar="[TOPIC...]")
     forth: tuple[str, ...] = option(
-        "--to-ros2",
-        "Relay this topic from ROS 1 to ROS 2 only; may be repeated.",
-        multiple=True,
-        metavar="TOPIC",
+        "--to-ros2 TOPIC", "Relay this topic from ROS 1 to ROS 2 only; may be repeated.", multiple=True
     )
     back: tuple[str, ...] = option(
-        "--to-ros1",
-        "Relay this topic from ROS 2 to ROS 1 only; may be repeated.",
-        multiple=True,
-        metavar="TOPIC",
+        "--to-ros1 TOPIC", "Relay this topic from ROS 2 to ROS 1 only; may be repeated.", multiple=True
     )
     services: tuple[str, ...] = option(
-        "--service",
+        "--service NAME[=TYPE]",
         "Offer this service on the ROS that lacks it; may be repeated.",
         multiple=True,
-        metavar="NAME[=TYPE]",
     )
     actions: tuple[str, ...] = option(
-        "--action",
-        "Offer this action on the ROS that lacks it; may be repeated.",
-        multiple=True,
-        metavar="NAME",
+        "--action NAME", "Offer this action on the ROS that lacks it; may be repeated.", multiple=True
     )
     master_port: int | None = option(
-        "--master-port",
-        "Port for the ROS 1 master, which is started if none runs (11311).",
-        type=PORT,
-        metavar="PORT",
+        "--master-port PORT", "Port for the ROS 1 master, which is started if none runs (11311).", type=PORT
     )
 
     def choice(self) -> RelayFilter:

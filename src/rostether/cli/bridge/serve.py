@@ -66,10 +66,7 @@ class ServeOptions:
     """The options of `serve` about the boards and their lines."""
 
     master_port: int | None = option(
-        "--master-port",
-        "Port for the ROS master, which is started if none runs (11311).",
-        type=PORT,
-        metavar="PORT",
+        "--master-port PORT", "Port for the ROS master, which is started if none runs (11311).", type=PORT
     )
     listen: str | None = shared(listen_option, None)
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
@@ -88,10 +85,9 @@ class ServeOptions:
         "--no-web-boards", "Refuse boards on the serial ports of devices that show the dashboard."
     )
     record_line: Path | None = option(
-        "--record-line",
+        "--record-line FILE",
         "Record the bytes on the boards' lines to a new file; see `rostether link`.",
         type=FILE,
-        metavar="FILE",
     )
     record_limit_mb: float = shared(record_limit_option, 100)
     limits: tuple[str, ...] = shared(limit_option({**BRIDGE_LIMITS, **GRAPH_LIMITS}), ())

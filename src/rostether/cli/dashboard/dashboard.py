@@ -29,38 +29,30 @@ class DashboardOptions:
     """The options of `dashboard`."""
 
     port: int | None = option(
-        "-p --port",
-        "Port of the page (the next free one from 8765).",
-        type=click.IntRange(0, 65535),
-        metavar="PORT",
+        "-p --port PORT", "Port of the page (the next free one from 8765).", type=click.IntRange(0, 65535)
     )
     listen: str | None = option(
-        "--listen",
-        "Listen at this address for other machines; 0.0.0.0 for all addresses (loopback).",
-        metavar="ADDRESS",
+        "--listen ADDRESS", "Listen at this address for other machines; 0.0.0.0 for all addresses (loopback)."
     )
     no_page: bool = flag("--no-page", "Serve the gateway without the page.")
     no_open: bool = flag("--no-open", "Do not open a browser.")
     recordings: Path | None = option(
-        "--recordings",
+        "--recordings DIR",
         "Folder for recordings that the page makes (~/.local/share/rostether/recordings).",
         type=click.Path(path_type=Path, file_okay=False),
-        metavar="DIR",
     )
     tiles: Path | None = option(
-        "--tiles",
+        "--tiles FILE",
         "Map tiles for the map without internet, an .mbtiles file with pictures.",
         type=EXISTING_FILE,
-        metavar="FILE",
     )
     panel: str | None = option(
-        "--panel", f"Open a panel: {', '.join(PANELS)}.", type=click.Choice(PANELS), metavar="PANEL"
+        "--panel PANEL", f"Open a panel: {', '.join(PANELS)}.", type=click.Choice(PANELS)
     )
     shown: tuple[str, ...] = option(
-        "--show",
+        "--show NAME",
         "What the panel shows: /TOPIC/FIELD for plots, a topic for images, an .rviz file for scene.",
         multiple=True,
-        metavar="NAME",
     )
 
 

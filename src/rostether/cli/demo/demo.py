@@ -56,10 +56,9 @@ class DemoOptions:
     """The options of `demo`."""
 
     seconds: float | None = option(
-        "--duration",
+        "--duration SECONDS",
         "Stop after this many seconds (default: run until Ctrl-C).",
         type=NumberRange(min=0.1),
-        metavar="SECONDS",
     )
     board: str | None = option(
         "--board",
@@ -68,7 +67,7 @@ class DemoOptions:
         type=click.Choice((UNO, PYTHON)),
     )
     config: Path | None = option(
-        "--config", "File of board names and settings (default: none).", type=PATH, metavar="FILE"
+        "--config FILE", "File of board names and settings (default: none).", type=PATH
     )
     ros1: bool = flag("--ros1", "Use only the ROS 1 graph.")
     join: bool = flag("--join", "Join the ROS graph that runs here, instead of one of its own.")

@@ -10,7 +10,7 @@ import click
 
 from rostether.cli.board.run import OLD_OPTIONS, board_run
 from rostether.cli.firmware.options import build, build_options, port_option
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -35,13 +35,8 @@ _OURS = frozenset(("program", "board", "msg_paths"))
     """,
 )
 @build_options
-@click.option(
-    "-o",
-    "--output",
-    "folder",
-    metavar="DIR",
-    type=PATH,
-    help="Copy the ELF and HEX files there (default: they stay in the cache).",
+@add_option(
+    "-o --output folder DIR", "Copy the ELF and HEX files there (default: they stay in the cache).", type=PATH
 )
 @json_option
 def firmware_build(

@@ -11,7 +11,7 @@ import click
 from rostether.cli.access.completions import complete_packages
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_FAILED
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 
@@ -31,26 +31,20 @@ if TYPE_CHECKING:
     """,
 )
 @click.argument("directory", metavar="DIR", type=PATH)
-@click.option(
-    "--for",
-    "sketch",
-    metavar="SKETCH",
+@add_option(
+    "--for sketch SKETCH",
+    "Only the messages that this .ino, C++ or Python file, or folder, includes or imports.",
     type=PATH,
-    help="Only the messages that this .ino, C++ or Python file, or folder, includes or imports.",
 )
-@click.option(
-    "--package",
-    "--messages",
-    "packages",
-    metavar="P",
+@add_option(
+    "--package --messages packages P",
+    "Only this package or type, such as std_msgs or std_msgs/String, and its fields; may be repeated.",
     multiple=True,
     shell_complete=complete_packages,
-    help="Only this package or type, such as std_msgs or std_msgs/String, and its fields; may be repeated.",
 )
-@click.option(
+@add_flag(
     "--micropython",
-    is_flag=True,
-    help="Write the library for MicroPython and CircuitPython, to be copied to the board's folder lib.",
+    "Write the library for MicroPython and CircuitPython, to be copied to the board's folder lib.",
 )
 @msg_path_option
 @json_option

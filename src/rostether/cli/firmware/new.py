@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import ConfigError
@@ -43,22 +43,15 @@ def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: st
 )
 @click.argument("kind", required=False, metavar="[SENSOR]", shell_complete=_complete_kinds)
 @click.argument("name", required=False, metavar="[NAME]")
-@click.option(
-    "--pin",
-    "pins",
+@add_option(
+    "--pin pins NAME=PIN",
+    "Use another pin; may be repeated. A sensor with one pin needs no NAME.",
     multiple=True,
-    metavar="NAME=PIN",
-    help="Use another pin; may be repeated. A sensor with one pin needs no NAME.",
 )
-@click.option("--topic", metavar="TOPIC", help="The topic (default: the sensor's).")
-@click.option("--board", default="uno", show_default=True, help="The board, for the next command.")
-@click.option(
-    "-o",
-    "--output",
-    type=PATH,
-    default=Path(),
-    metavar="DIR",
-    help="The folder for the sketch's folder (default: this one).",
+@add_option("--topic TOPIC", "The topic (default: the sensor's).")
+@add_option("--board", "The board, for the next command.", default="uno", show_default=True)
+@add_option(
+    "-o --output DIR", "The folder for the sketch's folder (default: this one).", type=PATH, default=Path()
 )
 def new_sensor(
     kind: str | None, name: str | None, pins: tuple[str, ...], topic: str | None, board: str, output: Path

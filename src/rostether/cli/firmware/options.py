@@ -12,7 +12,7 @@ import click
 
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import PATH, option_group
+from rostether.cli.shell.option_group import PATH, add_flag, add_option, option_group
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
@@ -37,24 +37,17 @@ def complete_boards(_ctx: click.Context, _param: click.Parameter, incomplete: st
     return sorted(name for name in names if name.lower().startswith(incomplete.lower()))
 
 
-board_option = click.option(
-    "-b",
-    "--board",
-    "board_name",
+board_option = add_option(
+    "-b --board board_name BOARD",
+    "uno, mega, leonardo, nano, micro ...; nano:atmega328old for a processor; or an FQBN.",
     default=DEFAULT_BOARD,
     show_default=True,
-    metavar="BOARD",
     shell_complete=complete_boards,
-    help="uno, mega, leonardo, nano, micro ...; nano:atmega328old for a processor; or an FQBN.",
 )
 
 
-port_option = click.option(
-    "-p",
-    "--port",
-    shell_complete=complete_ports,
-    metavar="PORT",
-    help="The board's serial port (default: the only one found).",
+port_option = add_option(
+    "-p --port PORT", "The board's serial port (default: the only one found).", shell_complete=complete_ports
 )
 
 
@@ -87,32 +80,21 @@ def _show(command: Sequence[str]) -> None:
 _OPTIONS: tuple[Callable[[Any], Any], ...] = (
     click.argument("sketch", metavar="SKETCH", type=PATH),
     board_option,
-    click.option(
-        "-l",
-        "--library",
-        "libraries",
+    add_option(
+        "-l --library libraries DIR",
+        "An Arduino library, or a folder of libraries; searched first; may be repeated.",
         multiple=True,
-        metavar="DIR",
         type=PATH,
-        help="An Arduino library, or a folder of libraries; searched first; may be repeated.",
     ),
     msg_path_option,
-    click.option(
-        "-D",
-        "--define",
-        "defines",
-        multiple=True,
-        metavar="NAME[=VALUE]",
-        help="Define a macro; may be repeated.",
-    ),
-    click.option("--warnings", is_flag=True, help="Show the compiler's warnings about the sketch."),
-    click.option("-v", "--verbose", is_flag=True, help="Show every command before it runs."),
-    click.option(
-        "--with",
-        "builder",
+    add_option("-D --define defines NAME[=VALUE]", "Define a macro; may be repeated.", multiple=True),
+    add_flag("--warnings", "Show the compiler's warnings about the sketch."),
+    add_flag("-v --verbose", "Show every command before it runs."),
+    add_option(
+        "--with builder",
+        "Build with Debian's compiler (the default) or arduino-cli, also for boards without an AVR.",
         type=click.Choice([AVR_GCC, ARDUINO_CLI]),
         default=AVR_GCC,
-        help="Build with Debian's compiler (the default) or arduino-cli, also for boards without an AVR.",
     ),
 )
 

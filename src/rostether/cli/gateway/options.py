@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from rostether.cli.shell.option_group import OptionalValueOption, option_group
+from rostether.cli.shell.option_group import OptionalValueOption, add_option, option_group
 from rostether.errors import ConfigError
 from rostether.ports.config_paths import certificates_folder
 
@@ -65,38 +65,34 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
     return host.strip("[]"), int(port)
 
 
-_TLS_OPTION = click.option(
+_TLS_OPTION = add_option(
     "--tls",
+    "Encrypt: auto with a certificate of this machine's own, or with a PEM file of certificate and key.",
     default="",
     metavar="auto|FILE",
-    help="Encrypt: auto with a certificate of this machine's own, or with a PEM file of certificate and key.",
 )
 _ACCESS_OPTIONS = (
-    click.option(
-        "--token",
+    add_option(
+        "--token TOKEN",
+        f"Require this token from web clients: ws://HOST:PORT/?token=TOKEN; or set {TOKEN_VARIABLE}.",
         default="",
-        metavar="TOKEN",
         envvar=TOKEN_VARIABLE,
-        help=f"Require this token from web clients: ws://HOST:PORT/?token=TOKEN; or set {TOKEN_VARIABLE}.",
     ),
-    click.option(
-        "--origin",
-        "origins",
-        multiple=True,
-        metavar="URL",
-        help="Accept web pages of this origin, e.g. https://panel.example; null: pages opened from a file; "
+    add_option(
+        "--origin origins URL",
+        "Accept web pages of this origin, e.g. https://panel.example; null: pages opened from a file; "
         "*: all; may be repeated.",
+        multiple=True,
     ),
     _TLS_OPTION,
 )
 _VIEW_OPTIONS = (
-    click.option(
-        "--view-token",
-        default="",
-        metavar="TOKEN",
-        envvar=VIEW_TOKEN_VARIABLE,
-        help="A second token, for clients that may look but not publish, call or set; or set "
+    add_option(
+        "--view-token TOKEN",
+        "A second token, for clients that may look but not publish, call or set; or set "
         f"{VIEW_TOKEN_VARIABLE}.",
+        default="",
+        envvar=VIEW_TOKEN_VARIABLE,
     ),
 )
 

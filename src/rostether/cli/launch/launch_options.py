@@ -31,8 +31,8 @@ class LaunchOptions:
     dumps: bool = flag("--dump-params", "Only print the parameters, as YAML.")
     lists_arguments: bool = flag("--ros-args", "Print the arguments of the launch file.")
     lists_files: bool = flag("--files", "Print the file and all files that it includes.")
-    args_of: str | None = option("--args", "Print the command line of a node.", metavar="NODE")
-    file_of: str | None = option("--find-node", "Print the file that defines a node.", metavar="NODE")
+    args_of: str | None = option("--args NODE", "Print the command line of a node.")
+    file_of: str | None = option("--find-node NODE", "Print the file that defines a node.")
     screen: bool = flag("--screen", "Show the output of all nodes.")
     to_log: bool = flag("--log", "Write the output of all nodes to their log files.")
     required: bool = flag("--required", "Stop all nodes when any of them ends.")
@@ -42,18 +42,10 @@ class LaunchOptions:
     )
     no_summary: bool = flag("--no-summary", "Do not print the summary.")
     sigint_timeout: float = option(
-        "--sigint-timeout",
-        "Seconds that a node has to end after SIGINT (15).",
-        type=POSITIVE,
-        metavar="S",
-        default=15.0,
+        "--sigint-timeout S", "Seconds that a node has to end after SIGINT (15).", type=POSITIVE, default=15.0
     )
     sigterm_timeout: float = option(
-        "--sigterm-timeout",
-        "Seconds that a node has to end after SIGTERM (2).",
-        type=POSITIVE,
-        metavar="S",
-        default=2.0,
+        "--sigterm-timeout S", "Seconds that a node has to end after SIGTERM (2).", type=POSITIVE, default=2.0
     )
     pid_file: Path | None = option("--pid", "Write the process id of this command to a file.", type=FILE)
 

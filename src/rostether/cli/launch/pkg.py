@@ -11,6 +11,7 @@ import click
 
 from rostether.cli.launch.served_nodes import served_nodes
 from rostether.cli.shell.completion import is_plain
+from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import ConfigError
@@ -156,12 +157,7 @@ def depends1(name: str) -> None:
 
 
 @click.command("version", cls=Verb, examples="rostether pkg version mearm_model\nrostether pkg version -d")
-@click.option(
-    "-d",
-    "--distro",
-    is_flag=True,
-    help="Print the name of the ROS distribution that rostether is compatible with.",
-)
+@add_flag("-d --distro", "Print the name of the ROS distribution that rostether is compatible with.")
 @click.argument("name", metavar="PACKAGE", required=False)
 def version(distro: bool, name: str | None) -> None:
     """Print the version in a package's package.xml."""

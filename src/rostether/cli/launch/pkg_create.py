@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.shell.option_group import ignored_options, option_group
+from rostether.cli.shell.option_group import add_flag, add_option, ignored_options, option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.packages.create import NewPackage, create_package
@@ -19,33 +19,22 @@ _package_options = option_group(
     (
         click.argument("name"),
         click.argument("dependencies", nargs=-1, metavar="[DEPENDENCY]..."),
-        click.option(
-            "--meta",
-            "is_metapackage",
-            is_flag=True,
-            help="Create a metapackage: only a name for the packages it depends on.",
+        add_flag(
+            "--meta is_metapackage", "Create a metapackage: only a name for the packages it depends on."
         ),
-        click.option(
-            "-s",
-            "--sys-deps",
-            "system_dependencies",
+        add_option(
+            "-s --sys-deps system_dependencies",
+            "A system package to depend on; may be repeated.",
             multiple=True,
-            help="A system package to depend on; may be repeated.",
         ),
-        click.option(
-            "-b",
-            "--boost-comps",
-            "boost_components",
-            multiple=True,
-            help="A Boost library to use; may be repeated.",
+        add_option(
+            "-b --boost-comps boost_components", "A Boost library to use; may be repeated.", multiple=True
         ),
-        click.option("-V", "--pkg_version", "version", default="0.0.0", help="The version (0.0.0)."),
-        click.option("-D", "--description", default="", help="The description."),
-        click.option("-l", "--license", "licenses", multiple=True, help="A licence; may be repeated."),
-        click.option("-a", "--author", "authors", multiple=True, help="An author; may be repeated."),
-        click.option(
-            "-m", "--maintainer", "maintainers", multiple=True, help="A maintainer; may be repeated."
-        ),
+        add_option("-V --pkg_version version", "The version (0.0.0).", default="0.0.0"),
+        add_option("-D --description", "The description.", default=""),
+        add_option("-l --license licenses", "A licence; may be repeated.", multiple=True),
+        add_option("-a --author authors", "An author; may be repeated.", multiple=True),
+        add_option("-m --maintainer maintainers", "A maintainer; may be repeated.", multiple=True),
     ),
 )
 

@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.firmware.lib import firmware_lib
 from rostether.cli.shell.failures import EXIT_FAILED
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import RostetherError
@@ -60,7 +60,7 @@ class _CatkinVerb(Verb):
     source devel/setup.bash
     """,
 )
-@click.option("-C", "--directory", type=PATH, help="The workspace (default: the one around this folder).")
+@add_option("-C --directory", "The workspace (default: the one around this folder).", type=PATH)
 @click.argument("ignored", nargs=-1, type=click.UNPROCESSED, metavar="[CATKIN OPTION]...")
 @json_option
 def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> None:

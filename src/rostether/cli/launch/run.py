@@ -13,6 +13,7 @@ from rostether.cli.dashboard.browser import has_browser
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import complete_package_folders, complete_programs, packages_here
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes, view_command
+from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -31,8 +32,8 @@ from rostether.rospy.environment import node_environment
     rostether run --prefix "nice -n 10" mearm_model filter.py
     """,
 )
-@click.option("-p", "--prefix", default="", metavar="COMMAND", help="Run the node through this command.")
-@click.option("-d", "--debug", is_flag=True, help="Print the command line that is run.")
+@add_option("-p --prefix COMMAND", "Run the node through this command.", default="")
+@add_flag("-d --debug", "Print the command line that is run.")
 @click.argument("package", shell_complete=complete_package_folders)
 @click.argument("program", metavar="NODE", shell_complete=complete_programs)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[ARGUMENT | NAME:=VALUE]...")

@@ -17,6 +17,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.launch.served_nodes import our_command
+from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -146,8 +147,8 @@ def is_shim(program: Path) -> bool:
     eval "$(rostether env --first)"                  even where a real ROS is installed
     """,
 )
-@click.option("--shell", type=click.Choice(SHELLS), help="The shell (default: $SHELL).")
-@click.option("--first", is_flag=True, help="Put rostether's commands before those of a real ROS on PATH.")
+@add_option("--shell", "The shell (default: $SHELL).", type=click.Choice(SHELLS))
+@add_flag("--first", "Put rostether's commands before those of a real ROS on PATH.")
 def env(shell: str | None, first: bool) -> None:
     """Print shell code that adds roscore, rosrun, roslaunch, rostopic and others to PATH.
 

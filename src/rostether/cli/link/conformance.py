@@ -38,9 +38,7 @@ class ConformanceOptions:
 
     address: str | None = argument(required=False, metavar="[ADDRESS]", shell_complete=complete_ports)
     quick: bool = flag("--quick", "Leave out the cases that wait longer than 10 s.")
-    names: tuple[str, ...] = option(
-        "--case", "Check only this case; may be repeated.", multiple=True, metavar="NAME"
-    )
+    names: tuple[str, ...] = option("--case NAME", "Check only this case; may be repeated.", multiple=True)
     is_client: bool = flag("--client", "Run the conformance program at ADDRESS, in Python.")
     is_list: bool = flag("--list", "List the cases.")
     is_vectors: bool = flag("--vectors", "Print test vectors for codecs: bytes and values.")

@@ -17,7 +17,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import joining_ros1, read_environment, type_store
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.serving import serving
-from rostether.cli.shell.option_group import PATH, NumberRange
+from rostether.cli.shell.option_group import PATH, NumberRange, add_flag, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -56,17 +56,14 @@ AFTER_S = 1.0
     """,
 )
 @click.argument("file", type=PATH)
-@click.option(
-    "--speed",
+@add_option(
+    "--speed FACTOR",
+    "Speed relative to the recording (1).",
     type=NumberRange(min=0.01, max=1000.0),
     default=1.0,
-    metavar="FACTOR",
-    help="Speed relative to the recording (1).",
 )
-@click.option(
-    "--fast", is_flag=True, help="Replay without pauses, except half a second after each new topic."
-)
-@click.option("--name", metavar="NAME", help="The board's node name (default: the name of the file).")
+@add_flag("--fast", "Replay without pauses, except half a second after each new topic.")
+@add_option("--name NAME", "The board's node name (default: the name of the file).")
 @graph_options(ros=False)
 @msg_path_option
 def link_replay(

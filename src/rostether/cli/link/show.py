@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.shell.option_group import PATH
+from rostether.cli.shell.option_group import PATH, add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -34,7 +34,7 @@ _LOOKED_AT_BYTES = 64 * 1024
     """,
 )
 @click.argument("file", type=PATH)
-@click.option("--faults", is_flag=True, help="List only bytes that are not part of a valid frame.")
+@add_flag("--faults", "List only bytes that are not part of a valid frame.")
 @json_option
 def link_show(file: Path, faults: bool, as_json: bool) -> None:
     """List the frames of a capture: time, direction, topic id, payload length and description.

@@ -13,6 +13,7 @@ import click
 from rostether.cli.access.completions import complete_message_types, complete_service_types
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
 from rostether.errors import UnknownTypeError
@@ -166,7 +167,7 @@ def _show_verb(kind: _Kind) -> click.Command:
 
     @click.command("show", cls=Verb, examples=examples)
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
-    @click.option("-r", "--raw", is_flag=True, help="Show the original text of the definition.")
+    @add_flag("-r --raw", "Show the original text of the definition.")
     @json_option
     @msg_path_option
     @graph_options(master=False)
@@ -239,7 +240,7 @@ def _list_verb(kind: _Kind) -> click.Command:
 def _package_verb(kind: _Kind) -> click.Command:
     @click.command("package", cls=Verb, examples=f"rostether {kind.group} package {kind.example_package}")
     @click.argument("package")
-    @click.option("-s", "single_line", is_flag=True, help="On one line.")
+    @add_flag("-s single_line", "On one line.")
     @msg_path_option
     @graph_options(master=False)
     def package_types(
@@ -260,7 +261,7 @@ def _package_verb(kind: _Kind) -> click.Command:
 
 def _packages_verb(kind: _Kind) -> click.Command:
     @click.command("packages", cls=Verb, examples=f"rostether {kind.group} packages -s")
-    @click.option("-s", "single_line", is_flag=True, help="On one line.")
+    @add_flag("-s single_line", "On one line.")
     @msg_path_option
     @graph_options(master=False)
     def packages(single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.errors import UnknownTypeError
@@ -54,17 +54,17 @@ _kind_options = option_group(
     "kinds",
     _chosen_kinds,
     (
-        click.option("-m", "--only-msgs", is_flag=True, help="Only messages."),
-        click.option("-s", "--only-srvs", is_flag=True, help="Only services."),
-        click.option("-a", "--only-actions", is_flag=True, help="Only actions."),
+        add_flag("-m --only-msgs", "Only messages."),
+        add_flag("-s --only-srvs", "Only services."),
+        add_flag("-a --only-actions", "Only actions."),
     ),
 )
 
 
 @click.command("show", cls=Verb, examples="rostether interface show std_srvs/srv/SetBool")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
-@click.option("--all-comments", is_flag=True, help="Show the comments of nested types too.")
-@click.option("--no-comments", is_flag=True, help="Show no comments and no empty lines.")
+@add_flag("--all-comments", "Show the comments of nested types too.")
+@add_flag("--no-comments", "Show no comments and no empty lines.")
 @msg_path_option
 def show(names: tuple[str, ...], all_comments: bool, no_comments: bool, msg_paths: tuple[Path, ...]) -> None:
     """Show definitions, with each field's type below the field; `-` reads a type from stdin.
@@ -125,7 +125,7 @@ def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
 
 @click.command("proto", cls=Verb, examples="rostether interface proto geometry_msgs/msg/Twist")
 @click.argument("name", metavar="TYPE")
-@click.option("--no-quotes", is_flag=True, help="Without quotes around the text.")
+@add_flag("--no-quotes", "Without quotes around the text.")
 @msg_path_option
 def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
     """Print a message with its default values, a service's request, or an action's goal, as YAML."""

@@ -11,7 +11,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros2
 from rostether.cli.node.nodes import NodeListing, nodes_of
 from rostether.cli.shell.failures import EXIT_FAILED
-from rostether.cli.shell.option_group import COUNT, option_group
+from rostether.cli.shell.option_group import COUNT, add_flag, add_option, option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 
@@ -31,10 +31,8 @@ def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
 
 @click.command("info", cls=Verb, examples="rostether node info /board\nrostether node info -q /board /rosout")
 @click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
-@click.option(
-    "-q", "--quiet", is_flag=True, help="Show only the master's information; do not ask the node itself."
-)
-@click.option("--include-hidden", "with_hidden", is_flag=True, help="With --ros2, also hidden names (_name).")
+@add_flag("-q --quiet", "Show only the master's information; do not ask the node itself.")
+@add_flag("--include-hidden with_hidden", "With --ros2, also hidden names (_name).")
 @json_option
 @graph_options()
 def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
@@ -63,8 +61,8 @@ def list_machines(name: str | None, graph: GraphOptions) -> None:
     """,
 )
 @click.argument("name", metavar="[NODE]", required=False, shell_complete=complete_nodes)
-@click.option("-a", "--all", "of_all", is_flag=True, help="Ping each node once.")
-@click.option("-n", "-c", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT pings.")
+@add_flag("-a --all of_all", "Ping each node once.")
+@add_option("-n -c --count COUNT", "Stop after COUNT pings.", type=COUNT)
 @json_option
 @graph_options()
 def ping_nodes(name: str | None, of_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:
@@ -94,7 +92,7 @@ def ping_nodes(name: str | None, of_all: bool, count: int | None, as_json: bool,
     "kill", cls=Verb, examples="rostether node kill /talker\nrostether node kill -a\nrostether node kill"
 )
 @click.argument("names", metavar="[NODE]...", nargs=-1, shell_complete=complete_nodes)
-@click.option("-a", "--all", "kill_all", is_flag=True, help="Shut down every node.")
+@add_flag("-a --all kill_all", "Shut down every node.")
 @graph_options()
 def kill_nodes(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> None:
     """Ask nodes to shut down; without a name, choose one from a list."""
@@ -109,7 +107,7 @@ def kill_nodes(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> N
 
 
 @click.command("cleanup", cls=Verb, examples="rostether node cleanup\nrostether node cleanup --yes")
-@click.option("-y", "--yes", is_flag=True, help="Do not ask.")
+@add_flag("-y --yes", "Do not ask.")
 @graph_options()
 def cleanup_nodes(yes: bool, graph: GraphOptions) -> None:
     """Unregister nodes that do not answer from the master, after confirmation."""

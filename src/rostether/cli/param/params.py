@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-import click
-
 from rostether.cli.access.completions import complete_params
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.shell.option_group import PATH, argument, flag, option, shared
+from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, shared
 from rostether.cli.shell.output import json_option
 
-verbose_option = click.option("-v", "--verbose", is_flag=True, help="Report each step.")
+verbose_option = add_flag("-v --verbose", "Report each step.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +22,7 @@ class ParamListing:
     with_hidden: bool = flag("--include-hidden-nodes", "With --ros2, include hidden nodes.")
     with_types: bool = flag("--param-type", "With --ros2, show types.")
     prefixes: tuple[str, ...] = option(
-        "--param-prefixes", "With --ros2, only parameters below PREFIX.", multiple=True, metavar="PREFIX"
+        "--param-prefixes PREFIX", "With --ros2, only parameters below PREFIX.", multiple=True
     )
     as_json: bool = shared(json_option, False)
 

@@ -89,7 +89,7 @@ class DriveOptions:
         show_default=True,
     )
     duration_s: float | None = option(
-        "--for", "Stop after this time (default: at Ctrl-C).", type=POSITIVE, metavar="SECONDS"
+        "--for SECONDS", "Stop after this time (default: at Ctrl-C).", type=POSITIVE
     )
 
 

@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.platform.fleet_options import fleet_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.option_group import NumberRange
+from rostether.cli.shell.option_group import NumberRange, add_option
 from rostether.cli.shell.output import json_option, warn, write_finding
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -26,13 +26,11 @@ if TYPE_CHECKING:
     sudo rostether fleet doctor --duration 130 --key-file fleet.key   also listens for the IGMP querier
     """,
 )
-@click.option(
-    "--duration",
-    "listen_s",
+@add_option(
+    "--duration listen_s SECONDS",
+    "Listen for an IGMP querier for this time (default: while the robots are asked).",
     type=NumberRange(min=1.0, max=3600.0),
     default=1.0,
-    metavar="SECONDS",
-    help="Listen for an IGMP querier for this time (default: while the robots are asked).",
 )
 @json_option
 @fleet_options()

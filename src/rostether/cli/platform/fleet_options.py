@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.shell.option_group import PORT, Function, option_group
+from rostether.cli.shell.option_group import PORT, Function, add_option, option_group
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -19,41 +19,31 @@ DEFAULT_GROUP = "239.255.82.83"
 DEFAULT_PORT = 11412
 
 _OPTIONS = (
-    click.option("--groups", metavar="N,N", help="Only robots of these groups, numbers from 0 to 31."),
-    click.option("--key-file", metavar="FILE", help="The fleet's key, 32 hexadecimal digits."),
-    click.option(
-        "--group-address",
+    add_option("--groups N,N", "Only robots of these groups, numbers from 0 to 31."),
+    add_option("--key-file FILE", "The fleet's key, 32 hexadecimal digits."),
+    add_option(
+        "--group-address ADDRESS",
+        "The multicast group, IPv4 or IPv6.",
         default=DEFAULT_GROUP,
         show_default=True,
-        metavar="ADDRESS",
-        help="The multicast group, IPv4 or IPv6.",
     ),
-    click.option(
-        "--port",
-        type=PORT,
-        default=DEFAULT_PORT,
-        show_default=True,
-        help="The group's port.",
-    ),
-    click.option(
-        "--interface",
-        "interfaces",
+    add_option("--port", "The group's port.", type=PORT, default=DEFAULT_PORT, show_default=True),
+    add_option(
+        "--interface interfaces NAME",
+        "Send on this network interface, e.g. wlan0; may be repeated.",
         multiple=True,
-        metavar="NAME",
-        help="Send on this network interface, e.g. wlan0; may be repeated.",
     ),
-    click.option(
+    add_option(
         "--ttl",
+        "How many networks a datagram crosses.",
         type=click.IntRange(0, 255),
         default=1,
         show_default=True,
-        help="How many networks a datagram crosses.",
     ),
-    click.option(
-        "--unicast",
+    add_option(
+        "--unicast ADDRESS",
+        "Send to this robot's address too, where multicast does not arrive; may be repeated.",
         multiple=True,
-        metavar="ADDRESS",
-        help="Send to this robot's address too, where multicast does not arrive; may be repeated.",
     ),
 )
 

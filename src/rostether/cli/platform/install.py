@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, run_program, systemctl
-from rostether.cli.shell.option_group import EXISTING_FILE, Function, option, option_group
+from rostether.cli.shell.option_group import (
+    EXISTING_FILE,
+    Function,
+    add_flag,
+    add_option,
+    option,
+    option_group,
+)
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.errors import ConfigError
@@ -32,33 +39,28 @@ class Answers:
 
     machine: str | None = option("--machine", "A base station, a robot, or both.", type=click.Choice(_KINDS))
     name: str | None = option("--name", "Name of this machine: PLATFORM_NAME.")
-    core: str | None = option("--core", "The base station, for a robot.", metavar="HOST")
+    core: str | None = option("--core HOST", "The base station, for a robot.")
     address: str | None = option("--address", "This machine's own address: ROS_IP.")
     interface: str | None = option(
-        "--interface", "Network interface of the fleet; gives the address at boot.", metavar="NAME"
+        "--interface NAME", "Network interface of the fleet; gives the address at boot."
     )
-    boards: tuple[str, ...] = option(
-        "--board", "A board's link; may be repeated.", multiple=True, metavar="LINK"
-    )
-    parts: tuple[str, ...] = option(
-        "--part", "Another part; may be repeated.", multiple=True, metavar="NAME=COMMAND"
-    )
+    boards: tuple[str, ...] = option("--board LINK", "A board's link; may be repeated.", multiple=True)
+    parts: tuple[str, ...] = option("--part NAME=COMMAND", "Another part; may be repeated.", multiple=True)
     given: Path | None = option("--from", "A robot.toml, instead of questions.", type=EXISTING_FILE)
 
 
 def _place_options(function: Function) -> Function:
-    root = click.option(
+    root = add_option(
         "--root",
+        "Write below this folder, such as a mounted image, and start nothing.",
         type=click.Path(file_okay=False, path_type=Path),
-        help="Write below this folder, such as a mounted image, and start nothing.",
     )
-    user = click.option(
-        "--user/--system",
-        "for_user",
+    user = add_option(
+        "--user/--system for_user",
+        "For this user, or for all (default: --system if root runs it, else --user).",
         default=None,
-        help="For this user, or for all (default: --system if root runs it, else --user).",
     )
-    return user(root(function))
+    return user(root(function))  # type: ignore[no-any-return]
 
 
 @click.command(
@@ -72,8 +74,8 @@ def _place_options(function: Function) -> Function:
     """,
 )
 @option_group("answers", Answers)
-@click.option("--gui", is_flag=True, help="Open the dashboard when a user logs in.")
-@click.option("--dry-run", is_flag=True, help="Show what would be written.")
+@add_flag("--gui", "Open the dashboard when a user logs in.")
+@add_flag("--dry-run", "Show what would be written.")
 @_place_options
 def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, root: Path | None) -> None:
     """Start a robot's parts at boot: write a robot.toml and a systemd unit.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.shell.option_group import EXISTING_FILE
+from rostether.cli.shell.option_group import EXISTING_FILE, add_flag
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -36,7 +36,7 @@ ADDRESS_PERIOD_S = 0.5
     """,
 )
 @click.argument("file", type=EXISTING_FILE)
-@click.option("--check", is_flag=True, help="Only check the file, and the arguments of each part.")
+@add_flag("--check", "Only check the file, and the arguments of each part.")
 def up(file: Path, check: bool) -> None:
     """Run the parts of a robot that FILE lists, and restart each part that ends.
 

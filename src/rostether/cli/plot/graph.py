@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros1_only
-from rostether.cli.shell.option_group import FILE
+from rostether.cli.shell.option_group import FILE, add_flag, add_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
 from rostether.cli.shell.running import run
@@ -32,24 +32,16 @@ if TYPE_CHECKING:
     """,
 )
 @click.argument("names", nargs=-1, metavar="[NAME...]")
-@click.option(
-    "--format",
-    "format_name",
+@add_option(
+    "--format format_name",
+    "The output format (text); use --output for pictures.",
     type=click.Choice(["text", "dot", "svg"]),
-    help="The output format (text); use --output for pictures.",
 )
-@click.option(
-    "-o",
-    "--output",
-    "file",
-    metavar="FILE",
-    type=FILE,
-    help=f"Write a file; its ending sets the format: {', '.join(SUFFIXES)}.",
+@add_option(
+    "-o --output file FILE", f"Write a file; its ending sets the format: {', '.join(SUFFIXES)}.", type=FILE
 )
-@click.option("--nodes-only", is_flag=True, help="Show only nodes, with topics along the arrows.")
-@click.option(
-    "-a", "--all", "with_hidden", is_flag=True, help="Include logging, statistics and hidden names."
-)
+@add_flag("--nodes-only", "Show only nodes, with topics along the arrows.")
+@add_flag("-a --all with_hidden", "Include logging, statistics and hidden names.")
 @json_option
 @graph_options()
 def show_graph(

@@ -39,27 +39,24 @@ class PlotOptions:
     """The options of `plot`."""
 
     window_s: float | None = option(
-        "-w --window",
+        "-w --window SECONDS",
         f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
         type=POSITIVE,
-        metavar="SECONDS",
     )
     duration_s: float | None = option(
-        "--duration", "Stop after SECONDS (default: at Ctrl-C).", type=POSITIVE, metavar="SECONDS"
+        "--duration SECONDS", "Stop after SECONDS (default: at Ctrl-C).", type=POSITIVE
     )
     file: Path | None = option(
-        "-o --output",
+        "-o --output FILE",
         "Write a picture at the end, .svg, or .png with `pip install 'rostether[pictures]'`.",
-        metavar="FILE",
         type=FILE,
     )
-    title: str | None = option("--title", "The title of the picture (default: the fields).", metavar="TEXT")
+    title: str | None = option("--title TEXT", "The title of the picture (default: the fields).")
     right: tuple[str, ...] = option(
-        "--right",
+        "--right FIELD",
         "Plot a field with the scale at the right of the picture (default: fields of a second "
         "unit); may be repeated.",
         multiple=True,
-        metavar="FIELD",
     )
     is_clock: bool = flag("--clock", "Mark the times with the time of day, not with seconds.")
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())

@@ -39,9 +39,9 @@ class EchoOptions:
     parent: str = argument()
     child: str = argument()
     rate_hz: float = argument(metavar="[RATE]", type=NumberRange(0, MAX_RATE_HZ, min_open=True), default=1.0)
-    count: int | None = option("-n --count", "Stop after COUNT transforms.", type=COUNT, metavar="COUNT")
+    count: int | None = option("-n --count COUNT", "Stop after COUNT transforms.", type=COUNT)
     timeout_s: float | None = option(
-        "--timeout", "Give up if no transform is available after SECONDS.", type=POSITIVE, metavar="SECONDS"
+        "--timeout SECONDS", "Give up if no transform is available after SECONDS.", type=POSITIVE
     )
     as_json: bool = shared(json_option, False)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.shell.option_group import COUNT
+from rostether.cli.shell.option_group import COUNT, add_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -32,7 +32,7 @@ REPORT_PERIOD_S = 1.0
     """,
 )
 @click.argument("frames", nargs=-1, metavar="[PARENT CHILD]")
-@click.option("-n", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT reports.")
+@add_option("-n --count COUNT", "Stop after COUNT reports.", type=COUNT)
 @json_option
 @graph_options(ros=False, allow=True)
 def monitor(frames: tuple[str, ...], count: int | None, as_json: bool, graph: GraphOptions) -> None:

@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.option_group import POSITIVE
+from rostether.cli.shell.option_group import POSITIVE, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_frame, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -29,15 +29,13 @@ DEFAULT_LISTENING_S = 2.0
     rostether tf tree --dot | dot -Tpdf > frames.pdf
     """,
 )
-@click.option(
-    "--duration",
-    "listening_s",
+@add_option(
+    "--duration listening_s SECONDS",
+    f"How long to listen ({DEFAULT_LISTENING_S:g}).",
     type=POSITIVE,
     default=DEFAULT_LISTENING_S,
-    metavar="SECONDS",
-    help=f"How long to listen ({DEFAULT_LISTENING_S:g}).",
 )
-@click.option("--dot", is_flag=True, help="Print the tree for graphviz.")
+@add_flag("--dot", "Print the tree for graphviz.")
 @json_option
 @graph_options(ros=False, allow=True)
 def tree(listening_s: float, dot: bool, as_json: bool, graph: GraphOptions) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.shell.input import read_bytes
-from rostether.cli.shell.option_group import EXISTING_FILE, PATH, ignored_options
+from rostether.cli.shell.option_group import EXISTING_FILE, PATH, add_flag, add_option, ignored_options
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
 from rostether.mechanisms.text import escape_line
@@ -153,8 +153,8 @@ def _record(joint: Joint) -> dict[str, object]:
 )
 @_file
 @_mappings
-@click.option("-o", "--output", type=PATH, metavar="FILE", help="Write the URDF to this file.")
-@click.option("--deps", is_flag=True, help="Print the included files instead.")
+@add_option("-o --output FILE", "Write the URDF to this file.", type=PATH)
+@add_flag("--deps", "Print the included files instead.")
 @ignored_options(inorder="--inorder -i", quiet="-q")
 def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
     """Expand FILE and print the URDF."""

@@ -32,13 +32,12 @@ class CallOptions:
     verbose: bool = flag("-v --verbose", "Also print the request.")
     wait: bool = flag("--wait", "Wait until a node offers the service.")
     timeout_s: float | None = option(
-        "--timeout",
+        "--timeout SECONDS",
         "Give up after SECONDS (default: wait as long as the server runs).",
         type=POSITIVE,
-        metavar="SECONDS",
     )
     rate_hz: float | None = option(
-        "-r --rate", "With --ros2, call repeatedly at this rate.", type=POSITIVE, metavar="HZ"
+        "-r --rate HZ", "With --ros2, call repeatedly at this rate.", type=POSITIVE
     )
     as_json: bool = shared(json_option, False)
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())

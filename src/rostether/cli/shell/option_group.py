@@ -4,12 +4,15 @@ A settings class declares each of its options once, as a field:
 
     @dataclass(frozen=True, slots=True)
     class EchoOptions:
-        count: int | None = option("-n --count", "Stop after COUNT messages.", type=COUNT, metavar="COUNT")
+        count: int | None = option("-n --count COUNT", "Stop after COUNT messages.", type=COUNT)
         once: bool = flag("--once", "Stop after one message.")
 
     @click.command("echo", cls=Verb)
     @option_group("options", EchoOptions)
-    def echo(options: EchoOptions) -> None: ...
+    @add_flag("-v --verbose", "Show more.")
+    def echo(options: EchoOptions, verbose: bool) -> None: ...
+
+The first text of an option is what its help shows.
 """
 
 from __future__ import annotations
@@ -50,22 +53,46 @@ EXISTING_FILE: Final[click.Path] = click.Path(path_type=Path, dir_okay=False, ex
 _DECORATOR: Final = "decorator"
 
 
+def add_option(spellings: str, text: str, **settings: Any) -> Decorator:
+    """Return a decorator that adds an option to a verb.
+
+    Args:
+        spellings: `"-o --output folder DIR"`: the option; the name of the verb's parameter, if it differs;
+        and the word in capitals that stands for the value. text: The line in the help. settings: More
+        arguments of `click.option`.
+    """
+    return _option(spellings, (), text, settings)
+
+
+def _option(spellings: str, name: tuple[str, ...], text: str, settings: dict[str, Any]) -> Decorator:
+    *words, last = spellings.split()
+    if last.isupper() and not last.startswith("-"):
+        settings = {"metavar": last, **settings}
+    else:
+        words.append(last)
+    return click.option(*words, *name, help=text, **settings)
+
+
+def add_flag(spellings: str, text: str, **settings: Any) -> Decorator:
+    """Return a decorator that adds an option without a value to a verb."""
+    return add_option(spellings, text, is_flag=True, **settings)
+
+
 def option(spellings: str, text: str, *, default: Any = None, **settings: Any) -> Any:
     """Return a field of a settings class that is an option; its name is the field's.
 
     Args:
-        spellings: `"-n --count"`. text: The line in the help. default: The value without the option; an
-        option with `multiple` has an empty tuple. settings: More arguments of `click.option`.
+        spellings: `"-n --count COUNT"`, see `add_option`. text: The line in the help. default: The value
+        without the option; an option with `multiple` has an empty tuple. settings: More arguments of
+        `click.option`.
     """
     if settings.get("multiple"):
         default = ()
     else:
         settings["default"] = default
-
-    def decorator(name: str) -> Decorator:
-        return click.option(*spellings.split(), name, help=text, **settings)
-
-    return dataclasses.field(default=default, metadata={_DECORATOR: decorator})
+    return dataclasses.field(
+        default=default, metadata={_DECORATOR: lambda name: _option(spellings, (name,), text, settings)}
+    )
 
 
 def flag(spellings: str, text: str) -> Any:

@@ -13,11 +13,10 @@ from typing import Any, Final, TextIO, TypeAlias
 import click
 
 from rostether.cli.shell.failures import EXIT_DONE
+from rostether.cli.shell.option_group import add_flag
 from rostether.mechanisms.text import escape_text
 
-json_option: Callable[[Any], Any] = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON object a line."
-)
+json_option: Callable[[Any], Any] = add_flag("--json as_json", "Print one JSON object a line.")
 
 
 Paint: TypeAlias = Callable[[str], str]

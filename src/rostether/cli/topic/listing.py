@@ -9,7 +9,7 @@ import click
 from rostether.cli.access.completions import complete_message_types, complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb
 from rostether.cli.topic.topics import TopicListing, hidden_topics_option, topics_of
@@ -38,9 +38,7 @@ def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
     "info", cls=Verb, examples="rostether topic info /ultrasound\nrostether topic info -v --ros2 /ultrasound"
 )
 @click.argument("topic", shell_complete=complete_topics)
-@click.option(
-    "-v", "--verbose", is_flag=True, help="With --ros2, show each endpoint and its quality of service."
-)
+@add_flag("-v --verbose", "With --ros2, show each endpoint and its quality of service.")
 @json_option
 @graph_options()
 def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:

@@ -13,7 +13,14 @@ import click
 from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option, window_option
-from rostether.cli.shell.option_group import COUNT, ignored_options, option_group, shared
+from rostether.cli.shell.option_group import (
+    COUNT,
+    add_flag,
+    add_option,
+    ignored_options,
+    option_group,
+    shared,
+)
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -32,7 +39,7 @@ from rostether.cli.topic.windows import (
 )
 
 NOTHING_NEW = "no new messages"
-_count_option = click.option("-n", "--count", type=COUNT, metavar="COUNT", help="Stop after COUNT reports.")
+_count_option = add_option("-n --count COUNT", "Stop after COUNT reports.", type=COUNT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +62,10 @@ class MeterOptions:
     """,
 )
 @click.argument("topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete_topics)
-@click.option(
-    "--filter",
-    "expression",
-    metavar="EXPRESSION",
-    help="Count only messages m for which the Python expression is true.",
+@add_option(
+    "--filter expression EXPRESSION", "Count only messages m for which the Python expression is true."
 )
-@click.option("--wall-time", is_flag=True, help="Use this machine's clock, even in a simulation.")
+@add_flag("--wall-time", "Use this machine's clock, even in a simulation.")
 @option_group("options", MeterOptions)
 @ignored_options(tcpnodelay="--tcpnodelay")
 @graph_options(allow=True)

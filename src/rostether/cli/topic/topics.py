@@ -13,14 +13,14 @@ import click
 from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import COUNT, PATH, POSITIVE, argument, flag, option, shared
+from rostether.cli.shell.option_group import COUNT, PATH, POSITIVE, add_flag, argument, flag, option, shared
 from rostether.cli.shell.output import json_option
 
 if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
 
-hidden_topics_option = click.option(
-    "--include-hidden-topics", "with_hidden", is_flag=True, help="With --ros2, include hidden topics (_name)."
+hidden_topics_option = add_flag(
+    "--include-hidden-topics with_hidden", "With --ros2, include hidden topics (_name)."
 )
 
 
@@ -84,34 +84,29 @@ class TopicListing:
 class EchoOptions:
     """The options of `topic echo`; `expression` decides which messages are shown."""
 
-    count: int | None = option("-n --count", "Stop after COUNT messages.", type=COUNT, metavar="COUNT")
+    count: int | None = option("-n --count COUNT", "Stop after COUNT messages.", type=COUNT)
     once: bool = flag("--once", "Stop after one message.")
     plot: bool = flag("-p", "Print comma-separated values, for plotting.")
     as_json: bool = shared(json_option, False)
     clear: bool = flag("-c --clear", "Clear the screen before each message.")
     noarr: bool = flag("--noarr --no-arr", "Leave arrays out.")
     nostr: bool = flag("--nostr --no-str", "Leave strings out.")
-    number_width: int | None = option(
-        "-w", "Width of a number in columns.", type=click.IntRange(min=2), metavar="WIDTH"
-    )
+    number_width: int | None = option("-w WIDTH", "Width of a number in columns.", type=click.IntRange(min=2))
     offset: bool = flag("--offset", "Print times relative to now, in seconds.")
     expression: str | None = option(
-        "--filter", "Print only messages m for which the Python expression is true.", metavar="EXPRESSION"
+        "--filter EXPRESSION", "Print only messages m for which the Python expression is true."
     )
-    field: str = option(
-        "--field", "With --ros2, print only this field, e.g. header.stamp.", metavar="FIELD", default=""
-    )
+    field: str = option("--field FIELD", "With --ros2, print only this field, e.g. header.stamp.", default="")
     csv: bool = flag("--csv", "With --ros2, print comma-separated values.")
     full_length: bool = flag("-f --full-length", "With --ros2, do not truncate arrays and strings.")
     truncate_length: int | None = option(
-        "-l --truncate-length",
+        "-l --truncate-length LENGTH",
         "With --ros2, truncate arrays and strings to LENGTH (128).",
         type=click.IntRange(min=0),
-        metavar="LENGTH",
     )
     flow_style: bool = flag("--flow-style", "With --ros2, print each message on one line.")
     timeout_s: float | None = option(
-        "--timeout", "With --ros2, give up after SECONDS.", type=POSITIVE, metavar="SECONDS"
+        "--timeout SECONDS", "With --ros2, give up after SECONDS.", type=POSITIVE
     )
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
@@ -135,7 +130,7 @@ class PubOptions:
 
     once: bool = flag("-1 --once", "Publish one message, wait until it arrives, and exit.")
     rate_hz: float | None = option(
-        "-r --rate", "Publish repeatedly, this many times a second.", type=POSITIVE, metavar="HZ"
+        "-r --rate HZ", "Publish repeatedly, this many times a second.", type=POSITIVE
     )
     latch: bool = flag("-l --latch", "Also latch with -r, -f and pipes; a single message is always latched.")
     file: Path | None = option("-f --file", "Read the messages from a YAML file.", type=PATH)
@@ -145,31 +140,25 @@ class PubOptions:
     use_rostime: bool = flag("--use-rostime", "Stamp with ROS time, not with this machine's clock.")
     verbose: bool = flag("-v", "Show what is published.")
     times: int = option(
-        "-t --times --count",
+        "-t --times --count COUNT",
         "With --ros2, stop after COUNT messages.",
         type=click.IntRange(min=0),
-        metavar="COUNT",
         default=0,
     )
     wait_for: int | None = option(
-        "-w --wait-matching-subscriptions",
+        "-w --wait-matching-subscriptions COUNT",
         "With --ros2, wait for COUNT subscribers (1 with -1 and -t, else 0).",
         type=click.IntRange(min=0),
-        metavar="COUNT",
     )
     max_wait_s: float | None = option(
-        "--max-wait-time-secs",
-        "With --ros2, give up waiting for subscribers.",
-        type=POSITIVE,
-        metavar="SECONDS",
+        "--max-wait-time-secs SECONDS", "With --ros2, give up waiting for subscribers.", type=POSITIVE
     )
     print_nth: int | None = option(
-        "-p --print", "With --ros2, show only every N-th message.", type=click.IntRange(min=0), metavar="N"
+        "-p --print N", "With --ros2, show only every N-th message.", type=click.IntRange(min=0)
     )
     qos_durability: str | None = option(
-        "--qos-durability",
+        "--qos-durability DURABILITY",
         "With --ros2, transient_local is the same as -l.",
         type=click.Choice(["volatile", "transient_local", "system_default"]),
-        metavar="DURABILITY",
     )
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())

@@ -6,6 +6,7 @@ import re
 
 import click
 
+from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import Verb
@@ -66,35 +67,32 @@ class _RadioAddress(click.ParamType[int]):
     rostether xbee setup /dev/ttyUSB1 --to 0013A20040A1B2C3
     """,
 )
-@click.option("-C", "--coordinator", is_flag=True, help="Set up the radio at the computer.")
-@click.option(
-    "-P",
-    "--pan-id",
+@add_flag("-C --coordinator", "Set up the radio at the computer.")
+@add_option(
+    "-P --pan-id",
+    "The network's number, hexadecimal; the same in all radios.",
     type=_Hexadecimal(0, _MAX_PAN_ID),
     default="1331",
     show_default=True,
-    help="The network's number, hexadecimal; the same in all radios.",
 )
-@click.option(
-    "-c",
-    "--channel",
+@add_option(
+    "-c --channel",
+    "The channel, hexadecimal; the same in all radios.",
     type=_Hexadecimal(*_CHANNELS),
     default="0D",
     show_default=True,
-    help="The channel, hexadecimal; the same in all radios.",
 )
-@click.option(
-    "--to",
-    "coordinator_address",
+@add_option(
+    "--to coordinator_address",
+    "The 64-bit address of the radio at the computer, to which this one sends.",
     type=_RadioAddress(is_long=True),
-    help="The 64-bit address of the radio at the computer, to which this one sends.",
 )
-@click.option(
+@add_option(
     "--baud",
+    "The speed of the radio's serial port.",
     type=click.Choice([str(baud) for baud in BAUD_CODES]),
     default=str(DEFAULT_BAUD),
     show_default=True,
-    help="The speed of the radio's serial port.",
 )
 @click.argument("port")
 @click.argument("address", type=_RadioAddress(is_long=False), required=False)

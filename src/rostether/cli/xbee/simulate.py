@@ -54,26 +54,23 @@ class SimulationOptions:
         "--repeat", "The share of packets that arrive twice (0).", type=_PROBABILITY, default=0.0
     )
     delay_ms: float = option(
-        "--delay",
+        "--delay MS",
         "The additional delay of each packet, in ms (0).",
         type=NumberRange(0.0, 10_000.0),
-        metavar="MS",
         default=0.0,
     )
     rssi_dbm: int = option(
-        "--signal",
+        "--signal DBM",
         "The signal strength, in dBm.",
         type=click.IntRange(-120, -1),
         show_default=True,
-        metavar="DBM",
         default=-60,
     )
     rate_hz: float = option(
-        "--rate",
+        "--rate HZ",
         "How often each board publishes.",
         type=NumberRange(0.1, 100.0),
         show_default=True,
-        metavar="HZ",
         default=5.0,
     )
     seed: int = option("--seed", "The seed of the losses (0).", type=click.IntRange(0, 2**32 - 1), default=0)
