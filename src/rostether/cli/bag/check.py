@@ -10,13 +10,12 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import PATH
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 
-@click.command(
+@verb(
     "check",
-    cls=Verb,
-    examples="""
+    """
     rostether bag check drive.bag
     rostether bag check drive.bag --msg-path ~/catkin_ws/src
     """,

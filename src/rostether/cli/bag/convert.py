@@ -17,13 +17,12 @@ from rostether.cli.bag.recording_files import (
 )
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 
-@click.command(
+@verb(
     "convert",
-    cls=Verb,
-    examples="""
+    """
     rostether bag convert drive.bag drive.mcap
     rostether bag convert drive.mcap drive.bag
     rostether bag convert drive.bag smaller.bag --compression bz2

@@ -12,7 +12,7 @@ from rostether.cli.bag.figures import time_text
 from rostether.cli.bag.record import DURATION
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.rostime import NS_PER_S
 
@@ -23,10 +23,9 @@ if TYPE_CHECKING:
 _SHOWN_TOPICS = 10
 
 
-@click.command(
+@verb(
     "cut",
-    cls=Verb,
-    examples="""
+    """
     rostether bag cut recordings -o seen.bag --from 14:02
     rostether bag cut recordings -o seen.bag --from 14:02:30 --duration 10s --topic "/sensors/Robot3/*"
     rostether bag cut monday.bag tuesday.bag -o night.bag --from 23:55 --duration 10m

@@ -13,7 +13,7 @@ import click
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, argument, option, option_group
 from rostether.cli.shell.output import forget, warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -46,10 +46,9 @@ class ExportOptions:
     )
 
 
-@click.command(
+@verb(
     "export",
-    cls=Verb,
-    examples="""
+    """
     rostether export drive.bag
     rostether export drive.bag -o tables --format parquet
     rostether export drive.bag --topic /ultrasound -o ultrasound.csv

@@ -13,7 +13,7 @@ import click
 from rostether.cli.bag.recording_files import open_for
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.rostime import Time
 
@@ -24,10 +24,9 @@ _NAMES = frozenset(("topic", "m", "t"))
 _MESSAGE = re.compile(r"\bm\b")
 
 
-@click.command(
+@verb(
     "filter",
-    cls=Verb,
-    examples="""
+    """
     rostether bag filter drive.bag arm.bag "topic.startswith('/arm/')"
     rostether bag filter drive.bag near.bag "topic == '/ultrasound' and m.range < 0.5"
     rostether bag filter drive.bag start.bag "t.to_s() < 1700000060"

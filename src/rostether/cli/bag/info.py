@@ -17,7 +17,7 @@ from rostether.bounded_yaml import YamlError, load
 from rostether.cli.bag.figures import duration_text, size_text, time_text
 from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_keys, warn, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import escape_line
 from rostether.rostime import NS_PER_S
@@ -32,10 +32,9 @@ MAX_PERIODS = 262_144
 _STEP = re.compile(r"\.?(?:(\w+)|\[(-?\d+)\])")
 
 
-@click.command(
+@verb(
     "info",
-    cls=Verb,
-    examples="""
+    """
     rostether bag info drive.bag
     rostether bag info --freq drive.bag
     rostether bag info -y -k duration drive.bag

@@ -29,7 +29,7 @@ from rostether.cli.shell.option_group import (
 )
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.rostime import NS_PER_S
@@ -89,10 +89,9 @@ class PlayOptions:
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
-@click.command(
+@verb(
     "play",
-    cls=Verb,
-    examples="""
+    """
     rostether bag play drive.bag
     rostether bag play drive.bag --rate 4 --start 10 --duration 5 --loop
     rostether bag play drive.bag --clock --topics /ultrasound /imu_data

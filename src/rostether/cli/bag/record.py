@@ -38,7 +38,7 @@ from rostether.cli.shell.option_group import (
 )
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.run_until import run_until
 
@@ -115,11 +115,9 @@ class RecordOptions:
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
-@click.command(
+@verb(
     "record",
-    cls=Verb,
-    old_options={"--output-name": "--output", "--limit": "--count"},
-    examples="""
+    """
     rostether bag record --all
     rostether bag record -O drive.bag /ultrasound /imu_data
     rostether bag record --all -O drive.mcap
@@ -127,6 +125,7 @@ class RecordOptions:
     rostether bag record --all --exclude "/camera.*" --lz4 --duration 5m
     rostether bag record --ros2 zenoh --all
     """,
+    old_options={"--output-name": "--output", "--limit": "--count"},
 )
 @option_group("options", RecordOptions)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)

@@ -11,7 +11,7 @@ import click
 from rostether.cli.bag.figures import size_text
 from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, option_group
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 
 
@@ -48,10 +48,9 @@ def new_place(path: Path, options: PlaceOptions) -> tuple[Path, Path | None]:
     return output, backup
 
 
-@click.command(
+@verb(
     "compress",
-    cls=Verb,
-    examples="""
+    """
     rostether bag compress drive.bag
     rostether bag compress --lz4 --output-dir small *.bag
     """,
@@ -69,10 +68,9 @@ def bag_compress(options: PlaceOptions, bz2: bool, lz4: bool) -> None:
         _repack(path, "lz4" if is_lz4 else "bz2", options)
 
 
-@click.command(
+@verb(
     "decompress",
-    cls=Verb,
-    examples="""
+    """
     rostether bag decompress drive.bag
     """,
 )
@@ -101,10 +99,9 @@ def _size_bytes(path: Path) -> int:
         return reader.size_bytes
 
 
-@click.command(
+@verb(
     "reindex",
-    cls=Verb,
-    examples="""
+    """
     rostether bag reindex drive.bag.active
     rostether bag reindex --output-dir repaired *.bag
     """,

@@ -16,7 +16,7 @@ from rostether.cli.board.qemu import run_in_qemu
 from rostether.cli.shell.option_group import PATH, flag, option, option_group
 from rostether.cli.shell.output import json_option, warn
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
 
@@ -95,15 +95,15 @@ class BoardOptions:
         return (*words, "autoreset on") if self.autoreset else tuple(words)
 
 
-@click.command(
-    cls=Verb,
-    old_options=OLD_OPTIONS,
-    examples="""
+@verb(
+    "board-run",
+    """
     rostether board run blink.ino --watch D13
     rostether board run Ultrasound.ino --link /tmp/board --range 0.5
     rostether board run imu.elf --board mega --attitude "10 0 90" --json
     rostether board run test.elf --fast --duration 2s
     """,
+    old_options=OLD_OPTIONS,
 )
 @click.argument("program", type=PATH)
 @option_group("options", BoardOptions)

@@ -22,7 +22,7 @@ from rostether.cli.bridge.options import GRAPH_LIMITS, limit_option, read_graph_
 from rostether.cli.shell.option_group import add_option, ignored_options
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.ros1.environment import RosEnvironment, format_uri
 
@@ -40,9 +40,9 @@ _roscore_options = ignored_options(
 )
 
 
-@click.command(
-    cls=Verb,
-    examples="""
+@verb(
+    "core",
+    """
     rostether core                        the master at http://localhost:11311
     rostether core --port 11312           another port, for a second graph
     rostether core --listen 0.0.0.0       for nodes on other machines too

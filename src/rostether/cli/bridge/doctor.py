@@ -15,7 +15,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import NumberRange, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
 from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
@@ -23,12 +23,9 @@ if TYPE_CHECKING:
     from rostether.transports.serial_port import SerialPort
 
 
-@click.command(
+@verb(
     "doctor",
-    cls=Verb,
-    hints=ADDRESS_HINTS,
-    old_options={"--seconds": "--duration"},
-    examples="""
+    """
     rostether doctor                              the board that is plugged in
     rostether doctor /dev/ttyACM0
     rostether doctor "/dev/ttyUSB0?baud=115200" --duration 30
@@ -38,6 +35,8 @@ if TYPE_CHECKING:
     rostether doctor --fleet --key-file fleet.key  robots that obey commands over multicast
     rostether doctor --ros2                       the ROS 2 graph and the zenoh routers instead of a board
     """,
+    hints=ADDRESS_HINTS,
+    old_options={"--seconds": "--duration"},
 )
 @click.argument("port", required=False, metavar="[PORT]", shell_complete=complete_ports)
 @add_option(

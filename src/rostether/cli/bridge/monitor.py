@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.bridge.health.board_status import BoardStatus
 from rostether.bridge.health.reported_boards import BoardsSeen, listen, reported_boards
 from rostether.cli.access.graph_options import GraphOptions, graph_options
@@ -22,7 +20,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -38,10 +36,9 @@ NOTHING = (
 )
 
 
-@click.command(
+@verb(
     "monitor",
-    cls=Verb,
-    examples="""
+    """
     rostether monitor                     live, until Ctrl-C
     rostether monitor --once              one table
     rostether monitor --once --json       one object a board

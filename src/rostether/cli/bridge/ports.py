@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.transports.serial import SerialPort
 
 
-@click.command("ports", cls=Verb, examples="rostether ports\nrostether ports --json")
+@verb("ports", "rostether ports\nrostether ports --json")
 @json_option
 def ports(as_json: bool) -> None:
     """List serial ports with their devices, and the names that `rostether serve` accepts.

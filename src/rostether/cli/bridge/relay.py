@@ -20,7 +20,7 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import native_session, used_master
 from rostether.cli.shell.option_group import PORT, argument, option, option_group
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
 from rostether.mechanisms.anonymous import anonymous_name
@@ -76,9 +76,9 @@ class RelayOptions:
         )
 
 
-@click.command(
-    cls=Verb,
-    examples="""
+@verb(
+    "relay",
+    """
     rostether relay /chatter /odom                       both ways, over the ROS 2 that is here
     rostether relay --ros2 zenoh --to-ros2 "/sensors/*" --to-ros1 /cmd_vel
     rostether relay /tf /tf_static --service /enable --service /plan=nav_msgs/GetPlan

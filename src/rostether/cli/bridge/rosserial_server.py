@@ -12,10 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import click
-
 from rostether.cli.bridge.serial_node import HostRole, run_host, whole
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role
+from rostether.cli.shell.verbs import verb
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.transports.address import DEFAULT_PORT
@@ -23,10 +22,10 @@ from rostether.transports.address import DEFAULT_PORT
 _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
 
 
-@click.command(
+@verb(
     "rosserial-server-serial",
+    "rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200",
     cls=RoleVerb,
-    examples="rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200",
 )
 @node_words
 def serial(arguments: tuple[str, ...]) -> None:
@@ -37,9 +36,7 @@ def serial(arguments: tuple[str, ...]) -> None:
     )
 
 
-@click.command(
-    "rosserial-server-socket", cls=RoleVerb, examples="rostether role rosserial-server-socket _port:=11411"
-)
+@verb("rosserial-server-socket", "rostether role rosserial-server-socket _port:=11411", cls=RoleVerb)
 @node_words
 def socket(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that connect to the TCP port ~port."""
@@ -47,9 +44,7 @@ def socket(arguments: tuple[str, ...]) -> None:
     _run(HostRole("rosserial_server_socket_node", "rosserial server", known, _socket_link), arguments)
 
 
-@click.command(
-    "rosserial-server-udp", cls=RoleVerb, examples="rostether role rosserial-server-udp _server_port:=11411"
-)
+@verb("rosserial-server-udp", "rostether role rosserial-server-udp _server_port:=11411", cls=RoleVerb)
 @node_words
 def udp(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that send to the UDP port ~server_port."""

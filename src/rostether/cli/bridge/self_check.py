@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-import click
-
 from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError, RostetherError
 from rostether.extras import install_command
 
@@ -48,7 +46,7 @@ class Finding:
     next_step: str = ""
 
 
-@click.command("self-check", cls=Verb, examples="rostether self-check\nrostether self-check --json")
+@verb("self-check", "rostether self-check\nrostether self-check --json")
 @json_option
 def self_check(as_json: bool) -> None:
     """Show which optional parts of rostether work on this machine, and how to get the others.

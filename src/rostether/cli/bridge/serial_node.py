@@ -26,7 +26,7 @@ from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
 from rostether.cli.bridge.serving import loopback_lines, read_links, serving
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
 from rostether.names.graph_name import canonical, join, validate_name
@@ -67,15 +67,15 @@ class HostRole:
 _ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__hostname": "ROS_HOSTNAME"}
 
 
-@click.command(
-    cls=Verb,
-    context_settings={"ignore_unknown_options": True},
-    examples="""
+@verb(
+    "serial-node",
+    """
     rostether serial-node /dev/ttyACM0
     rostether serial-node _port:=/dev/ttyACM0 _baud:=115200 __name:=opencr
     rostether serial-node tcp 11411
     rostether serial-node /dev/ttyUSB0 servo_control:=servo_pose_server
     """,
+    context_settings={"ignore_unknown_options": True},
 )
 @listen_option
 @graph_options(served=True, master=False, ros=False)

@@ -47,7 +47,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_group, shared
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.ports.config_paths import known_boards_path
@@ -100,17 +100,9 @@ class ServeOptions:
     uvloop: bool = flag("--uvloop", "Use uvloop (install with: pip install 'rostether[uvloop]').")
 
 
-@click.command(
-    cls=Verb,
-    hints=ADDRESS_HINTS
-    | {
-        "--name": 'write it after the address: "/dev/ttyACM0?name=arm"',
-        "--ns": 'write it after the address: "/dev/ttyACM0?ns=lab"; or give --ns-per-board',
-        "--port": "write the port without an option: /dev/ttyACM0",
-        "-p": "write the port without an option: /dev/ttyACM0",
-        "--board": 'for a simulated board, write "sim:blink.ino?board=uno"',
-    },
-    examples="""
+@verb(
+    "serve",
+    """
     rostether serve                             boards on USB, as you plug them in
     rostether serve /dev/ttyACM0                this port, at 57600 baud
     rostether serve "/dev/ttyUSB0?baud=115200&name=arm"
@@ -126,6 +118,14 @@ class ServeOptions:
     rostether serve /dev/ttyACM0 --ros1 --ros2 rclpy
     rostether serve /dev/ttyACM0 --record bags  all topics into bags, too
     """,
+    hints=ADDRESS_HINTS
+    | {
+        "--name": 'write it after the address: "/dev/ttyACM0?name=arm"',
+        "--ns": 'write it after the address: "/dev/ttyACM0?ns=lab"; or give --ns-per-board',
+        "--port": "write the port without an option: /dev/ttyACM0",
+        "-p": "write the port without an option: /dev/ttyACM0",
+        "--board": 'for a simulated board, write "sim:blink.ino?board=uno"',
+    },
 )
 @option_group("options", ServeOptions)
 @click.argument(

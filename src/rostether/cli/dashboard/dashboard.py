@@ -21,7 +21,7 @@ from rostether.cli.gateway.gateways import Report, serve_gateway
 from rostether.cli.gateway.node import read_gateway_words
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, viewer_access_options
 from rostether.cli.shell.option_group import EXISTING_FILE, flag, option, option_group
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +56,9 @@ class DashboardOptions:
     )
 
 
-@click.command(
-    cls=Verb,
-    examples="""
+@verb(
+    "dashboard",
+    """
     rostether dashboard                                   open the page in a browser
     rostether dashboard --port 8080 --no-open
     rostether dashboard --listen 0.0.0.0 --token 7f3c9a   for phones and other machines

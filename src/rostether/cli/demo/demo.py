@@ -31,7 +31,7 @@ from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.option_group import PATH, PORT, NumberRange, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, Publisher
@@ -77,15 +77,15 @@ class DemoOptions:
     no_page: bool = flag("--no-page", "Do not serve the dashboard.")
 
 
-@click.command(
-    cls=Verb,
-    old_options={"--seconds": "--duration"},
-    examples="""
+@verb(
+    "demo",
+    """
     rostether demo                 run until Ctrl-C
     rostether demo --duration 5    stop after 5 s; fails if no message arrived
     rostether demo --board python  no compiler, a board in Python
     rostether demo --join          show the board to the robot that runs here
     """,
+    old_options={"--seconds": "--duration"},
 )
 @option_group("options", DemoOptions)
 @graph_options(master=False, ros=False)

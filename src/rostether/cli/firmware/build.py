@@ -13,7 +13,7 @@ from rostether.cli.firmware.options import build, build_options, port_option
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import FirmwareError
 
 if TYPE_CHECKING:
@@ -24,10 +24,9 @@ if TYPE_CHECKING:
 _OURS = frozenset(("program", "board", "msg_paths"))
 
 
-@click.command(
+@verb(
     "build",
-    cls=Verb,
-    examples="""
+    """
     rostether firmware build blink.ino                          for an Uno
     rostether firmware build Blink --board mega --output out    writes out/Blink.elf and out/Blink.hex
     rostether firmware build robot --msg-path ~/my_robot --library ~/libs/Encoder
@@ -114,10 +113,9 @@ def _record(built: BuiltFirmware, elf: ElfFile, places: tuple[Path, Path]) -> di
     }
 
 
-@click.command(
+@verb(
     "upload",
-    cls=Verb,
-    examples="""
+    """
     rostether firmware upload blink.ino                            to the only board plugged in
     rostether firmware upload robot --board mega --port /dev/ttyACM0
     rostether firmware upload robot --board nano:atmega328old      a Nano with the old boot loader
@@ -156,14 +154,13 @@ async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, po
     return chosen
 
 
-@click.command(
+@verb(
     "sim",
-    cls=Verb,
-    old_options=OLD_OPTIONS,
-    examples="""
+    """
     rostether firmware sim blink.ino --watch D13
     rostether firmware sim robot --board mega --library ~/libs/Encoder --link /tmp/board
     """,
+    old_options=OLD_OPTIONS,
 )
 @build_options
 @click.pass_context

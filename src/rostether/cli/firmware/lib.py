@@ -13,16 +13,15 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.codegen.arduino_library import WrittenLibrary
 
 
-@click.command(
+@verb(
     "lib",
-    cls=Verb,
-    examples="""
+    """
     rostether firmware lib ~/Arduino/libraries                   all messages: for the Arduino IDE
     rostether firmware lib lib --for src/main.cpp                what a PlatformIO project needs
     rostether firmware lib . --package std_msgs --package tf     two packages, with the types of their fields

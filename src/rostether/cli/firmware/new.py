@@ -9,7 +9,7 @@ import click
 
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
+from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import ConfigError
 
 _VERBS = verb_entries(
@@ -31,10 +31,9 @@ def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: st
     return [each for each in KINDS if each.startswith(incomplete)]
 
 
-@click.command(
+@verb(
     "sensor",
-    cls=Verb,
-    examples="""
+    """
     rostether new sensor                                   asks for the sensor, its pins and its topic
     rostether new sensor ultrasound
     rostether new sensor ultrasound front --pin TRIG=3 --pin ECHO=4 --topic front/range

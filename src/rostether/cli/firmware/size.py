@@ -19,7 +19,7 @@ from rostether.cli.firmware.options import build, build_options
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.firmware.boards import Board
@@ -37,10 +37,9 @@ _TEMPLATE = re.compile(r"<[^<>]*>")
 _SHOWN_WAY = 6
 
 
-@click.command(
+@verb(
     "size",
-    cls=Verb,
-    examples="""
+    """
     rostether firmware size blink.ino                  for an Uno
     rostether firmware size robot --board leonardo
     rostether firmware size robot.elf --board mega     a program built elsewhere

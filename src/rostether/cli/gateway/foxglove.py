@@ -35,7 +35,7 @@ from rostether.cli.gateway.node import (
 )
 from rostether.cli.gateway.options import access_options, read_encryption, read_place, viewer_access_options
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.names.remap import Arguments
@@ -51,9 +51,9 @@ if TYPE_CHECKING:
 FOXGLOVE_NODE = "foxglove_bridge"
 
 
-@click.command(
-    cls=Verb,
-    examples="""
+@verb(
+    "foxglove",
+    """
     rostether foxglove                                   Foxglove on this machine: ws://localhost:8765
     rostether foxglove 8766
     rostether foxglove 0.0.0.0:8765 --allow 192.168.1.0/24
@@ -86,13 +86,13 @@ def foxglove(
     serve_gateway(graph, msg_paths, open_gateway)
 
 
-@click.command(
+@verb(
     "foxglove-bridge",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role foxglove-bridge
     rostether role foxglove-bridge _port:=8766 _address:=0.0.0.0
     """,
+    cls=RoleVerb,
 )
 @access_options
 @node_words

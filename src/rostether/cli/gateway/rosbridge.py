@@ -39,7 +39,7 @@ from rostether.cli.gateway.options import (
     access_options,
 )
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
@@ -50,9 +50,9 @@ if TYPE_CHECKING:
     from rostether.gateways.rosbridge.settings import RosbridgeSettings
 
 
-@click.command(
-    cls=Verb,
-    examples="""
+@verb(
+    "rosbridge",
+    """
     rostether rosbridge                                   web pages on this machine, port 9090
     rostether rosbridge 9091
     rostether rosbridge 0.0.0.0:9090 --allow 192.168.1.0/24
@@ -100,13 +100,13 @@ async def _opened(
         yield server
 
 
-@click.command(
+@verb(
     "rosbridge-websocket",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role rosbridge-websocket
     rostether role rosbridge-websocket _port:=9091 _address:=0.0.0.0
     """,
+    cls=RoleVerb,
 )
 @access_options
 @node_words
@@ -181,7 +181,7 @@ def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
     return globs or None
 
 
-@click.command("rosapi-node", cls=RoleVerb, examples="rostether role rosapi-node")
+@verb("rosapi-node", "rostether role rosapi-node", cls=RoleVerb)
 @node_words
 def rosapi_node(arguments: tuple[str, ...]) -> None:
     """Offer services that query the graph and access parameters, like rosapi_node.

@@ -7,15 +7,13 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.firmware.build import upload_sketch
 from rostether.cli.firmware.options import build_options, port_option
 from rostether.cli.launch.run import become
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.firmware.build import BuildOptions
@@ -23,10 +21,9 @@ if TYPE_CHECKING:
 _BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
 
 
-@click.command(
+@verb(
     "flash",
-    cls=Verb,
-    examples="""
+    """
     rostether flash ultrasound                     to the only board plugged in
     rostether flash robot --board mega --port /dev/ttyACM0
     """,

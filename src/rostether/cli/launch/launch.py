@@ -20,7 +20,7 @@ from rostether.cli.gateway.options import (
 from rostether.cli.launch.launch_options import LaunchOptions, roslaunch_options
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.cli.launch.loaded_launch import LoadedLaunch
@@ -42,10 +42,9 @@ def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str
     return [name for name in names if name.startswith(incomplete) and is_plain(name)]
 
 
-@click.command(
+@verb(
     "launch",
-    cls=Verb,
-    examples="""
+    """
     rostether launch mearm_model display.launch            a file of a package
     rostether launch robot.launch port:=/dev/ttyACM1       a file, with an argument
     rostether launch mearm_model display.launch --nodes    list the nodes

@@ -13,7 +13,7 @@ from rostether.cli.launch.served_nodes import served_nodes
 from rostether.cli.shell.completion import is_plain
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
+from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import bundled_names, bundled_packages
@@ -121,7 +121,7 @@ def folder_of(name: str) -> Path:
     return packages[name]
 
 
-@click.command("list", cls=Verb, examples="rostether pkg list\nrostether pkg list --json")
+@verb("list", "rostether pkg list\nrostether pkg list --json")
 @json_option
 def list_packages(as_json: bool) -> None:
     """List all packages that are found from this folder, with their folders."""
@@ -132,21 +132,21 @@ def list_packages(as_json: bool) -> None:
             write_line(f"{name} {folder}")
 
 
-@click.command("list-names", cls=Verb, examples="rostether pkg list-names")
+@verb("list-names", "rostether pkg list-names")
 def list_names() -> None:
     """List the names of all packages that are found from this folder."""
     for name in sorted(packages_here()):
         write_line(name)
 
 
-@click.command("find", cls=Verb, examples="rostether pkg find mearm_model")
+@verb("find", "rostether pkg find mearm_model")
 @click.argument("name", metavar="PACKAGE", shell_complete=complete_package_folders)
 def find(name: str) -> None:
     """Print the folder of a package."""
     write_line(str(folder_of(name)))
 
 
-@click.command("depends1", cls=Verb, examples="rostether pkg depends1 mearm_model")
+@verb("depends1", "rostether pkg depends1 mearm_model")
 @click.argument("name", metavar="PACKAGE")
 def depends1(name: str) -> None:
     """List the packages that a package names in its package.xml."""
@@ -156,7 +156,7 @@ def depends1(name: str) -> None:
         write_line(each)
 
 
-@click.command("version", cls=Verb, examples="rostether pkg version mearm_model\nrostether pkg version -d")
+@verb("version", "rostether pkg version mearm_model\nrostether pkg version -d")
 @add_flag("-d --distro", "Print the name of the ROS distribution that rostether is compatible with.")
 @click.argument("name", metavar="PACKAGE", required=False)
 def version(distro: bool, name: str | None) -> None:

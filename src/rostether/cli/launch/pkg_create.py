@@ -10,7 +10,7 @@ import click
 
 from rostether.cli.shell.option_group import add_flag, add_option, ignored_options, option_group
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.packages.create import NewPackage, create_package
 
 _package_options = option_group(
@@ -39,10 +39,9 @@ _package_options = option_group(
 )
 
 
-@click.command(
+@verb(
     "create",
-    cls=Verb,
-    examples="""
+    """
     rostether pkg create mearm_model std_msgs rospy roscpp
     rostether pkg create my_robot rospy -V 0.1.0 -D "My robot" -l Apache-2.0 -m "Ada <ada@example.org>"
     """,

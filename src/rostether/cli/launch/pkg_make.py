@@ -11,7 +11,7 @@ from rostether.cli.firmware.lib import firmware_lib
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import Verb, verb
 from rostether.errors import RostetherError
 from rostether.packages.executables import programs
 from rostether.packages.python_scripts import explain_python2
@@ -32,7 +32,7 @@ _TARGETS = {
 }
 
 
-@click.command("init-workspace", cls=Verb, examples="cd ~/catkin_ws/src\nrostether pkg init-workspace")
+@verb("init-workspace", "cd ~/catkin_ws/src\nrostether pkg init-workspace")
 @click.argument("folder", type=PATH, required=False)
 def init(folder: Path | None) -> None:
     """Mark this folder, or the one given, as the src of a catkin workspace.
@@ -50,15 +50,15 @@ class _CatkinVerb(Verb):
         return super().parse_args(ctx, [each for each in args if not each.startswith(_OF_CMAKE)])
 
 
-@click.command(
+@verb(
     "make",
-    cls=_CatkinVerb,
-    context_settings={"ignore_unknown_options": True},
-    examples="""
+    """
     cd ~/catkin_ws
     rostether pkg make
     source devel/setup.bash
     """,
+    cls=_CatkinVerb,
+    context_settings={"ignore_unknown_options": True},
 )
 @add_option("-C --directory", "The workspace (default: the one around this folder).", type=PATH)
 @click.argument("ignored", nargs=-1, type=click.UNPROCESSED, metavar="[CATKIN OPTION]...")
@@ -140,10 +140,9 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
         warn(f"  {line}")
 
 
-@click.command(
+@verb(
     "make-libraries",
-    cls=Verb,
-    examples="""
+    """
     rostether role make-libraries ~/Arduino/libraries
     rostether role make-libraries . std_msgs mearm_model
     """,

@@ -15,22 +15,21 @@ from rostether.cli.launch.pkg import complete_package_folders, complete_programs
 from rostether.cli.launch.served_nodes import replacement_line, served_nodes, view_command
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.rospy.environment import node_environment
 
 
-@click.command(
+@verb(
     "run",
-    cls=Verb,
-    context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
-    examples="""
+    """
     rostether run mearm_model filter.py
     rostether run mearm_model move.py __name:=mover joint_states:=/arm/joint_states
     rostether run rosserial_python serial_node.py _port:=/dev/ttyACM0 _baud:=115200
     rostether run topic_tools relay /chatter /copy
     rostether run --prefix "nice -n 10" mearm_model filter.py
     """,
+    context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
 )
 @add_option("-p --prefix COMMAND", "Run the node through this command.", default="")
 @add_flag("-d --debug", "Print the command line that is run.")

@@ -19,7 +19,7 @@ import click
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.user_folders import Kind, user_folder
 
@@ -137,10 +137,9 @@ def is_shim(program: Path) -> bool:
         return False
 
 
-@click.command(
+@verb(
     "env",
-    cls=Verb,
-    examples="""
+    """
     eval "$(rostether env)"                          in this shell
     echo 'eval "$(rostether env)"' >> ~/.bashrc      permanently
     rostether env --shell fish | source

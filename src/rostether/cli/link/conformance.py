@@ -18,7 +18,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import argument, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
 
 if TYPE_CHECKING:
     from rostether.conformance.case import Case, Outcome
@@ -46,17 +46,16 @@ class ConformanceOptions:
     as_json: bool = shared(json_option, False)
 
 
-@click.command(
+@verb(
     "conformance",
-    cls=Verb,
-    hints=ADDRESS_HINTS,
-    examples="""
+    """
     rostether conformance /dev/ttyACM0               a board that runs the example Conformance
     rostether conformance sim:Conformance.ino        the same on a simulated Uno
     rostether conformance tcp://:11411 --quick       a client that connects over the network
     rostether conformance --client tcp://127.0.0.1   be the client: the program in Python
     rostether conformance --list                     the cases, without a client
     """,
+    hints=ADDRESS_HINTS,
 )
 @option_group("options", ConformanceOptions)
 def conformance(options: ConformanceOptions) -> int:

@@ -12,18 +12,17 @@ from rostether.cli.access.options import listen_option, msg_path_option
 from rostether.cli.bag.line_capture import record_limit_option
 from rostether.cli.bridge.serve import serve
 from rostether.cli.shell.option_group import FILE
-from rostether.cli.shell.verbs import ADDRESS_HINTS, Verb
+from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
 
 
-@click.command(
+@verb(
     "record",
-    cls=Verb,
-    hints=ADDRESS_HINTS,
-    examples="""
+    """
     rostether link record /dev/ttyACM0 problem.jsonl
     rostether link record "/dev/ttyUSB0?baud=115200" problem.jsonl
     rostether link record tcp://:11411 problem.jsonl --record-limit 10
     """,
+    hints=ADDRESS_HINTS,
 )
 @click.argument("address", shell_complete=complete_ports)
 @click.argument("file", type=FILE)

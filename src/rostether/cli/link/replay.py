@@ -20,7 +20,7 @@ from rostether.cli.bridge.serving import serving
 from rostether.cli.shell.option_group import PATH, NumberRange, add_flag, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.ros1.environment import RosEnvironment
@@ -46,10 +46,9 @@ SEARCH_POLL_S = 0.005
 AFTER_S = 1.0
 
 
-@click.command(
+@verb(
     "replay",
-    cls=Verb,
-    examples="""
+    """
     rostether link replay problem.jsonl
     rostether link replay problem.jsonl --speed 4 --name arm
     rostether link replay problem.jsonl --fast

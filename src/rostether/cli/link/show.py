@@ -11,7 +11,7 @@ import click
 
 from rostether.cli.shell.option_group import PATH, add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -24,10 +24,9 @@ _SHOWN_BYTES = 16
 _LOOKED_AT_BYTES = 64 * 1024
 
 
-@click.command(
+@verb(
     "show",
-    cls=Verb,
-    examples="""
+    """
     rostether link show problem.jsonl
     rostether link show problem.jsonl --faults
     rostether link show problem.jsonl --json | head

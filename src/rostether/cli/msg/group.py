@@ -15,7 +15,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, VerbEntry
+from rostether.cli.shell.verbs import LazyGroup, VerbEntry, verb
 from rostether.errors import UnknownTypeError
 from rostether.mechanisms.text import did_you_mean
 
@@ -165,7 +165,7 @@ def _show_verb(kind: _Kind) -> click.Command:
     rostether {kind.group} show --ros2 {kind.example_package}/{kind.group}/{kind.short_example}
     """
 
-    @click.command("show", cls=Verb, examples=examples)
+    @verb("show", examples)
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @add_flag("-r --raw", "Show the original text of the definition.")
     @json_option
@@ -208,7 +208,7 @@ def _show_verb(kind: _Kind) -> click.Command:
 
 
 def _md5_verb(kind: _Kind) -> click.Command:
-    @click.command("md5", cls=Verb, examples=f"rostether {kind.group} md5 {kind.example}")
+    @verb("md5", f"rostether {kind.group} md5 {kind.example}")
     @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
     @msg_path_option
     @graph_options(master=False)
@@ -226,7 +226,7 @@ def _md5_verb(kind: _Kind) -> click.Command:
 
 
 def _list_verb(kind: _Kind) -> click.Command:
-    @click.command("list", cls=Verb, examples=f"rostether {kind.group} list --msg-path ~/catkin_ws/src")
+    @verb("list", f"rostether {kind.group} list --msg-path ~/catkin_ws/src")
     @msg_path_option
     @graph_options(master=False)
     def list_all(msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
@@ -238,7 +238,7 @@ def _list_verb(kind: _Kind) -> click.Command:
 
 
 def _package_verb(kind: _Kind) -> click.Command:
-    @click.command("package", cls=Verb, examples=f"rostether {kind.group} package {kind.example_package}")
+    @verb("package", f"rostether {kind.group} package {kind.example_package}")
     @click.argument("package")
     @add_flag("-s single_line", "On one line.")
     @msg_path_option
@@ -260,7 +260,7 @@ def _package_verb(kind: _Kind) -> click.Command:
 
 
 def _packages_verb(kind: _Kind) -> click.Command:
-    @click.command("packages", cls=Verb, examples=f"rostether {kind.group} packages -s")
+    @verb("packages", f"rostether {kind.group} packages -s")
     @add_flag("-s single_line", "On one line.")
     @msg_path_option
     @graph_options(master=False)

@@ -12,7 +12,7 @@ import click
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
+from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import UnknownTypeError
 from rostether.mechanisms.text import did_you_mean
 
@@ -61,7 +61,7 @@ _kind_options = option_group(
 )
 
 
-@click.command("show", cls=Verb, examples="rostether interface show std_srvs/srv/SetBool")
+@verb("show", "rostether interface show std_srvs/srv/SetBool")
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
 @add_flag("--all-comments", "Show the comments of nested types too.")
 @add_flag("--no-comments", "Show no comments and no empty lines.")
@@ -82,7 +82,7 @@ def show(names: tuple[str, ...], all_comments: bool, no_comments: bool, msg_path
         write_line(shown(registry, _kind(name), name, comments))
 
 
-@click.command("list", cls=Verb, examples="rostether interface list --only-msgs")
+@verb("list", "rostether interface list --only-msgs")
 @_kind_options
 @msg_path_option
 def list_all(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
@@ -94,7 +94,7 @@ def list_all(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
             write_line(f"    {name}")
 
 
-@click.command("package", cls=Verb, examples="rostether interface package std_msgs")
+@verb("package", "rostether interface package std_msgs")
 @click.argument("name", metavar="PACKAGE")
 @_kind_options
 @msg_path_option
@@ -112,7 +112,7 @@ def package(name: str, kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
         write_line(each)
 
 
-@click.command("packages", cls=Verb, examples="rostether interface packages")
+@verb("packages", "rostether interface packages")
 @_kind_options
 @msg_path_option
 def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
@@ -123,7 +123,7 @@ def packages(kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
         write_line(name)
 
 
-@click.command("proto", cls=Verb, examples="rostether interface proto geometry_msgs/msg/Twist")
+@verb("proto", "rostether interface proto geometry_msgs/msg/Twist")
 @click.argument("name", metavar="TYPE")
 @add_flag("--no-quotes", "Without quotes around the text.")
 @msg_path_option

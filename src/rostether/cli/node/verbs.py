@@ -13,15 +13,13 @@ from rostether.cli.node.nodes import NodeListing, nodes_of
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import COUNT, add_flag, add_option, option_group
 from rostether.cli.shell.output import json_option
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.ros1.environment import RosEnvironment
 
 
-@click.command(
-    "list", cls=Verb, examples="rostether node list\nrostether node list -a\nrostether node list /robot1"
-)
+@verb("list", "rostether node list\nrostether node list -a\nrostether node list /robot1")
 @option_group("wanted", NodeListing)
 @graph_options()
 def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
@@ -29,7 +27,7 @@ def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
     nodes_of(graph).list_nodes(wanted)
 
 
-@click.command("info", cls=Verb, examples="rostether node info /board\nrostether node info -q /board /rosout")
+@verb("info", "rostether node info /board\nrostether node info -q /board /rosout")
 @click.argument("nodes", metavar="NODE...", nargs=-1, required=True, shell_complete=complete_nodes)
 @add_flag("-q --quiet", "Show only the master's information; do not ask the node itself.")
 @add_flag("--include-hidden with_hidden", "With --ros2, also hidden names (_name).")
@@ -40,7 +38,7 @@ def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, 
     nodes_of(graph).info(nodes, quiet=quiet, with_hidden=with_hidden, as_json=as_json)
 
 
-@click.command("machine", cls=Verb, examples="rostether node machine\nrostether node machine robot.local")
+@verb("machine", "rostether node machine\nrostether node machine robot.local")
 @click.argument("name", required=False, metavar="[MACHINE]")
 @graph_options()
 def list_machines(name: str | None, graph: GraphOptions) -> None:
@@ -51,10 +49,9 @@ def list_machines(name: str | None, graph: GraphOptions) -> None:
     machine(environment, name)
 
 
-@click.command(
+@verb(
     "ping",
-    cls=Verb,
-    examples="""
+    """
     rostether node ping /board
     rostether node ping -c 3 /board
     rostether node ping --all
@@ -88,9 +85,7 @@ def ping_nodes(name: str | None, of_all: bool, count: int | None, as_json: bool,
         raise click.exceptions.Exit(EXIT_FAILED)
 
 
-@click.command(
-    "kill", cls=Verb, examples="rostether node kill /talker\nrostether node kill -a\nrostether node kill"
-)
+@verb("kill", "rostether node kill /talker\nrostether node kill -a\nrostether node kill")
 @click.argument("names", metavar="[NODE]...", nargs=-1, shell_complete=complete_nodes)
 @add_flag("-a --all kill_all", "Shut down every node.")
 @graph_options()
@@ -106,7 +101,7 @@ def kill_nodes(names: tuple[str, ...], kill_all: bool, graph: GraphOptions) -> N
     kill(environment, names, kill_all=kill_all)
 
 
-@click.command("cleanup", cls=Verb, examples="rostether node cleanup\nrostether node cleanup --yes")
+@verb("cleanup", "rostether node cleanup\nrostether node cleanup --yes")
 @add_flag("-y --yes", "Do not ask.")
 @graph_options()
 def cleanup_nodes(yes: bool, graph: GraphOptions) -> None:

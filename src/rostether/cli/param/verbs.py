@@ -11,13 +11,13 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions, params_of, verbose_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 # `param set /x -5` sets minus five.
 _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 
 
-@click.command("list", cls=Verb, examples="rostether param list\nrostether param list /board")
+@verb("list", "rostether param list\nrostether param list /board")
 @option_group("wanted", ParamListing)
 @graph_options()
 def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
@@ -25,7 +25,7 @@ def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
     params_of(graph).list_params(wanted)
 
 
-@click.command("get", cls=Verb, examples="rostether param get /rosdistro\nrostether param get -p /")
+@verb("get", "rostether param get /rosdistro\nrostether param get -p /")
 @click.argument("name", shell_complete=complete_params)
 @click.argument("parameter", metavar="[NAME]", required=False)
 @option_group("options", GetOptions)
@@ -35,16 +35,15 @@ def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptio
     params_of(graph).get(name, parameter, options)
 
 
-@click.command(
+@verb(
     "set",
-    cls=Verb,
-    context_settings=_NEGATIVE_NUMBERS,
-    examples="""
+    """
     rostether param set /blink_hz 2.5
     rostether param set /arm "{joints: [0.1, deg(90)], name: left}"
     rostether param set /robot_description -t robot.urdf
     rostether param set --ros2 /board gain 0.5
     """,
+    context_settings=_NEGATIVE_NUMBERS,
 )
 @click.argument("name", shell_complete=complete_params)
 @click.argument("value", required=False)
@@ -61,7 +60,7 @@ def set_param(
     params_of(graph).set_param((name, *((value,) if value is not None else ()), *more), options)
 
 
-@click.command("delete", cls=Verb, examples="rostether param delete /blink_hz")
+@verb("delete", "rostether param delete /blink_hz")
 @click.argument("name", shell_complete=complete_params)
 @click.argument("parameter", metavar="[NAME]", required=False)
 @verbose_option
@@ -71,7 +70,7 @@ def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions)
     params_of(graph).delete(name, parameter, verbose=verbose)
 
 
-@click.command("describe", cls=Verb, examples="rostether param describe --ros2 /board gain")
+@verb("describe", "rostether param describe --ros2 /board gain")
 @click.argument("node")
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
 @json_option
@@ -81,7 +80,7 @@ def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptio
     params_of(graph).describe(node, names, as_json=as_json)
 
 
-@click.command("dump", cls=Verb, examples="rostether param dump settings.yaml\nrostether param dump - /board")
+@verb("dump", "rostether param dump settings.yaml\nrostether param dump - /board")
 @click.argument("file", required=False, type=click.Path(path_type=Path, allow_dash=True))
 @click.argument("namespace", default="")
 @verbose_option
@@ -94,9 +93,7 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOp
     params_of(graph).dump(file, namespace, verbose=verbose)
 
 
-@click.command(
-    "load", cls=Verb, examples="rostether param load settings.yaml\nrostether param load settings.yaml /board"
-)
+@verb("load", "rostether param load settings.yaml\nrostether param load settings.yaml /board")
 @click.argument("file", type=click.Path(path_type=Path, allow_dash=True))
 @click.argument("namespace", default="")
 @verbose_option

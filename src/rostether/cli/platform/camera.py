@@ -8,11 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.platform.sensor_roles import sensor_node_name
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, reporter, run_role
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
@@ -27,16 +26,16 @@ if TYPE_CHECKING:
 _MAX_SIDE = 8192
 
 
-@click.command(
+@verb(
     "camera",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role camera
     rostether role camera _source:=/dev/video2 _id:=front _vflip:=true _width:=640 _height:=480
     rostether role camera _source:=pictures _rate:=2
     rostether role camera _classifier:=haarcascade_frontalface_default.xml
     rostether role camera _source:=test
     """,
+    cls=RoleVerb,
 )
 @node_words
 @ROS2_CHOICE

@@ -14,7 +14,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import POSITIVE, NumberRange, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
+from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Level
@@ -51,7 +51,7 @@ def fleet() -> None:
     """
 
 
-@click.command("list", cls=Verb, examples="rostether fleet list --interface wlan0 --key-file fleet.key")
+@verb("list", "rostether fleet list --interface wlan0 --key-file fleet.key")
 @json_option
 @fleet_options()
 def list_robots(as_json: bool, fleet: FleetSettings) -> int:
@@ -59,7 +59,7 @@ def list_robots(as_json: bool, fleet: FleetSettings) -> int:
     return run(_query(fleet, as_json, detailed=False))
 
 
-@click.command("status", cls=Verb, examples="rostether fleet status 3 --key-file fleet.key")
+@verb("status", "rostether fleet status 3 --key-file fleet.key")
 @_robot
 @json_option
 @fleet_options()
@@ -93,10 +93,9 @@ class DriveOptions:
     )
 
 
-@click.command(
+@verb(
     "drive",
-    cls=Verb,
-    examples="""
+    """
     rostether fleet drive 3 --speed 0.5 --for 2 --key-file fleet.key
     rostether fleet drive --groups 0 --direction 90 --key-file fleet.key
     """,
@@ -119,7 +118,7 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     return run(_drive(settings, payload, options.duration_s or float("inf")))
 
 
-@click.command("stop", cls=Verb, examples="rostether fleet stop 3 --key-file fleet.key")
+@verb("stop", "rostether fleet stop 3 --key-file fleet.key")
 @_robot
 @fleet_options()
 def stop(robot: int | None, fleet: FleetSettings) -> int:

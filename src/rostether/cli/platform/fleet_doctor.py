@@ -5,23 +5,20 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.platform.fleet_options import fleet_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import NumberRange, add_option
 from rostether.cli.shell.output import json_option, warn, write_finding
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.platform.fleet import FleetSettings
 
 
-@click.command(
+@verb(
     "doctor",
-    cls=Verb,
-    examples="""
+    """
     rostether fleet doctor --interface wlan0 --key-file fleet.key
     sudo rostether fleet doctor --duration 130 --key-file fleet.key   also listens for the IGMP querier
     """,

@@ -22,7 +22,7 @@ from rostether.cli.shell.option_group import (
     option_group,
 )
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.platform.boot.service_files import path_below
 
@@ -63,10 +63,9 @@ def _place_options(function: Function) -> Function:
     return user(root(function))  # type: ignore[no-any-return]
 
 
-@click.command(
+@verb(
     "install",
-    cls=Verb,
-    examples="""
+    """
     rostether install                                        asks what this machine is
     rostether install --machine both --name robot1           a robot with its own core
     rostether install --machine robot --name robot1 --core 192.168.1.10 --interface wlan0
@@ -117,7 +116,7 @@ def _enable_below(root: Path, installation: Installation) -> None:
     write_line(f"wrote {link}")
 
 
-@click.command("uninstall", cls=Verb, examples="rostether uninstall")
+@verb("uninstall", "rostether uninstall")
 @_place_options
 def uninstall(for_user: bool | None, root: Path | None) -> None:
     """Stop the robot's parts, and remove the files of `rostether install`, including the robot.toml."""
@@ -145,7 +144,7 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
         systemctl(installation, "daemon-reload")
 
 
-@click.command("status", cls=Verb, examples="rostether status")
+@verb("status", "rostether status")
 @_place_options
 def status(for_user: bool | None, root: Path | None) -> None:
     """Show what starts at boot, and whether it runs."""

@@ -11,7 +11,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.ros1_access import joined
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
+from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import GraphError
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def sensor() -> None:
     """List, show and rename the sensors of all platforms."""
 
 
-@click.command("list", cls=Verb, examples="rostether sensor list")
+@verb("list", "rostether sensor list")
 @json_option
 @graph_options(allow=True)
 def list_sensors(as_json: bool, graph: GraphOptions) -> None:
@@ -85,7 +85,7 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
     run(main())
 
 
-@click.command("show", cls=Verb, examples="rostether sensor show sensor_node0")
+@verb("show", "rostether sensor show sensor_node0")
 @click.argument("sensor_id", metavar="ID")
 @json_option
 @graph_options(allow=True)
@@ -104,7 +104,7 @@ def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
     run(main())
 
 
-@click.command("rename", cls=Verb, examples='rostether sensor rename sensor_node0 "Front camera"')
+@verb("rename", 'rostether sensor rename sensor_node0 "Front camera"')
 @click.argument("sensor_id", metavar="ID")
 @click.argument("name")
 @graph_options(allow=True)

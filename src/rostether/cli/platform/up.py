@@ -15,7 +15,7 @@ import click
 from rostether.cli.shell.option_group import EXISTING_FILE, add_flag
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.run_until import run_until
 
@@ -27,10 +27,9 @@ MASTER_LIMIT_S = 30.0
 ADDRESS_PERIOD_S = 0.5
 
 
-@click.command(
+@verb(
     "up",
-    cls=Verb,
-    examples="""
+    """
     rostether up robot.toml
     rostether up robot.toml --check
     """,

@@ -13,23 +13,22 @@ from rostether.cli.shell.option_group import FILE, add_flag, add_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, picture_format, save
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.graph.shown_graph import Shown, as_digraph, as_records, as_text, choose
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Snapshot
 
 
-@click.command(
+@verb(
     "graph",
-    cls=Verb,
-    old_options={"--save": "--output"},
-    examples="""
+    """
     rostether graph
     rostether graph --output graph.svg
     rostether graph --nodes-only --output graph.png
     rostether graph /arm /joint_states --format dot
     """,
+    old_options={"--save": "--output"},
 )
 @click.argument("names", nargs=-1, metavar="[NAME...]")
 @add_option(

@@ -21,7 +21,7 @@ from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotSession, Ses
 from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, option_group, shared
 from rostether.cli.shell.picture_files import picture_format
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.misfit_notice import shown_messages
 
 if TYPE_CHECKING:
@@ -62,16 +62,15 @@ class PlotOptions:
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
-@click.command(
+@verb(
     "plot",
-    cls=Verb,
-    old_options={"--for": "--duration", "--save": "--output"},
-    examples="""
+    """
     rostether plot /ultrasound/range
     rostether plot /imu_data/angular_velocity/x:y:z
     rostether plot "/joint_states/position[0:4]" --window 30
     rostether plot /joint_states/position --duration 20 --output joints.png
     """,
+    old_options={"--for": "--duration", "--save": "--output"},
 )
 @click.argument(
     "fields", nargs=-1, required=True, metavar="TOPIC[/FIELD[:FIELD]]...", shell_complete=complete_fields

@@ -13,6 +13,7 @@ from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.role.node import RoleVerb
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError
 from rostether.msgdef.primitives import INTEGER_RANGES
 
@@ -25,13 +26,13 @@ _NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
 _NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 
 
-@click.command(
+@verb(
     "rqt-plot",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role rqt-plot
     rostether role rqt-plot /ultrasound/range
     """,
+    cls=RoleVerb,
 )
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[TOPIC/FIELD]...")
 @graph_options(master=False, ros=False)

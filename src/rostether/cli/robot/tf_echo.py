@@ -7,8 +7,6 @@ import contextlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import click
-
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import (
@@ -22,7 +20,7 @@ from rostether.cli.shell.option_group import (
 )
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import escape_line
 
 if TYPE_CHECKING:
@@ -46,10 +44,9 @@ class EchoOptions:
     as_json: bool = shared(json_option, False)
 
 
-@click.command(
+@verb(
     "echo",
-    cls=Verb,
-    examples="""
+    """
     rostether tf echo base_link gripper
     rostether tf echo base_link gripper 10
     rostether tf echo -n 1 --json base_link gripper

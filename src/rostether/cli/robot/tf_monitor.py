@@ -12,7 +12,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.option_group import COUNT, add_option
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import escape_line
 
 if TYPE_CHECKING:
@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 REPORT_PERIOD_S = 1.0
 
 
-@click.command(
+@verb(
     "monitor",
-    cls=Verb,
-    examples="""
+    """
     rostether tf monitor
     rostether tf monitor base_link gripper
     rostether tf monitor -n 1 --json

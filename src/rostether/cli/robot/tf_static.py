@@ -8,6 +8,7 @@ import click
 
 from rostether.cli.role.node import RoleVerb, node_arguments, role_node
 from rostether.cli.shell.running import run
+from rostether.cli.shell.verbs import verb
 from rostether.names.remap import Arguments
 from rostether.robot.static_transforms import (
     StaticTransform,
@@ -20,14 +21,14 @@ _WORDS = "X Y Z YAW PITCH ROLL PARENT CHILD | X Y Z QX QY QZ QW PARENT CHILD | P
 _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_WORDS)
 
 
-@click.command(
+@verb(
     "static",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether tf static 0 0 0.1 0 0 0 base_link laser
     rostether tf static 0 0 0.1 0 0 0 1 base_link laser
     rostether tf static 0 0 0.1 0 0 0 base_link laser 100     (on /tf, every 100 ms)
     """,
+    cls=RoleVerb,
 )
 @_arguments
 def static(words: tuple[str, ...]) -> None:
@@ -39,13 +40,13 @@ def static(words: tuple[str, ...]) -> None:
     _run(words, f"static_transform_publisher_{os.getpid()}")
 
 
-@click.command(
+@verb(
     "static-transform-publisher",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role static-transform-publisher 0 0 0.1 0 0 0 base_link laser
     rostether role tf-static-transform-publisher 0 0 0.1 0 0 0 base_link laser 100
     """,
+    cls=RoleVerb,
 )
 @_arguments
 def static_transform_publisher(words: tuple[str, ...]) -> None:

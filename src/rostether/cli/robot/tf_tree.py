@@ -5,29 +5,26 @@ from __future__ import annotations
 import asyncio
 from dataclasses import asdict
 
-import click
-
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import POSITIVE, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_frame, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import escape_line
 
 # Long enough for transforms at 1 Hz, and to measure a rate.
 DEFAULT_LISTENING_S = 2.0
 
 
-@click.command(
+@verb(
     "tree",
-    cls=Verb,
-    old_options={"--time": "--duration"},
-    examples="""
+    """
     rostether tf tree
     rostether tf tree --duration 10
     rostether tf tree --dot | dot -Tpdf > frames.pdf
     """,
+    old_options={"--time": "--duration"},
 )
 @add_option(
     "--duration listening_s SECONDS",

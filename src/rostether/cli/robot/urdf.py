@@ -13,7 +13,7 @@ import click
 from rostether.cli.shell.input import read_bytes
 from rostether.cli.shell.option_group import EXISTING_FILE, PATH, add_flag, add_option, ignored_options
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, Verb, verb_entries
+from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.mechanisms.text import escape_line
 from rostether.pictures.tree import MAX_INDENTED, branch
 
@@ -44,11 +44,7 @@ def urdf() -> None:
     """Check and show robot descriptions, URDF or xacro."""
 
 
-@click.command(
-    "check",
-    cls=Verb,
-    examples="rostether urdf check robot.urdf\nrostether urdf check robot.urdf.xacro gripper:=true",
-)
+@verb("check", "rostether urdf check robot.urdf\nrostether urdf check robot.urdf.xacro gripper:=true")
 @_file
 @_mappings
 def check(file: Path, mappings: tuple[str, ...]) -> None:
@@ -66,7 +62,7 @@ def check(file: Path, mappings: tuple[str, ...]) -> None:
         warn(f"skipped: {escape_line(problem)}")
 
 
-@click.command("tree", cls=Verb, examples="rostether urdf tree robot.urdf")
+@verb("tree", "rostether urdf tree robot.urdf")
 @_file
 @_mappings
 @json_option
@@ -142,10 +138,9 @@ def _record(joint: Joint) -> dict[str, object]:
     }
 
 
-@click.command(
+@verb(
     "xacro",
-    cls=Verb,
-    examples="""
+    """
     rostether xacro robot.urdf.xacro
     rostether xacro robot.urdf.xacro gripper:=true -o robot.urdf
     rostether xacro --deps robot.urdf.xacro

@@ -12,12 +12,12 @@ from rostether.cli.access.options import msg_path_option, refuse_ros2
 from rostether.cli.service.services import CallOptions, ServiceListing, services_of
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 _service_argument = click.argument("service", shell_complete=complete_services)
 
 
-@click.command("list", cls=Verb, examples="rostether service list\nrostether service list -n /demo_board")
+@verb("list", "rostether service list\nrostether service list -n /demo_board")
 @option_group("wanted", ServiceListing)
 @graph_options()
 def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
@@ -25,7 +25,7 @@ def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
     services_of(graph).list_services(wanted)
 
 
-@click.command("type", cls=Verb, examples="rostether service type /set_led")
+@verb("type", "rostether service type /set_led")
 @_service_argument
 @graph_options()
 def type_of(service: str, graph: GraphOptions) -> None:
@@ -33,7 +33,7 @@ def type_of(service: str, graph: GraphOptions) -> None:
     services_of(graph).type_of(service)
 
 
-@click.command("uri", cls=Verb, examples="rostether service uri /set_led")
+@verb("uri", "rostether service uri /set_led")
 @_service_argument
 @graph_options()
 def uri_of(service: str, graph: GraphOptions) -> None:
@@ -44,7 +44,7 @@ def uri_of(service: str, graph: GraphOptions) -> None:
     Ros1Services(graph).uri_of(service)
 
 
-@click.command("node", cls=Verb, examples="rostether service node /set_led")
+@verb("node", "rostether service node /set_led")
 @_service_argument
 @graph_options()
 def node_of(service: str, graph: GraphOptions) -> None:
@@ -52,7 +52,7 @@ def node_of(service: str, graph: GraphOptions) -> None:
     services_of(graph).node_of(service)
 
 
-@click.command("args", cls=Verb, examples="rostether service args /set_led")
+@verb("args", "rostether service args /set_led")
 @_service_argument
 @msg_path_option
 @graph_options()
@@ -61,7 +61,7 @@ def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None
     services_of(graph).args(service, msg_paths)
 
 
-@click.command("info", cls=Verb, examples="rostether service info /set_led")
+@verb("info", "rostether service info /set_led")
 @_service_argument
 @json_option
 @msg_path_option
@@ -71,7 +71,7 @@ def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphO
     services_of(graph).info(service, msg_paths, as_json=as_json)
 
 
-@click.command("find", cls=Verb, examples="rostether service find std_srvs/SetBool")
+@verb("find", "rostether service find std_srvs/SetBool")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_service_types)
 @graph_options()
 def find(type_name: str, graph: GraphOptions) -> None:
@@ -79,16 +79,15 @@ def find(type_name: str, graph: GraphOptions) -> None:
     services_of(graph).find(type_name)
 
 
-@click.command(
+@verb(
     "call",
-    cls=Verb,
-    context_settings={"ignore_unknown_options": True},
-    examples="""
+    """
     rostether service call /set_led "data: true"
     rostether service call /set_led true
     rostether service call --wait --timeout 5 /set_led "{data: false}"
     rostether service call --ros2 /set_led std_srvs/srv/SetBool "{data: true}"
     """,
+    context_settings={"ignore_unknown_options": True},
 )
 @click.argument("service", shell_complete=complete_services)
 @click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")

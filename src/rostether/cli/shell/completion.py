@@ -10,7 +10,7 @@ import click
 from click.shell_completion import get_completion_class
 
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 SHELLS = ("bash", "zsh", "fish")
 
@@ -19,10 +19,9 @@ _VARIABLE = "_ROSTETHER_COMPLETE"
 _PLAIN = re.compile(r"[\w/.:@%+,-][\w/.:@%+,=~-]*")
 
 
-@click.command(
+@verb(
     "completion",
-    cls=Verb,
-    examples="""
+    """
     eval "$(rostether completion bash)"                   in this shell
     rostether completion bash >> ~/.bashrc                permanently
     rostether completion zsh >> ~/.zshrc

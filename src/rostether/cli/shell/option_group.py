@@ -7,7 +7,7 @@ A settings class declares each of its options once, as a field:
         count: int | None = option("-n --count COUNT", "Stop after COUNT messages.", type=COUNT)
         once: bool = flag("--once", "Stop after one message.")
 
-    @click.command("echo", cls=Verb)
+    @verb("echo", "rostether topic echo /ultrasound")
     @option_group("options", EchoOptions)
     @add_flag("-v --verbose", "Show more.")
     def echo(options: EchoOptions, verbose: bool) -> None: ...

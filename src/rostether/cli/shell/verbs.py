@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from textwrap import dedent
@@ -122,6 +122,18 @@ class Verb(click.Command):
         """Write the examples below the options, line by line as given."""
         super().format_epilog(ctx, formatter)
         _write_examples(self.examples, formatter)
+
+
+def verb(
+    name: str, examples: str, *, cls: type[Verb] = Verb, **settings: Any
+) -> Callable[[Callable[..., Any]], Verb]:
+    """Return a decorator that makes a function a verb; its docstring is the help.
+
+    Args:
+        name: The name of the verb. examples: Command lines for the end of the help. cls: The kind of verb.
+        settings: More arguments of `click.command`.
+    """
+    return click.command(name, cls=cls, examples=examples, **settings)
 
 
 class LazyGroup(click.Group):

@@ -8,14 +8,13 @@ from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import ignored_options, option_group
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.topics import EchoOptions, topics_of
 
 
-@click.command(
+@verb(
     "echo",
-    cls=Verb,
-    examples="""
+    """
     rostether topic echo /ultrasound
     rostether topic echo -n 1 /ultrasound/range
     rostether topic echo --filter "m.range < 0.5" /ultrasound

@@ -11,14 +11,13 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import json_option
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.topics import TopicListing, hidden_topics_option, topics_of
 
 
-@click.command(
+@verb(
     "list",
-    cls=Verb,
-    examples="""
+    """
     rostether topic list
     rostether topic list -v
     rostether topic list --json
@@ -34,9 +33,7 @@ def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
     topics_of(graph).list_topics(wanted)
 
 
-@click.command(
-    "info", cls=Verb, examples="rostether topic info /ultrasound\nrostether topic info -v --ros2 /ultrasound"
-)
+@verb("info", "rostether topic info /ultrasound\nrostether topic info -v --ros2 /ultrasound")
 @click.argument("topic", shell_complete=complete_topics)
 @add_flag("-v --verbose", "With --ros2, show each endpoint and its quality of service.")
 @json_option
@@ -46,10 +43,9 @@ def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
     topics_of(graph).info(topic, verbose=verbose, as_json=as_json)
 
 
-@click.command(
+@verb(
     "type",
-    cls=Verb,
-    examples="""
+    """
     rostether topic type /ultrasound
     rostether topic type /ultrasound/header/stamp
     rostether topic type /ultrasound | rostether msg show
@@ -63,7 +59,7 @@ def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> Non
     topics_of(graph).type_of(topic, msg_paths)
 
 
-@click.command("find", cls=Verb, examples="rostether topic find sensor_msgs/Range")
+@verb("find", "rostether topic find sensor_msgs/Range")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_message_types)
 @hidden_topics_option
 @json_option

@@ -10,7 +10,7 @@ from rostether.cli.access.completions import complete_topic_type, complete_topic
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import option_group
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import Verb, verb
 from rostether.cli.topic.topics import PubOptions, topics_of
 
 # Not -1, which publishes once.
@@ -39,15 +39,15 @@ class _Pub(Verb):
         }
 
 
-@click.command(
+@verb(
     "pub",
-    cls=_Pub,
-    examples="""
+    """
     rostether topic pub -1 /toggle_led std_msgs/Empty
     rostether topic pub -r 10 /cmd_vel geometry_msgs/Twist "{linear: {x: 0.2}}"
     rostether topic pub -1 /servo std_msgs/UInt16 90
     rostether topic pub -r 1 -s /a geometry_msgs/PointStamped "{header: auto}"
     """,
+    cls=_Pub,
 )
 @click.argument("topic", shell_complete=complete_topics)
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_topic_type)

@@ -23,7 +23,7 @@ from rostether.cli.shell.option_group import (
 )
 from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.topics import topics_of
 from rostether.cli.topic.windows import (
     DEFAULT_BANDWIDTH_WINDOW,
@@ -52,10 +52,9 @@ class MeterOptions:
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
-@click.command(
+@verb(
     "hz",
-    cls=Verb,
-    examples="""
+    """
     rostether topic hz /ultrasound
     rostether topic hz -w 100 /ultrasound /imu_data
     rostether topic hz --filter "m.range < 0.5" /ultrasound
@@ -139,7 +138,7 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
         write_line(format_rate_table(spreads))
 
 
-@click.command("bw", cls=Verb, examples="rostether topic bw /imu_data")
+@verb("bw", "rostether topic bw /imu_data")
 @click.argument("topic", shell_complete=complete_topics)
 @window_option(DEFAULT_BANDWIDTH_WINDOW)
 @_count_option
@@ -171,7 +170,7 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
     run(measure())
 
 
-@click.command("delay", cls=Verb, examples="rostether topic delay /imu_data")
+@verb("delay", "rostether topic delay /imu_data")
 @click.argument("topic", shell_complete=complete_topics)
 @option_group("options", MeterOptions)
 @ignored_options(tcpnodelay="--tcpnodelay")

@@ -11,16 +11,17 @@ import click
 
 from rostether.cli.bridge.serial_node import HostRole, run_host
 from rostether.cli.role.node import RoleVerb, node_arguments
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 
 
-@click.command(
+@verb(
     "xbee-network",
-    cls=RoleVerb,
-    examples="""
+    """
     rostether role xbee-network /dev/ttyUSB0 1 2 3
     rostether role xbee-network /dev/ttyUSB0 1 __name:=greenhouse
     """,
+    cls=RoleVerb,
 )
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="PORT ID... [NAME:=VALUE]...")
 def xbee_network(arguments: tuple[str, ...]) -> None:

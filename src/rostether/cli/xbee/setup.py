@@ -9,7 +9,7 @@ import click
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 from rostether.transports.address import DEFAULT_BAUD, SerialAddress
 from rostether.transports.opening import list_serial_ports, open_transport
 from rostether.transports.typed_port import check_typed_port
@@ -57,10 +57,9 @@ class _RadioAddress(click.ParamType[int]):
         return address
 
 
-@click.command(
+@verb(
     "setup",
-    cls=Verb,
-    examples="""
+    """
     rostether xbee setup --coordinator /dev/ttyUSB0      the radio at the computer
     rostether xbee setup /dev/ttyUSB1 1                  the radio of board 1
     rostether xbee setup /dev/ttyUSB1 1 --pan-id 1332 --channel 0F

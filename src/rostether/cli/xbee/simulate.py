@@ -14,7 +14,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import PATH, NumberRange, option, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import Verb
+from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.simulation.xbee.counting_board import CountingBoard
@@ -76,10 +76,9 @@ class SimulationOptions:
     seed: int = option("--seed", "The seed of the losses (0).", type=click.IntRange(0, 2**32 - 1), default=0)
 
 
-@click.command(
+@verb(
     "simulate",
-    cls=Verb,
-    examples="""
+    """
     rostether xbee simulate --boards 8 --loss 0.05 --link ./xbee
     rostether xbee simulate --boards 3 --kind digimesh --delay 20 --link ./xbee
     rostether xbee simulate Blink.ino --boards 2 --link ./xbee
