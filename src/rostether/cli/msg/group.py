@@ -142,6 +142,16 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
     return name
 
 
+def check_package(name: str, registry: Registry, lister: str) -> None:
+    """Raise UnknownTypeError for a package without definitions; `lister` lists those that have some."""
+    if name not in registry.packages():
+        meant = did_you_mean(name, registry.packages(), then=" Otherwise, ")
+        raise UnknownTypeError(
+            f"no package {name!r} with definitions is known; {meant}give its folder with --msg-path; "
+            f"`rostether {lister}` lists the known ones"
+        )
+
+
 def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
     """Return the full names that match a type name without its package."""
     names = kind.names(registry)
@@ -247,12 +257,7 @@ def _package_verb(kind: _Kind) -> click.Command:
         package: str, single_line: bool, msg_paths: tuple[Path, ...], graph: GraphOptions
     ) -> None:
         registry = _registry(msg_paths, graph)
-        if package not in registry.packages():
-            meant = did_you_mean(package, registry.packages())
-            raise UnknownTypeError(
-                f"no package {package!r} with definitions is known; {meant and f'{meant} Otherwise, '}"
-                f"give its folder with --msg-path; `rostether {kind.group} packages` lists the known ones"
-            )
+        check_package(package, registry, f"{kind.group} packages")
         write_line((" " if single_line else "\n").join(kind.names(registry, package)))
 
     package_types.help = f"List the {kind.what} types of one package."

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.msg.group import check_package
 from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
-from rostether.errors import UnknownTypeError
-from rostether.mechanisms.text import did_you_mean
 
 if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
@@ -102,12 +101,7 @@ def package(name: str, kinds: list[str], msg_paths: tuple[Path, ...]) -> None:
     """List the types of one package."""
     registry = _registry(msg_paths)
     found = [each for kind in kinds for each in _names(registry, kind, name)]
-    if name not in registry.packages():
-        meant = did_you_mean(name, registry.packages())
-        raise UnknownTypeError(
-            f"no package {name!r} with definitions is known; {meant and f'{meant} Otherwise, '}"
-            "give its folder with --msg-path; `rostether interface packages` lists the known ones"
-        )
+    check_package(name, registry, "interface packages")
     for each in found:
         write_line(each)
 

@@ -6,7 +6,7 @@ import asyncio
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING
@@ -15,10 +15,10 @@ import click
 
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option, refuse_ros1_only
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.plot.curves import expand
-from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotSession, SessionSettings
-from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, option_group, shared
+from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotOptions, PlotSession
+from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.picture_files import picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
@@ -32,34 +32,6 @@ MAX_ARGUMENTS = 28
 
 # The length that fits above a picture.
 MAX_TITLE_CHARACTERS = 90
-
-
-@dataclass(frozen=True, slots=True)
-class PlotOptions:
-    """The options of `plot`."""
-
-    window_s: float | None = option(
-        "-w --window SECONDS",
-        f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
-        type=POSITIVE,
-    )
-    duration_s: float | None = option(
-        "--duration SECONDS", "Stop after SECONDS (default: at Ctrl-C).", type=POSITIVE
-    )
-    file: Path | None = option(
-        "-o --output FILE",
-        "Write a picture at the end, .svg, or .png with `pip install 'rostether[pictures]'`.",
-        type=FILE,
-    )
-    title: str | None = option("--title TEXT", "The title of the picture (default: the fields).")
-    right: tuple[str, ...] = option(
-        "--right FIELD",
-        "Plot a field with the scale at the right of the picture (default: fields of a second "
-        "unit); may be repeated.",
-        multiple=True,
-    )
-    is_clock: bool = flag("--clock", "Mark the times with the time of day, not with seconds.")
-    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
 @verb(
@@ -95,17 +67,8 @@ def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> 
     duration_s = options.duration_s
     if not is_terminal and options.file is None and duration_s is None:
         duration_s = options.window_s or DEFAULT_WINDOW_S
-    session = PlotSession(
-        SessionSettings(
-            window_s=options.window_s,
-            duration_s=duration_s,
-            file=options.file,
-            is_live=is_terminal,
-            title=options.title or shorten(", ".join(every), MAX_TITLE_CHARACTERS),
-            right=frozenset(name for field in options.right for name in expand(field)),
-            is_clock=options.is_clock,
-        )
-    )
+    title = options.title or shorten(", ".join(every), MAX_TITLE_CHARACTERS)
+    session = PlotSession(replace(options, duration_s=duration_s, title=title), is_live=is_terminal)
     if graph.ros2 is not None:
         refuse_ros1_only(master=graph.master)
         run(_plot_ros2(graph, targets, session, options.msg_paths))

@@ -11,7 +11,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from rostether.cli.plot.curves import Curves
+from rostether.cli.access.options import msg_path_option
+from rostether.cli.plot.curves import Curves, expand
+from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, shared
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
@@ -32,23 +34,40 @@ Follow: TypeAlias = Callable[[Group], Coroutine[Any, Any, None]]
 
 
 @dataclass(frozen=True, slots=True)
-class SessionSettings:
-    """How a plot is shown; `right` are the fields whose scale is at the right."""
+class PlotOptions:
+    """The options of `plot`."""
 
-    window_s: float | None
-    duration_s: float | None
-    file: Path | None
-    is_live: bool
-    title: str
-    right: frozenset[str]
-    is_clock: bool
+    window_s: float | None = option(
+        "-w --window SECONDS",
+        f"Show the last SECONDS (default: {DEFAULT_WINDOW_S:g}; in a file, everything).",
+        type=POSITIVE,
+    )
+    duration_s: float | None = option(
+        "--duration SECONDS", "Stop after SECONDS (default: at Ctrl-C).", type=POSITIVE
+    )
+    file: Path | None = option(
+        "-o --output FILE",
+        "Write a picture at the end, .svg, or .png with `pip install 'rostether[pictures]'`.",
+        type=FILE,
+    )
+    title: str | None = option("--title TEXT", "The title of the picture (default: the fields).")
+    right: tuple[str, ...] = option(
+        "--right FIELD",
+        "Plot a field with the scale at the right of the picture (default: fields of a second "
+        "unit); may be repeated.",
+        multiple=True,
+    )
+    is_clock: bool = flag("--clock", "Mark the times with the time of day, not with seconds.")
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
 
 
 class PlotSession:
     """Collects values, shows them, and ends with a picture."""
 
-    def __init__(self, settings: SessionSettings) -> None:
-        self._settings = settings
+    def __init__(self, options: PlotOptions, *, is_live: bool) -> None:
+        self._options = options
+        self._is_live = is_live
+        self._right = frozenset(name for field in options.right for name in expand(field))
         self._curves = Curves()
         self._begin_s: float | None = None
         self._begin_unix_s = 0.0
@@ -84,8 +103,8 @@ class PlotSession:
         tasks = [loop.create_task(_first_problem(follow(group))) for group in groups]
         try:
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(self._settings.duration_s):
-                    if self._settings.is_live:
+                async with asyncio.timeout(self._options.duration_s):
+                    if self._is_live:
                         await self._show_live(tasks)
                     else:
                         await asyncio.gather(*tasks)
@@ -99,16 +118,16 @@ class PlotSession:
             raise GraphError(f"no value was received of {', '.join(names)}; see `rostether topic echo`")
 
     def _finish(self) -> None:
-        file = self._settings.file
+        file = self._options.file
         if file is not None:
             from rostether.pictures.plot import Labels, draw_plot
 
-            since_s = self._last_s - self._settings.window_s if self._settings.window_s else 0.0
+            since_s = self._last_s - self._options.window_s if self._options.window_s else 0.0
             curves = self._placed(self._curves.curves(since_s))
-            labels = Labels(self._settings.title, self._begin_unix_s, self._settings.is_clock)
+            labels = Labels(self._options.title or "", self._begin_unix_s, self._options.is_clock)
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
             write_line(f"{file}: {len(curves)} curves, {sum(len(each.points) for each in curves)} values")
-        elif not self._settings.is_live:
+        elif not self._is_live:
             from rostether.pictures.terminal_plot import as_plain
 
             for line in as_plain(self._lines(*shutil.get_terminal_size((80, 24)))):
@@ -118,11 +137,10 @@ class PlotSession:
         """Return the curves with their units, each on the requested scale, or on that of its unit."""
         with_units = [replace(each, unit=self._unit(each.name)) for each in curves]
         first = next((each.unit for each in with_units if each.unit), "")
-        right = self._settings.right
         return [
             replace(
                 each,
-                is_right=_is_of(each.name, right) if right else each.unit not in ("", first),
+                is_right=_is_of(each.name, self._right) if self._right else each.unit not in ("", first),
             )
             for each in with_units
         ]
@@ -142,11 +160,11 @@ class PlotSession:
         from rostether.pictures.axis import Axis
         from rostether.pictures.terminal_plot import plot_lines
 
-        whole_s = None if self._settings.is_live else self._settings.duration_s
-        window_s = self._settings.window_s or whole_s or DEFAULT_WINDOW_S
+        whole_s = None if self._is_live else self._options.duration_s
+        window_s = self._options.window_s or whole_s or DEFAULT_WINDOW_S
         end_s = max(self._last_s, window_s)
         across = Axis(end_s - window_s, end_s)
-        begin_s = self._begin_unix_s if self._settings.is_clock else None
+        begin_s = self._begin_unix_s if self._options.is_clock else None
         curves = self._placed(self._curves.curves(across.low))
         return plot_lines(curves, columns, rows - 1, across, begin_s)
 
