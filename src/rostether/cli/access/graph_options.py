@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -204,7 +205,10 @@ def graph_options(
     if allow or served:
         text = _SERVED_ALLOW if served else _TOOL_ALLOW
         options.append(add_option("--allow CIDR", text, multiple=True))
-    build = _ros1_graph if not ros else _chosen_graph if takes_both else _one_graph
+    build: Callable[..., GraphOptions] = _chosen_graph if takes_both else _one_graph
+    if not ros:
+        # The verb may have --ros1 and --ros2 with another meaning.
+        build = partial(_chosen_graph, ros1=True, ros2=None)
     return option_group("graph", build, options)
 
 
@@ -221,19 +225,6 @@ def _one_graph(
     if ros1 and ros2:
         raise click.UsageError("this command uses one graph: give --ros1 or --ros2, not both")
     return _chosen_graph(ros1=ros1, ros2=ros2, master=master, allow=allow)
-
-
-def _ros1_graph(
-    *,
-    master: str | None = None,
-    allow: tuple[str, ...] = (),
-    zenoh_connect: tuple[str, ...] = (),
-    zenoh_listen: tuple[str, ...] = (),
-) -> GraphOptions:
-    # Such a verb may have --ros1 and --ros2 of its own.
-    return _chosen_graph(
-        ros1=True, master=master, allow=allow, zenoh_connect=zenoh_connect, zenoh_listen=zenoh_listen
-    )
 
 
 def _chosen_graph(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.shell.input import input_lines
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.errors import BoardError, ConfigError
 
 if TYPE_CHECKING:
@@ -51,7 +51,8 @@ def show_event(event: BoardEvent, *, as_json: bool) -> None:
     """Print an event of a board."""
     from rostether.simulation.simavr import board_events
 
-    if as_json:
-        write_json({"event": event.name, "time_s": event.time_s, **event.values})
-    else:
-        write_line(board_events.show_event(event))
+    write_result(
+        {"event": event.name, "time_s": event.time_s, **event.values},
+        board_events.show_event(event),
+        as_json=as_json,
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_result
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
@@ -26,10 +26,7 @@ def ports(as_json: bool) -> None:
     found = list_ports()
     for port in found:
         board = board_of(port.usb_vendor_id, port.usb_product_id)
-        if as_json:
-            write_json(_record(port, board))
-        else:
-            write_line(_format(port, board))
+        write_result(_record(port, board), _format(port, board), as_json=as_json)
     if not found:
         warn("no serial port found; connect a board with a USB cable that carries data, not only power")
     elif not as_json and any(not _is_accessible(port) for port in found):

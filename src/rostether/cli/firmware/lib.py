@@ -12,7 +12,7 @@ from rostether.cli.access.completions import complete_packages
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, add_flag, add_option
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_result
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
@@ -83,10 +83,7 @@ def firmware_lib(
         )
     for line in (*written.library.skipped, *written.library.warnings):
         warn(line)
-    if as_json:
-        write_json(_record(written))
-    else:
-        write_line(_summary(written))
+    write_result(_record(written), _summary(written), as_json=as_json)
     if written.library.skipped:
         raise click.exceptions.Exit(EXIT_FAILED)
 

@@ -12,7 +12,7 @@ import click
 from rostether.cli.launch.served_nodes import served_nodes
 from rostether.cli.shell.completion import is_plain
 from rostether.cli.shell.option_group import add_flag
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, warn, write_line, write_result
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
@@ -126,10 +126,7 @@ def folder_of(name: str) -> Path:
 def list_packages(as_json: bool) -> None:
     """List all packages that are found from this folder, with their folders."""
     for name, folder in sorted(packages_here().items()):
-        if as_json:
-            write_json({"package": name, "folder": str(folder)})
-        else:
-            write_line(f"{name} {folder}")
+        write_result({"package": name, "folder": str(folder)}, f"{name} {folder}", as_json=as_json)
 
 
 @verb("list-names", "rostether pkg list-names")

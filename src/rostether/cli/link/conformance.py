@@ -16,7 +16,7 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import argument, flag, option, option_group, shared
-from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
 
@@ -94,10 +94,11 @@ def _chosen(names: Sequence[str], *, quick: bool) -> list[Case]:
 
 def _print_cases(cases: Sequence[Case], *, as_json: bool) -> None:
     for each in cases:
-        if as_json:
-            write_json({"case": each.name, "requirement": each.requirement})
-        else:
-            write_line(f"{each.name:<20} {each.requirement}")
+        write_result(
+            {"case": each.name, "requirement": each.requirement},
+            f"{each.name:<20} {each.requirement}",
+            as_json=as_json,
+        )
 
 
 def _print_vectors() -> int:
@@ -143,10 +144,11 @@ async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path],
         finally:
             await client.close()
     passed, failed, skipped = (counts[each] for each in Verdict)
-    if as_json:
-        write_json({"passed": passed, "failed": failed, "not_applicable": skipped})
-    else:
-        write_line(f"{passed} passed, {failed} failed, {skipped} not applicable")
+    write_result(
+        {"passed": passed, "failed": failed, "not_applicable": skipped},
+        f"{passed} passed, {failed} failed, {skipped} not applicable",
+        as_json=as_json,
+    )
     return EXIT_FAILED if failed else EXIT_DONE
 
 

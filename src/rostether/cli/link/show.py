@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.shell.option_group import PATH, add_flag
-from rostether.cli.shell.output import json_option, write_json, write_line
+from rostether.cli.shell.output import json_option, write_line, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 
@@ -55,10 +55,7 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
             counts[f"{side} {'faults' if entry.fault else 'frames'}"] += 1
             if faults and not entry.fault:
                 continue
-            if as_json:
-                write_json(_record(link, entry))
-            else:
-                write_line(_line(link, entry))
+            write_result(_record(link, entry), _line(link, entry), as_json=as_json)
 
     time_s = 0.0
     for each in capture.entries():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.access.ros1_access import master_client, resolve
 from rostether.cli.shell.failures import error_text
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.errors import GraphError, MasterUnreachableError, UnknownNameError
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node import node_calls as ros1_calls
@@ -86,10 +86,11 @@ class _Pinger:
             self._report_failure(error)
             return False
         self.replies_s.append(reply_s)
-        if self._as_json:
-            write_json({"node": self.name, "uri": self._uri, "reply_ms": reply_s * 1e3})
-        else:
-            write_line(f"xmlrpc reply from {self._uri}\ttime={reply_s * 1e3:f}ms")
+        write_result(
+            {"node": self.name, "uri": self._uri, "reply_ms": reply_s * 1e3},
+            f"xmlrpc reply from {self._uri}\ttime={reply_s * 1e3:f}ms",
+            as_json=self._as_json,
+        )
         return True
 
     async def _has_moved(self) -> bool:

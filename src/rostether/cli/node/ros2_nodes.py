@@ -9,7 +9,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.node.nodes import NodeListing
-from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.ros2.endpoint_info import EndpointKind
@@ -46,10 +46,7 @@ class Ros2Nodes:
             write_line(str(len(names)))
             return
         for name in names:
-            if wanted.as_json:
-                write_json({"node": name})
-            else:
-                write_line(escape_line(name))
+            write_result({"node": name}, escape_line(name), as_json=wanted.as_json)
 
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to, serve and call. Raises UnknownNameError."""

@@ -12,7 +12,7 @@ from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.input import read_bytes, read_text
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -39,10 +39,7 @@ class Ros1Params:
             with_hidden=wanted.with_hidden, with_types=wanted.with_types, prefixes=wanted.prefixes
         )
         for name in run(_names_below(self._environment, wanted.namespace)):
-            if wanted.as_json:
-                write_json({"name": name})
-            else:
-                write_line(escape_line(name))
+            write_result({"name": name}, escape_line(name), as_json=wanted.as_json)
 
     def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
         """Print a parameter, or all parameters of a namespace, in YAML."""

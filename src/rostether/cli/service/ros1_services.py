@@ -15,7 +15,7 @@ from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import joined, master_client, read_environment, resolve
 from rostether.cli.service.services import CallOptions, ServiceListing
 from rostether.cli.shell.input import piped_documents
-from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.names.graph_name import in_namespace
@@ -45,10 +45,11 @@ class Ros1Services:
             write_line(str(len(services)))
             return
         for name, providers in services:
-            if wanted.as_json:
-                write_json({"service": name, "nodes": providers})
-            else:
-                write_line(f"{name} {','.join(providers)}" if wanted.nodes else name)
+            write_result(
+                {"service": name, "nodes": providers},
+                f"{name} {','.join(providers)}" if wanted.nodes else name,
+                as_json=wanted.as_json,
+            )
 
     def type_of(self, service: str) -> None:
         """Print the type of a service."""

@@ -12,7 +12,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked, tool_node
 from rostether.cli.service.services import CallOptions, ServiceListing
-from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -155,10 +155,11 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
             if not options.as_json:
                 write_line(f"requester: making request: {text.python(request, definition.request)}\n")
             response = await tool.graph.call(name, chosen, request, timeout_s=options.timeout_s)
-            if options.as_json:
-                write_json(to_plain(response))
-            else:
-                write_line(f"response:\n{text.python(response, definition.response)}\n")
+            write_result(
+                to_plain(response),
+                f"response:\n{text.python(response, definition.response)}\n",
+                as_json=options.as_json,
+            )
             if options.rate_hz is None:
                 return
             await asyncio.sleep(max(begin_s + 1 / options.rate_hz - time.monotonic(), 0.0))

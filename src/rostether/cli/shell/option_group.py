@@ -122,10 +122,10 @@ def option_group(
     """Return a decorator that adds click options to a verb.
 
     The verb gets one argument `name`, which is what `build` returns. The parameters of `build` have the names
-    of the options; a parameter whose option the verb does not have keeps its default. A settings class has
-    its options itself.
+    of the options; a parameter whose option the verb does not have keeps its default, and a `partial` has no
+    option for the arguments that it sets. A settings class has its options itself.
     """
-    parameters = inspect.signature(build).parameters
+    parameters = inspect.signature(build).parameters.keys() - getattr(build, "keywords", {}).keys()
     if dataclasses.is_dataclass(build):
         own = (each.metadata[_DECORATOR](each.name) for each in dataclasses.fields(build) if each.metadata)
         options = (*own, *options)

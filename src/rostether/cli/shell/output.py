@@ -83,6 +83,14 @@ def _encode_bytes(value: object) -> str:
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
+def write_result(record: Mapping[str, object], text: str, *, as_json: bool) -> None:
+    """Write a result as an object for scripts, or as lines for users."""
+    if as_json:
+        write_json(record)
+    else:
+        write_line(text)
+
+
 def write_finding(what: str, text: str, *, is_well: bool | None, as_json: bool) -> None:
     """Write one result of an examination; `is_well` is None for what could not be checked."""
     if as_json:

@@ -8,7 +8,7 @@ from pathlib import Path
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve, type_store
-from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.cli.topic.ros1_chosen_topic import (
     TopicView,
@@ -106,10 +106,7 @@ class Ros1TopicListing:
         """Print the topics of a type."""
         for topic in run(fetch_topics(self._environment)):
             if topic.type == type_name:
-                if as_json:
-                    write_json({"topic": topic.name})
-                else:
-                    write_line(topic.name)
+                write_result({"topic": topic.name}, topic.name, as_json=as_json)
 
 
 def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
-from rostether.cli.shell.output import write_json, write_line
+from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.topic.topics import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -88,10 +88,7 @@ class Ros2TopicListing:
         view = asked(self._graph, lambda tool: tool.settled_snapshot())
         for name in view.topics(with_hidden=with_hidden):
             if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
-                if as_json:
-                    write_json({"topic": name})
-                else:
-                    write_line(escape_line(name))
+                write_result({"topic": name}, escape_line(name), as_json=as_json)
 
 
 def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: str, what: str) -> None:
