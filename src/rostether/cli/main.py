@@ -15,7 +15,8 @@ from rostether.cli.verb_table import VERBS
 
 _SPECIAL = re.compile(r"(__(?:name|ns|log|master|ip|hostname)):=(.*)", re.DOTALL)
 
-_SORTING_THEMSELVES = ("serial-node", "run")
+# They read these arguments themselves.
+_WITH_OWN_ROS_ARGUMENTS = ("serial-node", "run")
 
 
 @click.group(
@@ -44,11 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def split_special(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """Return a command line without its ROS arguments such as `__name:=x`, and these.
+    """Return a command line without its ROS arguments such as `__name:=x`, and those arguments.
 
     roslaunch adds them to every command it starts. Arguments after `run` belong to the node.
     """
-    if arguments and arguments[0] in _SORTING_THEMSELVES:
+    if arguments and arguments[0] in _WITH_OWN_ROS_ARGUMENTS:
         return list(arguments), {}
     specials = {match[1]: match[2] for each in arguments if (match := _SPECIAL.fullmatch(each))}
     return [each for each in arguments if not _SPECIAL.fullmatch(each)], specials

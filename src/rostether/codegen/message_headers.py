@@ -79,9 +79,9 @@ def _check_place(index: TypeIndex, name: str, own: set[str]) -> None:
         raise CodegenError(f"the library already has a header {include_path(name)}; rename the type")
     if index.is_message(name):
         return
-    for half in (f"{name}Request", f"{name}Response"):
-        if index.is_message(half):
-            raise CodegenError(f"there is also a message {half}; rename one, because C++ cannot have both")
+    for part in (f"{name}Request", f"{name}Response"):
+        if index.is_message(part):
+            raise CodegenError(f"there is also a message {part}; rename one, because C++ cannot have both")
 
 
 def _summary(failures: list[str]) -> str:

@@ -161,7 +161,7 @@ class LibraryChoice:
         self.used: list[Library] = []
 
     def libraries_for(self, headers: Sequence[str]) -> list[Library]:
-        """Return the libraries that serve headers, each once."""
+        """Return the libraries that provide headers, each once."""
         chosen: dict[Path, Library] = {}
         wants_ros = False
         for header in headers:

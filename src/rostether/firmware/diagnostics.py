@@ -24,9 +24,9 @@ _JOINED = re.compile(
     r"|^[^\"\n]*//.*?(?P<code>void[ \t]+(?:setup|loop)[ \t]*\(.*)$",
     re.MULTILINE,
 )
-# Packages of messages have such names, with types in camel case; folders of libraries rarely do.
 _BASE_CLASS = re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]")
 _FLASH_TEXT = re.compile(r"cannot convert .const __FlashStringHelper\s*\*")
+# Packages of messages have such names, with types in camel case; folders of libraries rarely do.
 _TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
 
 # More errors of this kind do not help: all of them come from the same pasted page.

@@ -170,11 +170,11 @@ def _smallest(registry: Registry, type_name: str) -> tuple[int, bool]:
     service = re.fullmatch(r"(.+?)(Request|Response)", full_name)
     if service is not None and service[1] in registry.services(full_name.partition("/")[0]):
         spec = registry.service(service[1])
-        half = spec.request if service[2] == "Request" else spec.response
+        message = spec.request if service[2] == "Request" else spec.response
     else:
-        half = registry.message(full_name)
+        message = registry.message(full_name)
     size, is_fixed = 0, True
-    for each in half.fields:
+    for each in message.fields:
         own, own_fixed = (
             (_WIDTHS[each.type.base], each.type.base != "string")
             if each.type.base in _WIDTHS

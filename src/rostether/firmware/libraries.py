@@ -45,7 +45,7 @@ class Library:
     is_recursive: bool
     fits_architecture: bool
 
-    def serves(self, header: str) -> bool:
+    def provides(self, header: str) -> bool:
         """Return whether `#include <header>` finds a file here."""
         return any((folder / header).is_file() for folder in self.include_folders)
 
@@ -109,7 +109,7 @@ def read_folder(folder: Path, origin: Origin) -> list[Library]:
 
 def choose(header: str, libraries: Iterable[Library]) -> Library | None:
     """Return the best library for a header: by architecture, origin, and similarity of names."""
-    serving = [each for each in libraries if each.serves(header)]
+    candidates = [each for each in libraries if each.provides(header)]
     stem = Path(header).stem.lower()
     order = list(Origin)
 
@@ -123,7 +123,7 @@ def choose(header: str, libraries: Iterable[Library]) -> Library | None:
             name,
         )
 
-    return min(serving, key=rank, default=None)
+    return min(candidates, key=rank, default=None)
 
 
 def sketchbook_folders(environ: Mapping[str, str], home: Path) -> list[Path]:

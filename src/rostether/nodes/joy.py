@@ -51,15 +51,15 @@ async def publish_joystick(
     """Publish `joy` until cancelled. Raises ConfigError, GraphError."""
     settings = settings.checked()
     publisher = await graph.publisher("joy", "sensor_msgs/Joy")
-    has_reported = False
+    reported = False
     while True:
         try:
             descriptor = os.open(settings.device, os.O_RDONLY | os.O_NONBLOCK)
         except OSError as error:
-            if not has_reported:
+            if not reported:
                 why = f"{settings.device}: {error.strerror}"
                 report(Level.ERROR, f"no joystick at {why}; trying again every second")
-                has_reported = True
+                reported = True
             await asyncio.sleep(_RETRY_S)
             continue
         report(Level.INFO, f"Opened joystick: {settings.device}")
@@ -68,7 +68,7 @@ async def publish_joystick(
         finally:
             os.close(descriptor)
         report(Level.ERROR, f"the joystick at {settings.device} was disconnected; waiting for it")
-        has_reported = True
+        reported = True
         await asyncio.sleep(_RETRY_S)
 
 

@@ -50,7 +50,7 @@ def test_given_is_one_library_or_a_folder_of_them(tmp_path: Path) -> None:
     write(tmp_path / "libs" / "B", "library.properties", "src/B.h")
     assert [each.name for each in read_given(tmp_path / "libs")] == ["A", "B"]
     assert [each.name for each in read_given(tmp_path / "libs" / "A")] == ["A"]
-    assert read_given(tmp_path / "libs" / "B")[0].serves("B.h")
+    assert read_given(tmp_path / "libs" / "B")[0].provides("B.h")
 
 
 def test_given_nothing_is_reported(tmp_path: Path) -> None:

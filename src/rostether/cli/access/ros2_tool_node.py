@@ -45,7 +45,7 @@ class ToolNode:
         self.registry = registry
         self.types = types
         self.middleware = middleware
-        self._domains_were_reported = False
+        self._domains_reported = False
 
     async def snapshot(self) -> GraphView:
         """Return the current graph without this node."""
@@ -104,11 +104,11 @@ class ToolNode:
         """Write a line if this domain has no nodes but others have: ROS_DOMAIN_ID is a common mistake."""
         if (
             self.middleware is not Middleware.ZENOH
-            or self._domains_were_reported
+            or self._domains_reported
             or not all(map(is_hidden, view.nodes))
         ):
             return
-        self._domains_were_reported = True
+        self._domains_reported = True
         domains = await cast("ZenohGraph", self.graph.raw).other_domains()
         if domains:
             shown = ", ".join(map(str, domains[:MAX_SHOWN_DOMAINS]))

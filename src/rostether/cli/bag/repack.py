@@ -84,7 +84,8 @@ def bag_decompress(options: PlaceOptions) -> None:
 def _repack(path: Path, compression: str, options: PlaceOptions) -> None:
     from rostether.recording.reindexing import repack
 
-    before = _size_bytes(path)  # and no folder is created for a file that is not a recording
+    # Also refuses a file that is not a recording, before a folder is created.
+    before = _size_bytes(path)
     output, backup = new_place(path, options)
     count = repack(path, output, compression, keep_original=backup)
     if not options.quiet:
@@ -117,12 +118,12 @@ def bag_reindex(options: PlaceOptions) -> None:
 
     for path in options.files:
         output, backup = new_place(path, options)
-        mended = reindex(path, output, keep_original=backup)
+        repaired = reindex(path, output, keep_original=backup)
         if not options.quiet:
-            what = f"{mended.message_count} messages"
-            if not mended.damage:
+            what = f"{repaired.message_count} messages"
+            if not repaired.damage:
                 write_line(f"{output}: {what}, complete, not changed")
                 continue
-            if mended.listed_count is not None:
-                what = f"{mended.message_count} of {mended.listed_count} messages"
-            write_line(f"{output}: {what} kept ({mended.damage})")
+            if repaired.listed_count is not None:
+                what = f"{repaired.message_count} of {repaired.listed_count} messages"
+            write_line(f"{output}: {what} kept ({repaired.damage})")

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 @asynccontextmanager
-async def obeying(obey: Callable[[str], Awaitable[None]]) -> AsyncIterator[None]:
-    """Handle the lines of standard input during the block; a line that `obey` refuses is reported."""
+async def handling_commands(execute: Callable[[str], Awaitable[None]]) -> AsyncIterator[None]:
+    """Handle the lines of standard input during the block; a line that `execute` refuses is reported."""
 
     async def listen() -> None:
         async for line in input_lines():
             if line.strip():
                 try:
-                    await obey(line)
+                    await execute(line)
                 except (BoardError, ConfigError) as error:
                     warn(f"rostether: error: {error}")
 

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.board.console import obeying, show_event, show_start
+from rostether.cli.board.console import handling_commands, show_event, show_start
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, SketchError
 
@@ -70,7 +70,7 @@ async def run_opencr(
 
     board = await start_opencr(sketch, words, link_path, msg_paths, has_other_options=has_other_options)
 
-    async def obey_line(line: str) -> None:
+    async def execute_line(line: str) -> None:
         answer = execute(board, line)
         if answer is not None:
             show_event(answer, as_json=as_json)
@@ -79,6 +79,6 @@ async def run_opencr(
         board.on_event = partial(show_event, as_json=as_json)
         title = "" if as_json else f"{OPENCR} (Linux program)"
         show_start(title, OPENCR, sketch, board.address, link_path)
-        async with obeying(obey_line):
+        async with handling_commands(execute_line):
             await board.wait_end()
     raise BoardError(f"the simulated board has ended: {board.last_words or 'no reason given'}")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rostether.cli.board.console import obeying, show_start
+from rostether.cli.board.console import handling_commands, show_start
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
 from rostether.mechanisms.own_loop import in_own_loop
@@ -48,14 +48,14 @@ async def run_in_qemu(
         core, _ = MACHINES[machine]
         show_start("" if as_json else f"{machine} ({core})", machine, program, board.address, link_path)
 
-        async def obey(line: str) -> None:
+        async def execute(line: str) -> None:
             if line.split() != ["reset"]:
                 raise BoardError(
                     f"{line.strip()!r} is not a command of this board; its only command is reset"
                 )
             await board.reset()
 
-        async with obeying(obey):
+        async with handling_commands(execute):
             await board.wait_end()
     raise BoardError(f"qemu has ended: {board.last_words or 'no reason given'}")
 

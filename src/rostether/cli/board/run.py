@@ -10,7 +10,7 @@ from typing import Literal
 import click
 
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.board.console import obeying, show_event, show_start
+from rostether.cli.board.console import handling_commands, show_event, show_start
 from rostether.cli.board.opencr import OPENCR, run_opencr
 from rostether.cli.board.qemu import run_in_qemu
 from rostether.cli.shell.option_group import PATH, flag, option, option_group
@@ -154,7 +154,7 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             commands=[*start.words, *([f"for {start.duration}"] if start.duration else [])],
         )
 
-    async def obey(line: str) -> None:
+    async def execute(line: str) -> None:
         try:
             await board.send_command(line)
         except BoardError:
@@ -166,7 +166,7 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             note = f" ({board.note})" if board.note else ""
             title = f"{board.kind} ({board.mcu})"
             show_start(title, board.kind, program, board.address, start.link_path, note)
-        async with obeying(obey):
+        async with handling_commands(execute):
             for event in list(board.recent)[0 if as_json else 1 :]:
                 show_event(event, as_json=as_json)
             async for event in board.events():

@@ -83,7 +83,7 @@ async def simulated(
                 shown = board
             if join is not None and shown is not None:
                 joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
-                reports.append(asyncio.create_task(_be_node(shown, link, joining, reporter)))
+                reports.append(asyncio.create_task(_run_node(shown, link, joining, reporter)))
             reports.append(asyncio.get_running_loop().create_task(report))
             opened.append(SerialAddress(place, name=name, ns=link.ns, program=size))
         # The reports end first: a board that is ended on purpose has nothing to report.
@@ -115,7 +115,7 @@ async def _start_avr(
     return board, size
 
 
-async def _be_node(
+async def _run_node(
     board: ShownBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
 ) -> None:
     from rostether.graph.typed_graph import TypedGraph

@@ -1,4 +1,4 @@
-"""`rostether serve`: boards become nodes."""
+"""`rostether serve`: connects boards to the graph as nodes."""
 
 from __future__ import annotations
 

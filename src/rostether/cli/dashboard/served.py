@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.view import View
-from rostether.cli.gateway.foxglove import gateway_on, in_ros1_words
+from rostether.cli.gateway.foxglove import gateway_on, with_ros1_types
 from rostether.cli.gateway.gateways import Report, joined_as, report_reach
 from rostether.cli.gateway.node import NodeWords
 from rostether.cli.gateway.options import DEFAULT_PLACE, Encryption, read_encryption, read_place
@@ -101,7 +101,7 @@ async def _served_at(
 
     access = settings.access
     encryption = await asyncio.to_thread(read_encryption, access.tls, host)
-    on = in_ros1_words(graphs, msg_paths)
+    on = with_ros1_types(graphs, msg_paths)
     recordings = Recordings(
         settings.recordings or recordings_folder(),
         lambda: on.join(anonymous_name("record")),

@@ -80,7 +80,7 @@ def foxglove(
     settings = read_settings(place, replace(gateways, allow=graph.allow))
 
     def open_gateway(graphs: ServedGraphs, report: Report) -> AbstractAsyncContextManager[FoxgloveGateway]:
-        on = in_ros1_words(graphs, msg_paths)
+        on = with_ros1_types(graphs, msg_paths)
         return _gateway(settings, node, on, report, "`rostether foxglove 0.0.0.0:{port}`")
 
     serve_gateway(graph, msg_paths, open_gateway)
@@ -115,7 +115,7 @@ async def served_foxglove(
         yield
         return
     settings = read_settings(options.foxglove, options)
-    on = in_ros1_words(graphs, msg_paths)
+    on = with_ros1_types(graphs, msg_paths)
     async with _gateway(settings, NodeWords(), on, report, "--foxglove 0.0.0.0:{port}"):
         yield
 
@@ -176,7 +176,7 @@ async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
         await gateway.wait_ended()
 
 
-def in_ros1_words(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
+def with_ros1_types(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
     """Return the graphs with ROS 1 definitions, also on ROS 2: Foxglove's panels need them for times."""
     store = type_store(msg_paths)
     if graphs.types is not None:

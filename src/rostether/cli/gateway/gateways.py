@@ -140,8 +140,8 @@ async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Repor
         await check_free(node_name, namespace, on.is_live)
         return await on.join(node_name, namespace=namespace, remappings=remappings)
 
-    in_its_place = partial(join, namespace=words.namespace, remappings=words.remappings)
-    return await joined_patiently(in_its_place, name, report)
+    in_its_namespace = partial(join, namespace=words.namespace, remappings=words.remappings)
+    return await joined_patiently(in_its_namespace, name, report)
 
 
 async def joined_patiently(join: JoinGraph, name: str, report: Report) -> Graph:

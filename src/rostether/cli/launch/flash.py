@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.firmware.build import upload_sketch
 from rostether.cli.firmware.options import build_options, port_option
-from rostether.cli.launch.run import become
+from rostether.cli.launch.run import replace_process
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
@@ -38,7 +38,7 @@ def flash(sketch: Path, board_name: str, options: BuildOptions, port: str | None
     chosen = run(upload_sketch(sketch, board_name, options, port))
     address = address_of(sketch, chosen)
     write_line(f"rostether serve '{address}'" if "?" in address else f"rostether serve {address}")
-    become(our_command("serve", address), os.environ)
+    replace_process(our_command("serve", address), os.environ)
 
 
 def address_of(sketch: Path, port: str) -> str:

@@ -46,7 +46,7 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     in_terminal = not has_browser(os.environ)
     if line := replacement_line(package, os.environ, in_terminal=in_terminal):
         warn(line)
-        become(view_command(package, arguments, in_terminal=in_terminal), os.environ)
+        replace_process(view_command(package, arguments, in_terminal=in_terminal), os.environ)
     # Searching a home directory takes time, and built-in nodes are not in a folder.
     is_ours = (package, program) in served_nodes()
     packages = {} if is_ours else packages_here()
@@ -54,11 +54,11 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     words = [*shlex.split(prefix), *found, *arguments]
     if debug:
         write_line(shlex.join(words))
-    become(words, node_environment(os.environ, packages))
+    replace_process(words, node_environment(os.environ, packages))
 
 
-def become(words: Sequence[str], environ: Mapping[str, str]) -> None:
-    """Become another process: signals and the exit code are then the node's own. Raises ConfigError."""
+def replace_process(words: Sequence[str], environ: Mapping[str, str]) -> None:
+    """Replace this process: signals and the exit code are then the node's own. Raises ConfigError."""
     sys.stdout.flush()
     sys.stderr.flush()
     try:

@@ -52,7 +52,7 @@ class ConformanceOptions:
     rostether conformance /dev/ttyACM0               a board that runs the example Conformance
     rostether conformance sim:Conformance.ino        the same on a simulated Uno
     rostether conformance tcp://:11411 --quick       a client that connects over the network
-    rostether conformance --client tcp://127.0.0.1   be the client: the program in Python
+    rostether conformance --client tcp://127.0.0.1   run the client: the program in Python
     rostether conformance --list                     the cases, without a client
     """,
     hints=ADDRESS_HINTS,
@@ -74,7 +74,7 @@ def conformance(options: ConformanceOptions) -> int:
     if options.address is None:
         raise click.UsageError("give the client's address, for example /dev/ttyACM0 or tcp://:11411")
     if options.is_client:
-        run(_be_client(options.address), is_service=True)
+        run(_run_client(options.address), is_service=True)
         return EXIT_DONE
     return run(_check(options.address, cases, options.msg_paths, as_json=options.as_json))
 
@@ -109,7 +109,7 @@ def _print_vectors() -> int:
     return EXIT_DONE
 
 
-async def _be_client(address: str) -> None:
+async def _run_client(address: str) -> None:
     from rostether.conformance.program import ConformanceProgram
     from rostether.device.device import Device
 

@@ -46,7 +46,7 @@ class _Kind:
         return registry.messages(package) if self.group == "msg" else registry.services(package)
 
     def parts(self, registry: Registry, name: str) -> tuple[str, list[MessageSpec]]:
-        """Return the source text, and the message or the two halves."""
+        """Return the source text, and the message, or the request and the response."""
         if self.group == "msg":
             message = registry.message(name)
             return message.text, [message]
@@ -207,10 +207,10 @@ def _show_verb(kind: _Kind) -> click.Command:
             if is_short:
                 write_line(f"[{each}]:")
             if not raw:
-                halves = (
+                shown = (
                     shown_definition(part, registry.message, format_spec(registry, part)) for part in parts
                 )
-                text = "---\n".join(halves)
+                text = "---\n".join(shown)
             write_line(text)
 
     show.help = f"Show the fields of a {kind.what} type, with all nested fields."

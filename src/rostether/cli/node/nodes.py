@@ -1,4 +1,4 @@
-"""The Protocol behind `rostether node`, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether node` to a graph, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Nodes(Protocol):
 
 
 def nodes_of(graph: GraphOptions) -> Nodes:
-    """Return the nodes of the graph that a command means."""
+    """Return the nodes of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.node.ros1_nodes import Ros1Nodes
 

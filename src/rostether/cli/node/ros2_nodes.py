@@ -75,12 +75,12 @@ def _write_info(name: str, sections: dict[str, list[tuple[str, list[str]]]], *, 
 
 
 def full_node_name(name: str) -> str:
-    """Return a node's full name as it was meant: `board` is `/board`."""
+    """Return a node's full name: `board` is `/board`."""
     return f"/{name.lstrip('/')}"
 
 
 def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a node that is not there."""
+    """Return the error for a node that does not exist; `known` are those that do."""
     hint = did_you_mean(name, known) or "`rostether node list` shows all nodes"
     return UnknownNameError(f"Unable to find node '{name}'; {hint}")
 

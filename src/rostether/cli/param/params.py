@@ -1,4 +1,4 @@
-"""The Protocol behind `rostether param`, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether param` to a graph, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Params(Protocol):
 
 
 def params_of(graph: GraphOptions) -> Params:
-    """Return the parameters of the graph that a command means."""
+    """Return the parameters of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.param.ros1_params import Ros1Params
 

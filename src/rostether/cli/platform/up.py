@@ -104,9 +104,9 @@ class _Parts:
         """Run the parts until cancelled. Raises ConfigError if no part can run."""
         self.wrong.clear()
         async with asyncio.TaskGroup() as group:
-            for part in sorted(self._parts, key=_is_no_core):
+            for part in sorted(self._parts, key=_is_not_core):
                 running = group.create_task(self._keep_running(part))
-                if not _is_no_core(part):
+                if not _is_not_core(part):
                     # The core may not be able to start.
                     await run_until(_wait_for_master(self._environ), asyncio.shield(running))
         hint = f"to see what is wrong: rostether up {self._file} --check"
@@ -133,7 +133,7 @@ async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
     return address
 
 
-def _is_no_core(part: Part) -> bool:
+def _is_not_core(part: Part) -> bool:
     return part.words[0] != "core"
 
 

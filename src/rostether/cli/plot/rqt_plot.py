@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.launch.run import become
+from rostether.cli.launch.run import replace_process
 from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.role.node import RoleVerb
 from rostether.cli.shell.output import warn
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # More curves cannot be distinguished.
 MAX_FIELDS = 8
 _NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
-_NOBODYS = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
+_NOT_PLOTTED = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 
 
 @verb(
@@ -44,7 +44,7 @@ def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
         if not fields:
             raise ConfigError("no topic with numbers is published; `rostether topic list` shows all topics")
         warn(f"rostether plot {' '.join(fields)}")
-    become(our_command("plot", *fields), os.environ)
+    replace_process(our_command("plot", *fields), os.environ)
 
 
 async def _published(graph: GraphOptions) -> list[str]:
@@ -56,7 +56,7 @@ async def _published(graph: GraphOptions) -> list[str]:
         types = dict(await client.topic_types())
     registry = Registry.from_environment()
     found: list[str] = []
-    for topic in sorted(publishers.keys() - set(_NOBODYS)):
+    for topic in sorted(publishers.keys() - set(_NOT_PLOTTED)):
         found += [f"{topic}/{name}" for name in number_fields(types.get(topic, "*"), registry)]
     return found[:MAX_FIELDS]
 

@@ -84,8 +84,8 @@ def usage_text(error: click.ClickException) -> str:
     """Return the text of an error in a command line as one line."""
     context = getattr(error, "ctx", None)
     text = fold_line(error.format_message()).rstrip(".")
-    for clicks, ours in _PLAINER.items():
-        text = text.replace(clicks, ours)
+    for unclear, plain in _PLAINER.items():
+        text = text.replace(unclear, plain)
     # Rostether's usage errors name the next step; those of click only name the problem.
     if context is not None and (type(error) is not click.UsageError or "unexpected extra" in text):
         return f"{text}; see `{context.command_path} --help`"

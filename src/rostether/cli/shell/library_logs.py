@@ -32,7 +32,7 @@ class _Lines(logging.Handler):
         self.show = show
         # asyncio logs the same message for each connection that it cannot accept.
         self._asyncio_lines = RepeatLimiter()
-        # Ours by template, of which there are about fifty; peers choose what is filled in, and how often.
+        # For each of our about fifty messages; peers decide how often one is logged, and with which values.
         self._budgets: dict[str, LineBudget] = {}
 
     def emit(self, record: logging.LogRecord) -> None:

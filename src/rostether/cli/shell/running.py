@@ -52,7 +52,7 @@ def run(main: Coroutine[Any, Any, T], *, is_service: bool = False, uvloop: bool 
     ending.watch_start()
     try:
         with asyncio.Runner(loop_factory=loop_factory) as runner:
-            result = runner.run(ending.run(reporting(main) if is_service else main))
+            result = runner.run(ending.run(notifying_systemd(main) if is_service else main))
     except (KeyboardInterrupt, asyncio.CancelledError):
         # Without an exit code, Ctrl-C came before our handlers were there, and asyncio's own cancelled all.
         raise click.exceptions.Exit(
@@ -158,10 +158,10 @@ def _loop_factory(uvloop: bool | None) -> Callable[[], asyncio.AbstractEventLoop
     return factory
 
 
-async def reporting(main: Coroutine[Any, Any, T]) -> T:
+async def notifying_systemd(main: Coroutine[Any, Any, T]) -> T:
     """Return the result of `main`; while its loop runs, send READY=1 and WATCHDOG=1 to NOTIFY_SOCKET.
 
-    The watchdog's period is half of WATCHDOG_USEC. A loop that is held sends nothing.
+    The watchdog's period is half of WATCHDOG_USEC. A blocked loop sends nothing.
     """
     # It does not apply to programs that this one starts.
     address = os.environ.pop("NOTIFY_SOCKET", "")

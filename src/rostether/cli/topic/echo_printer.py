@@ -1,4 +1,4 @@
-"""The common part of `topic echo` on ROS 1 and ROS 2: which messages are shown, how many, and which field."""
+"""The common part of `topic echo` on ROS 1 and ROS 2: the filter, the count, and the field."""
 
 from __future__ import annotations
 

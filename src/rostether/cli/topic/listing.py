@@ -1,4 +1,4 @@
-"""`rostether topic list|info|type|find`: which topics there are."""
+"""`rostether topic list|info|type|find`: lists and describes topics."""
 
 from __future__ import annotations
 

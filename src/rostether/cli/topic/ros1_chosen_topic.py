@@ -1,4 +1,4 @@
-"""Which topic is meant, and which field in it: `/scan/ranges[3]` may be a topic or an element of `/scan`."""
+"""Finds the topic and field that a user typed: `/scan/ranges[3]` is a topic, or an element of `/scan`."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _refuse_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore
         if topic.known_type is None or not name.startswith(f"{topic.name}/"):
             continue
         if any(each.name.startswith(f"{topic.name}/") for each in topics):
-            continue  # what was typed may become one of the topics below this one
+            continue  # the typed name may be a topic below this one that does not exist yet
         try:
             FieldPath(store.codec(topic.type), name[len(topic.name) + 1 :])
         except ConfigError as error:

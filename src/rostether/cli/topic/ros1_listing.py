@@ -25,7 +25,7 @@ from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
 
 class Ros1TopicListing:
-    """What a ROS 1 graph has: the part of `Topics` that receives and sends no messages."""
+    """The part of `Topics` on a ROS 1 graph that receives and sends no messages."""
 
     def __init__(self, graph: GraphOptions) -> None:
         self._graph = graph

@@ -1,4 +1,4 @@
-"""Which topic of a ROS 2 graph is meant, of which type, and which field in it."""
+"""Finds the topic of a ROS 2 graph that a user typed, its type, and the field in it."""
 
 from __future__ import annotations
 

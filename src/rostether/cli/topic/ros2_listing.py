@@ -1,4 +1,4 @@
-"""`topic list|info|type|find` on a ROS 2 graph, in `ros2 topic`'s words."""
+"""`topic list|info|type|find` on a ROS 2 graph, with the output of `ros2 topic`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rostether.ros2.types.native_registry import short_name
 
 
 class Ros2TopicListing:
-    """What a ROS 2 graph has: the part of `Topics` that receives and sends no messages."""
+    """The part of `Topics` on a ROS 2 graph that receives and sends no messages."""
 
     def __init__(self, graph: GraphOptions) -> None:
         refuse_ros1_only(master=graph.master)

@@ -1,4 +1,4 @@
-"""The interface of `rostether topic` to a graph, its requests, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether topic` to a graph, its options, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Topics(Protocol):
 
 
 def topics_of(graph: GraphOptions) -> Topics:
-    """Return the topics of the graph that a command means."""
+    """Return the topics of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.topic.ros1_topics import Ros1Topics
 

@@ -1,4 +1,4 @@
-"""Rates, delays and bandwidth over a sliding window, reported in rostopic's words."""
+"""Rates, delays and bandwidth over a sliding window, with the output of rostopic."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 # Messages in a window that was not limited: about 15 minutes at 50 Hz, 400 kB.
 UNBOUNDED_WINDOW = 50_000
 
-# rostopic bw's own: short enough to follow a change within seconds.
+# As in `rostopic bw`: short enough to follow a change within seconds.
 DEFAULT_BANDWIDTH_WINDOW = 100
 
 

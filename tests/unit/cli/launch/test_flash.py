@@ -23,6 +23,6 @@ def test_flash_uploads_and_then_serves(
         return "/dev/ttyACM0"
 
     monkeypatch.setattr(flash_module, "upload_sketch", uploaded)
-    monkeypatch.setattr(flash_module, "become", lambda words, _: started.append(words))
+    monkeypatch.setattr(flash_module, "replace_process", lambda words, _: started.append(words))
     assert address in shell.output("flash", str(tmp_path / "a.ino"))
     assert started[0][-2:] == ["serve", address]

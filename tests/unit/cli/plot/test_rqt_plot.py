@@ -11,7 +11,7 @@ from unit.cli.command_shell import STORE, LiveGraph, Shell
 @pytest.fixture
 def became(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
     became: list[list[str]] = []
-    monkeypatch.setattr(rqt_plot, "become", lambda words, _: became.append(words))
+    monkeypatch.setattr(rqt_plot, "replace_process", lambda words, _: became.append(words))
     return became
 
 

@@ -20,7 +20,7 @@ from rostether.cli.main import main
 from rostether.cli.shell import interrupts
 from rostether.cli.shell.failures import EXIT_INTERRUPTED
 from rostether.cli.shell.interrupts import raise_at_interrupt
-from rostether.cli.shell.running import reporting, run
+from rostether.cli.shell.running import notifying_systemd, run
 from rostether.errors import ConfigError
 from unit.cli.command_shell import LiveGraph
 from unit.cli.talking import command_node
@@ -272,7 +272,7 @@ async def test_a_service_is_ready_alive_and_stops(
             received.append(await asyncio.to_thread(manager.recv, 100))
         return "done"
 
-    assert await reporting(main()) == "done"
+    assert await notifying_systemd(main()) == "done"
     manager.setblocking(False)
     while received[-1] != b"STOPPING=1":
         received.append(manager.recv(100))
@@ -294,14 +294,14 @@ async def test_a_loop_that_is_held_sends_nothing(
         with pytest.raises(BlockingIOError):
             manager.recv(100)
 
-    await reporting(main())
+    await notifying_systemd(main())
 
 
 async def test_without_a_manager() -> None:
     async def main() -> int:
         return 3
 
-    assert await reporting(main()) == 3
+    assert await notifying_systemd(main()) == 3
 
 
 async def test_a_manager_that_has_ended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -311,4 +311,4 @@ async def test_a_manager_that_has_ended(monkeypatch: pytest.MonkeyPatch, tmp_pat
         await asyncio.sleep(0)
         return 3
 
-    assert await reporting(main()) == 3
+    assert await notifying_systemd(main()) == 3
