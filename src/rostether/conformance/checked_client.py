@@ -59,6 +59,7 @@ class CheckedClient:
         self._position = 0
         self._parameters: dict[str, ParameterResponse] = {}
         self._is_configured = False
+        self._is_silent = False
         self.answers_time = True
         self.announcements: list[Announcement] = []
         self.damage: list[str] = []
@@ -98,17 +99,29 @@ class CheckedClient:
     async def prepare(self) -> None:
         """Bring the client into the initial state of a case: configured, with no unread data.
 
-        Raises Deviation if it does not answer, TransportError if the line is lost and cannot be reopened.
+        Raises Deviation if it does not answer, also not on a new line, TransportError if the line is lost and
+        cannot be reopened.
         """
         self.answers_time = True
         self._parameters.clear()
         if self._transport is None:
             await self.reconnect()
         if not self._is_configured:
-            await self.configure()
+            await self._recover()
         self.skip()
 
-    async def configure(self) -> list[Announcement]:
+    async def _recover(self) -> None:
+        try:
+            await self.configure(tries=1 if self._is_silent else 3)
+        except Deviation:
+            if self._is_silent:
+                raise
+            # A client that ignores a second request answers the first one on a new line.
+            self._is_silent = True
+            await self.reconnect()
+            await self.configure()
+
+    async def configure(self, tries: int = 3) -> list[Announcement]:
         """Ask for the topics, and return the announcements, which may be fewer than at first.
 
         Raises Deviation if there are none.
@@ -116,7 +129,7 @@ class CheckedClient:
         known = len(self.announcements)
         self.skip()
         # A client that waits for the rest of a damaged frame drops it within this time.
-        for _ in range(3):
+        for _ in range(tries):
             self.send(ids.TOPIC_REQUEST)
             if await self.find(is_announcement, ANSWER_S / 2):
                 break
@@ -130,6 +143,7 @@ class CheckedClient:
                 break
             found.append(read_announcement(frame))
         self._is_configured = True
+        self._is_silent = False
         return found
 
     def require_configuration(self) -> None:

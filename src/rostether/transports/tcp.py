@@ -203,6 +203,10 @@ class TcpListener:
         return _AcceptedTransport(self)
 
     def _accepted(self, transport: TcpTransport) -> None:
+        if self._is_closed:
+            # Accepted just before the listener closed: it ends with it, which needs no report.
+            transport.abort()
+            return
         reason = self._refusal_reason(transport.host, transport.own_host)
         if reason is not None:
             self._refusals.refuse(transport.peer, reason)
@@ -251,8 +255,6 @@ class TcpListener:
             transport.abort()
 
     def _refusal_reason(self, host: str, own_host: str) -> str | None:
-        if self._is_closed:
-            return "it is closing"
         if not self._allow.allows_connection(host, own_host):
             return "its address is not allowed"
         return self._fullness(host)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 
 from rostether.conformance.case import Case, Outcome
@@ -21,14 +21,14 @@ CONFIG = DeviceLinkConfig(input_buffer_bytes=280, output_buffer_bytes=300)
 
 
 @asynccontextmanager
-async def a_client(manipulator: Manipulator | None = None) -> AsyncIterator[CheckedClient]:
-    """Yield a client to check; each connection starts the program again, as a reset does."""
+async def a_client(plant: Callable[[], Manipulator] | None = None) -> AsyncIterator[CheckedClient]:
+    """Yield a client to check; each connection starts the program and its fault again, as a reset does."""
     devices: list[Device] = []
 
     async def connect() -> MemoryTransport:
         for each in devices:
             await each.close()
-        near, far = memory_pair(manipulator)
+        near, far = memory_pair(plant and plant())
         device = Device(far, store=STORE, config=CONFIG)
         ConformanceProgram(device)
         await device.__aenter__()
@@ -44,8 +44,10 @@ async def a_client(manipulator: Manipulator | None = None) -> AsyncIterator[Chec
             await each.close()
 
 
-async def outcomes(manipulator: Manipulator | None = None, cases: Sequence[Case] = CASES) -> list[Outcome]:
+async def outcomes(
+    plant: Callable[[], Manipulator] | None = None, cases: Sequence[Case] = CASES
+) -> list[Outcome]:
     """Run the cases against a client."""
-    async with a_client(manipulator) as client:
+    async with a_client(plant) as client:
         await client.open()
         return [each async for each in run_cases(client, cases)]

@@ -184,11 +184,41 @@ def _forgetful() -> Manipulator:
     return sent(announce_once)()
 
 
+def _silent_later() -> Manipulator:
+    requests = itertools.count()
+
+    def answer_once(topic_id: int, payload: bytes) -> bytes:
+        return b"" if topic_id == ids.TOPIC_REQUEST and next(requests) else encode_frame(topic_id, payload)
+
+    return received_frames(answer_once)()
+
+
+def _patient() -> Manipulator:
+    waiting = bytearray()
+
+    def take(data: bytes) -> bytes:
+        waiting.extend(data)
+        if waiting[:1] == b"\xff" and (len(waiting) < 5 or _is_incomplete(waiting)):
+            return b""
+        whole = bytes(waiting)
+        waiting.clear()
+        return whole
+
+    return received(take)()
+
+
+def _is_incomplete(data: bytearray) -> bool:
+    has_header = data[1] == 0xFE and sum(data[2:5]) % 256 == 0xFF
+    return has_header and len(data) < 8 + int.from_bytes(data[2:4], "little")
+
+
 FAULTS = (
     Fault("a wrong md5sum", "announce-md5sums", announced(_zero_md5sum)),
     Fault("one id for two topics", "announce-ids", announced(_one_id)),
     Fault("announcements with a byte too many", "announce-layout", sent(_with_zero_byte)),
     Fault("subscribers announced only once", "announce-again", _forgetful),
+    Fault("only the first request answered", "announce-again", _silent_later),
+    Fault("torn frames never dropped", "frame-torn", _patient),
     Fault("no request for the time", "time-period", sent(_without_time)),
     Fault("log levels from 1", "log-levels", sent(_one_level_up)),
     Fault("doubles of 4 bytes", "message-real", sent(_short_doubles)),
