@@ -14,7 +14,7 @@ from typing import Any
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.large_json import check_few_values, parse_json
-from rostether.gateways.rosbridge.status import show
+from rostether.gateways.shown_values import show
 
 # Subscriptions, channels or names in one message; a large system has some thousand topics.
 MAX_ITEMS = 4096

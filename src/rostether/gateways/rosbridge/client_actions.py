@@ -14,7 +14,7 @@ from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.gateway_context import GatewayContext
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, matches
-from rostether.gateways.rosbridge.status import show
+from rostether.gateways.shown_values import show
 from rostether.ros2.actions.server import ActionServer
 from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry

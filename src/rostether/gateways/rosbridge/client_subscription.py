@@ -17,8 +17,8 @@ from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
-from rostether.gateways.rosbridge.status import show
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
+from rostether.gateways.shown_values import show
 from rostether.gateways.type_names import short_type
 from rostether.msgdef.interface import ANY_TYPE
 

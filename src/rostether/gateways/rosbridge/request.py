@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.large_json import MANY_VALUES, count_values, parse_in_steps, parse_json
-from rostether.gateways.rosbridge.status import show
+from rostether.gateways.shown_values import show
 
 # The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
 MAX_WORD_CHARACTERS: Final = 512

@@ -26,8 +26,9 @@ from rostether.gateways.rosbridge.settings import (
     OPERATION_LIMIT_S,
     TURN_S,
 )
-from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, show, status_message
+from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
+from rostether.gateways.shown_values import show
 from rostether.gateways.websocket.admission import Token, is_same_secret
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
