@@ -120,14 +120,15 @@ def drive(options: DriveOptions, fleet: FleetSettings) -> int:
 
 @verb("stop", "rostether fleet stop 3 --key-file fleet.key")
 @_robot
+@json_option
 @fleet_options()
-def stop(robot: int | None, fleet: FleetSettings) -> int:
+def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     """Stop one robot or all, also those that another sender commands; list those that confirm it.
 
     The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop, or if
     a robot answers without confirming it.
     """
-    return run(_stop(for_robot(fleet, robot)))
+    return run(_stop(for_robot(fleet, robot), as_json))
 
 
 async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> int:
@@ -163,7 +164,7 @@ async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> 
     return EXIT_DONE if sender.robots else EXIT_FAILED
 
 
-async def _stop(settings: FleetSettings) -> int:
+async def _stop(settings: FleetSettings, as_json: bool) -> int:
     from rostether.platform.fleet import FleetSender, has_stopped, silence_text
 
     sender = FleetSender(settings, _report)
@@ -173,7 +174,10 @@ async def _stop(settings: FleetSettings) -> int:
         sender.close()
     for robot in robots:
         who = f"robot {robot.status.robot_id} at {robot.address[0]}"
-        if has_stopped(robot):
+        if as_json:
+            number, address = robot.status.robot_id, robot.address[0]
+            write_json({"robot": number, "address": address, "stopped": has_stopped(robot)})
+        elif has_stopped(robot):
             write_line(f"{who} has stopped")
         else:
             warn(f"{who} has NOT confirmed the stop")
