@@ -136,3 +136,7 @@ def test_messages_are_shown_as_python_shows_them(name: str, fields: dict[str, An
     codec = TypeStore(registry).codec(definition.full_name.replace(f"/{kind}/", "/").replace("_R", "R"))
     ours = ValueForm(registry.ros2_message, Time).fill(codec, definition, [fields])
     assert MessageText(registry.ros2_message).python(ours, definition) == repr(theirs)
+
+
+async def test_the_doctor_joins(peer: RclpyPeer) -> None:
+    assert "ok: graph: " in await tool("doctor")

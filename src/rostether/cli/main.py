@@ -81,4 +81,10 @@ def _make_output_forgiving() -> None:
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             is_utf8 = (stream.encoding or "").lower().replace("-", "") == "utf8"
-            reconfigure(errors="surrogateescape" if is_utf8 else "backslashreplace")
+            if is_utf8:
+                reconfigure(errors="surrogateescape")
+                continue
+            from rostether.cli.shell import ascii_pictures
+
+            ascii_pictures.register()
+            reconfigure(errors=ascii_pictures.ERROR_HANDLER)

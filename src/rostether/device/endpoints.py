@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from inspect import iscoroutinefunction
 from typing import Any, ParamSpec, TypeVar, overload
 
 from rostether.device.endpoint_handles import Messages, Publisher, Subscriber
@@ -66,7 +67,12 @@ class Endpoints(LogMethods):
     def subscriber(
         self, topic: str, type_name: str | type[Message], callback: Callable[[Any], object]
     ) -> Subscriber:
-        """Declare a topic to receive. Raises UnknownTypeError, LocalProtocolError."""
+        """Declare a topic to receive; the callback is a plain function.
+
+        Raises UnknownTypeError, LocalProtocolError, TypeError.
+        """
+        if iscoroutinefunction(callback):
+            raise TypeError("the callback is async; write a plain function, or loop over device.messages()")
         name = name_of_type(type_name)
         subscriber = Subscriber(topic, self._store.codec(name), callback)
         topic_id = self._link.add_subscriber(topic, name, self._md5sum(name))

@@ -111,7 +111,7 @@ class TypedGraph(LogMethods):
     ) -> CallbackSubscriber:
         """Call back with each message of a topic; without `type_name`, of the type that its publisher has.
 
-        Raises UnknownTypeError, InvalidNameError, GraphError.
+        The callback may be async. Raises UnknownTypeError, InvalidNameError, GraphError.
         """
         name = None if type_name is None else name_of_type(type_name)
         # A node that waits for commands may wait for hours.
@@ -136,9 +136,12 @@ class TypedGraph(LogMethods):
         """Return the next message of a topic; a topic without publishers is logged. Raises TimeoutError."""
         name = None if type_name is None else name_of_type(type_name)
         stream = self._stream(topic, name, 1, reports_silence=True)
-        async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
-            async for message in messages:
-                return message
+        try:
+            async with asyncio.timeout(timeout_s), aclosing(aiter(stream)) as messages:
+                async for message in messages:
+                    return message
+        except TimeoutError:
+            raise TimeoutError(f"no message on {stream.topic} within {timeout_s or 0:g} s") from None
         raise GraphError(f"node {self.node_name} has left the graph; join again")
 
     def _stream(
@@ -156,6 +159,7 @@ class TypedGraph(LogMethods):
         request: MessageLike | None = None,
         *,
         timeout_s: float | None = None,
+        **fields: Any,
     ) -> Message: ...
     @overload
     async def call(
@@ -165,6 +169,7 @@ class TypedGraph(LogMethods):
         request: Request | Mapping[str, Any] | None = None,
         *,
         timeout_s: float | None = None,
+        **fields: Any,
     ) -> Response: ...
     async def call(
         self,
@@ -173,13 +178,15 @@ class TypedGraph(LogMethods):
         request: MessageLike | None = None,
         *,
         timeout_s: float | None = None,
+        **fields: Any,
     ) -> Message:
         """Call a service of a type, given by name or as a class of `rostether.srv`; return its response.
 
+        The request is given whole, or by its fields.
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """
         client = await self.service_client(service, name_of_type(type_name))
-        return await client.call(request, timeout_s=timeout_s)
+        return await client.call(request, timeout_s=timeout_s, **fields)
 
     @overload
     async def service_client(self, service: str, type_name: str) -> TypedServiceClient[Message]: ...

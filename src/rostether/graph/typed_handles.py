@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import aclosing
 from typing import Any, Generic, ParamSpec, TypeAlias, TypeVar, cast, overload
 
@@ -91,7 +91,9 @@ class CallbackSubscriber:
             async with aclosing(aiter(self._stream)) as messages:
                 async for message in messages:
                     try:
-                        self._callback(message)
+                        answer = self._callback(message)
+                        if isinstance(answer, Awaitable):
+                            await answer
                     except Exception:  # noqa: BLE001 - it is the user's code
                         # One bad message must not end the subscription.
                         _LOG.exception("the callback for %s failed", self.topic)

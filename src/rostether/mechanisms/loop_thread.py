@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
+from rostether.errors import RostetherError
+
 _T = TypeVar("_T")
 
 _SHORT_WAIT_S = 0.5
@@ -53,6 +55,10 @@ class LoopThread:
             return _result(future, timeout_s)
         except concurrent.futures.CancelledError:
             raise self._interrupted() from None
+        except (RostetherError, TimeoutError) as error:
+            # The text explains it; only the program's own frames are of interest.
+            future.cancel()
+            raise error.with_traceback(None)  # noqa: B904 - it is the same error
         except BaseException:
             future.cancel()
             raise

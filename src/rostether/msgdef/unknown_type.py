@@ -6,6 +6,7 @@ from typing import Protocol
 
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import Kind, bundled_file, is_type_name
+from rostether.packages.package_xml import is_package_name
 
 # The packages that are searched for a type without its package, in this order.
 _COMMON_PACKAGES = ("std_msgs", "std_srvs", "geometry_msgs", "sensor_msgs", "nav_msgs")
@@ -45,7 +46,10 @@ def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str
 
 
 def example_name(kind: Kind, short_name: str) -> str:
-    """Return an example of a full name for one without its package, of a common type if possible."""
+    """Return an example of a full name for one without its package or with ROS 2's `msg`, or of any type."""
+    package, _, last = short_name.partition(f"/{kind}/")
+    if is_package_name(package) and is_type_name(last):
+        return f"{package}/{last}"
     packages = _COMMON_PACKAGES if is_type_name(short_name) else ()
     meant = [each for each in packages if bundled_file(each, kind, short_name) is not None]
     if meant:

@@ -23,11 +23,11 @@ def csv_header(value: Any, style: EchoStyle | None = None) -> str:
     return "%time," + ",".join(_columns(value, "field", style or EchoStyle()))
 
 
-def csv_row(value: Any, now: Time, style: EchoStyle | None = None) -> str:
+def csv_row(value: Any, now: Time, style: EchoStyle | None = None, *, uses_stamp: bool = True) -> str:
     """Return one row. Its first column, in ns, is the stamp of the message's header, or else `now`."""
     style = style or EchoStyle()
     offset_ns = style.time_offset.to_ns() if style.time_offset is not None else 0
-    stamp = value.header.stamp if isinstance(value, Message) and _has_header(value) else now
+    stamp = value.header.stamp if uses_stamp and isinstance(value, Message) and _has_header(value) else now
     return f"{stamp.to_ns() - offset_ns}," + ",".join(_cells(value, style))
 
 

@@ -195,7 +195,9 @@ def to_bytes(values: object) -> bytes:
     if isinstance(values, bytes | bytearray | memoryview | Sequence) and not isinstance(values, str):
         return bytes(values)
     if hasattr(values, "__array__"):
-        return bytes(list(values))  # type: ignore[call-overload]
+        # A picture has rows and columns.
+        is_bytes = getattr(values, "dtype", None) == "uint8"
+        return values.tobytes() if is_bytes else bytes(list(values))  # type: ignore[attr-defined, call-overload]
     raise TypeError("a uint8[] needs bytes or a list of integers")
 
 

@@ -39,7 +39,10 @@ class Message:
 
     _zeros: ClassVar[tuple[tuple[str, Any], ...]] = ()
 
-    def __init__(self, /, **fields: Any) -> None:
+    def __init__(self, /, *unnamed: Any, **fields: Any) -> None:
+        if unnamed:
+            names = ", ".join(f"{name}=..." for name, _ in self._fields)
+            raise TypeError(f"{self._type} takes its fields by name: {type(self).__name__}({names})")
         for name, zero in self._zeros:
             setattr(self, name, fields.pop(name) if name in fields else zero() if callable(zero) else zero)
         if fields:

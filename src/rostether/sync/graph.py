@@ -34,7 +34,6 @@ M = TypeVar("M", bound=Message)
 class Graph(Member[TypedGraph], LogMethods):
     """One node on a graph; made by `join`. Its methods are those of `rostether.join`'s graph."""
 
-    _call = waiting(TypedGraph.call)
     _wait_for_message = waiting(TypedGraph.wait_for_message)
     get_param = waiting(TypedGraph.get_param)
     set_param = waiting(TypedGraph.set_param)
@@ -126,6 +125,7 @@ class Graph(Member[TypedGraph], LogMethods):
         request: MessageLike | None = None,
         *,
         timeout_s: float | None = None,
+        **fields: Any,
     ) -> Message: ...
     @overload
     def call(
@@ -135,6 +135,7 @@ class Graph(Member[TypedGraph], LogMethods):
         request: Request | Mapping[str, Any] | None = None,
         *,
         timeout_s: float | None = None,
+        **fields: Any,
     ) -> Response: ...
     def call(
         self,
@@ -143,12 +144,13 @@ class Graph(Member[TypedGraph], LogMethods):
         request: MessageLike | None = None,
         *,
         timeout_s: float | None = None,
+        **fields: Any,
     ) -> Message:
-        """Call a service and return its response.
+        """Call a service and return its response; the request is given whole, or by its fields.
 
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, SerializationError.
         """
-        return self._call(service, name_of_type(type_name), request, timeout_s=timeout_s)
+        return self.service_client(service, type_name).call(request, timeout_s=timeout_s, **fields)
 
     @overload
     def service_client(self, service: str, type_name: str) -> ServiceClient[Message]: ...

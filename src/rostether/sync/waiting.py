@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Coroutine
 from contextlib import AbstractAsyncContextManager
 from functools import wraps
+from inspect import iscoroutinefunction
 from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
@@ -48,7 +49,9 @@ def waiting(
 
 
 def guarded(callback: Callable[[T], object]) -> Callable[[T], None]:
-    """Return a callback that logs the exceptions of the program's callback."""
+    """Return a callback that logs exceptions of the program's callback. Raises TypeError if it is async."""
+    if iscoroutinefunction(callback):
+        raise TypeError("the callback is async; with rostether.sync, write a plain function")
 
     def call(item: T) -> None:
         try:

@@ -426,3 +426,10 @@ async def test_no_folder_is_listed_on_the_event_loop(tmp_path: Path) -> None:
         with pytest.raises(UnknownTypeError):
             device.publisher("none", "my_msgs/None")
     assert watch.listed == []
+
+
+async def test_an_async_callback_is_refused(pair: tuple[Device, Any]) -> None:
+    async def hear(_: Message) -> None: ...
+
+    with pytest.raises(TypeError, match="write a plain function"):
+        pair[0].subscriber("chatter", "std_msgs/String", hear)

@@ -334,3 +334,35 @@ async def test_log_methods_have_the_names_of_a_device(talker: TypedGraph, listen
             await asyncio.sleep(0.01)
     assert set(heard) == {4}
     await subscriber.close()
+
+
+async def test_async_callbacks_are_awaited_one_after_the_other(
+    talker: TypedGraph, listener: TypedGraph
+) -> None:
+    heard: list[str] = []
+
+    async def hear(message: Message) -> None:
+        heard.append(f"{message.data} begins")
+        await asyncio.sleep(0)
+        heard.append(f"{message.data} ends")
+
+    publisher = await talker.publisher("/chatter", "std_msgs/String")
+    subscriber = await listener.subscriber("/chatter", "std_msgs/String", hear)
+    assert await publisher.wait_for_subscriber(60)
+    publisher.publish("one")
+    publisher.publish("two")
+    async with asyncio.timeout(60):
+        while len(heard) < 4:
+            await asyncio.sleep(0.005)
+    assert heard == ["one begins", "one ends", "two begins", "two ends"]
+    await subscriber.close()
+
+
+async def test_a_message_that_does_not_come_in_time_is_named(listener: TypedGraph) -> None:
+    with pytest.raises(TimeoutError, match=r"no message on /nothing within 0\.01 s"):
+        await listener.wait_for_message("/nothing", timeout_s=0.01)
+
+
+async def test_a_service_is_called_with_fields(talker: TypedGraph, listener: TypedGraph) -> None:
+    await talker.service_server("/enable", "std_srvs/SetBool", lambda asked: {"success": asked.data})
+    assert (await listener.call("/enable", "std_srvs/SetBool", data=True)).success is True

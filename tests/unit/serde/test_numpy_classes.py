@@ -71,3 +71,11 @@ def test_without_numpy_the_error_names_the_package_to_install(monkeypatch: pytes
     monkeypatch.setitem(sys.modules, "numpy", None)
     with pytest.raises(ConfigError, match="type: pip install numpy"):
         NumpyClasses()
+
+
+def test_a_picture_is_encoded_row_by_row() -> None:
+    picture = numpy.arange(12, dtype=numpy.uint8).reshape(2, 2, 3)
+    codec = PLAIN.codec("sensor_msgs/Image")
+    assert codec.decode(codec.encode({"data": picture})).data == bytes(range(12))
+    with pytest.raises(SerializationError, match="'data' of sensor_msgs/Image needs bytes"):
+        codec.encode({"data": picture.astype(numpy.float32)})

@@ -149,3 +149,8 @@ def test_field_twice() -> None:
 
     with pytest.raises(DefinitionError, match="two fields of the same name"):
         MessageClasses().of(TypeTrees(Source()).struct("test/Bad"))
+
+
+def test_a_value_without_a_field_name_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"std_msgs/String takes its fields by name: String\(data=...\)"):
+        message_class("std_msgs/String")("hello")

@@ -7,12 +7,18 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import rostether.sync
-from rostether.errors import MasterUnreachableError, SerializationError, ServiceCallError
+from rostether.errors import (
+    MasterUnreachableError,
+    SerializationError,
+    ServiceCallError,
+    ServiceUnavailableError,
+)
 from rostether.msg.std_msgs import Int32
 from rostether.ros1.master.server import MasterServer
 from rostether.serde.values import Message
@@ -171,3 +177,17 @@ def test_a_program_that_ends_leaves_the_graph(master: str, listener: rostether.s
     assert {"signal": b"KeyboardInterrupt", "exception": b"broken", "exit": b""}[end] in errors
     assert errors.count(b"Traceback") == (end != "exit")
     assert "/short" not in listener.snapshot().nodes
+
+
+def test_an_async_callback_is_refused(talker: rostether.sync.Graph) -> None:
+    async def hear(_: Message) -> None: ...
+
+    with pytest.raises(TypeError, match="write a plain function"):
+        talker.subscriber("/chatter", "std_msgs/String", hear)
+
+
+def test_errors_show_the_program_s_frames_only(talker: rostether.sync.Graph) -> None:
+    with pytest.raises(ServiceUnavailableError) as raised:
+        talker.call("/none", "std_srvs/SetBool", data=True)
+    files = {Path(frame.path).name for frame in raised.traceback}
+    assert files <= {"test_graph.py", "graph.py", "waiting.py", "loop_thread.py"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
@@ -25,6 +26,7 @@ from rostether.errors import ConfigError, UnknownTypeError
 from rostether.graph.ports import Level
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
+from rostether.names.graph_name import validate_name
 from rostether.relay.relay_filter import Direction, RelayFilter, Services, Topics
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types
 
 _ROS1, _ROS2 = "ROS 1", "ROS 2"
+_WILDCARDS = re.compile(r"[*?!\[\]-]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,10 @@ class RelayOptions:
     )
 
     def choice(self) -> RelayFilter:
-        """Return the requested relay; names are full names, with or without their first slash."""
+        """Return the requested relay; names are full names, with or without their first slash.
+
+        Raises InvalidNameError.
+        """
         return RelayFilter(
             (
                 *(Topics(_full(name)) for name in self.topics),
@@ -157,9 +163,13 @@ async def relay_between(
         actions = BoardJoin(access.join, access.types, partial(native_session, graph, msg_paths))
         stack.push_async_callback(actions.close)
         leftovers = Leftovers(used.environment.master_uri, ros1.node_name)
+        find = finding_types(access.types)
+        for service in choice.services:
+            if service.type:
+                await find(service.pattern, service.type)
         sides = (
             Side(_ROS1, ros1, finding_types(access.types, probe), leftovers.forget_if_gone),
-            Side(_ROS2, ros2, finding_types(access.types)),
+            Side(_ROS2, ros2, find),
         )
         await Relay(*sides, choice, lambda level, line: reporter.line(level, line), actions).run()
 
@@ -184,4 +194,5 @@ def finding_types(types: Ros2Types, probe: Callable[[str], Awaitable[str]] | Non
 
 
 def _full(name: str) -> str:
+    validate_name(_WILDCARDS.sub("x", name))
     return name if name.startswith(("/", "*")) else f"/{name}"

@@ -35,7 +35,7 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
             yield finding
     try:
         async with ros2_access(middleware, reach=ZenohReach(router="never")) as access:
-            graph = await access.join(anonymous_name("_doctor"))
+            graph = await access.join(anonymous_name("/_rostether"))
             try:
                 nodes = set((await graph.snapshot()).nodes) - {graph.node_name}
             finally:

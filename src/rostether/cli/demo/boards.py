@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
-from rostether.cli.shell.output import write_line
+from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import BoardError, RostetherError
 from rostether.graph.ports import JoinGraph, Level
@@ -90,8 +90,8 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
         raise BoardError(missing)
     find_avr_toolchain()
     loop = asyncio.get_running_loop()
-    building = "Building the sketch for a simulated Arduino Uno; only the first time takes some seconds."
-    with reported_when_long(write_line, building, after_s=_LONG_BUILD_S):
+    building = "Building the sketch for a simulated Arduino Uno; the next start is faster."
+    with reported_when_long(warn, building, after_s=_LONG_BUILD_S):
         program = await find_program(SKETCH, UNO)
         size = await asyncio.to_thread(measure_program, program, UNO)
         started = await SimulatedBoard.start(

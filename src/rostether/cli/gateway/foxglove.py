@@ -60,6 +60,7 @@ FOXGLOVE_NODE = "foxglove_bridge"
     rostether foxglove 0.0.0.0 --token 7f3c9a
     rostether foxglove --ros2 zenoh
     """,
+    hints={"--port": "write the port without an option: rostether foxglove 8766"},
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @viewer_access_options

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     rostether rosbridge 0.0.0.0 --token 7f3c9a --origin https://panel.example
     rostether rosbridge --ros2 zenoh
     """,
+    hints={"--port": "write the port without an option: rostether rosbridge 9091"},
 )
 @click.argument("words", nargs=-1, metavar="[[HOST:]PORT] [NAME:=OTHER]...")
 @access_options

@@ -126,7 +126,8 @@ class PlotSession:
             curves = self._placed(self._curves.curves(since_s))
             labels = Labels(self._options.title or "", self._begin_unix_s, self._options.is_clock)
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
-            write_line(f"{file}: {len(curves)} curves, {sum(len(each.points) for each in curves)} values")
+            noun = "curve" if len(curves) == 1 else "curves"
+            write_line(f"{file}: {len(curves)} {noun}, {sum(len(each.points) for each in curves)} values")
         elif not self._is_live:
             from rostether.pictures.terminal_plot import as_plain
 

@@ -6,6 +6,7 @@ A traceback shown to a user is a defect; ROSTETHER_TRACEBACK=1 asks for one.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 
 import click
@@ -17,6 +18,8 @@ EXIT_DONE = 0
 EXIT_FAILED = 1
 EXIT_INTERRUPTED = 130
 # click's names for the types of our options, and plain names for them.
+# How click suggests similar options.
+_SIMILAR = re.compile(r"(?P<problem>.*)\. \(?Did you mean(?: one of:)? (?P<names>.*?)\?\)?")
 _PLAINER = {
     "is not a valid float range": "is not a number",
     "is not a valid integer range": "is not a whole number",
@@ -84,6 +87,9 @@ def usage_text(error: click.ClickException) -> str:
     """Return the text of an error in a command line as one line."""
     context = getattr(error, "ctx", None)
     text = fold_line(error.format_message()).rstrip(".")
+    if similar := _SIMILAR.fullmatch(text):
+        names = similar["names"].replace("'", "").replace(",", " or")
+        return f"{similar['problem']}; did you mean {names}?"
     for unclear, plain in _PLAINER.items():
         text = text.replace(unclear, plain)
     # Rostether's usage errors name the next step; those of click only name the problem.

@@ -30,6 +30,11 @@ def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
     """List all topics, or those in a namespace."""
     if wanted.publishers and wanted.subscribers:
         raise click.UsageError("give one of -p and -s, not both")
+    if wanted.bag is not None:
+        from rostether.cli.topic.recorded_echo import list_recording
+
+        list_recording(wanted.bag)
+        return
     topics_of(graph).list_topics(wanted)
 
 

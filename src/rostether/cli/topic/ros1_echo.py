@@ -14,10 +14,10 @@ from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.cli.topic.topics import EchoOptions
 from rostether.errors import GraphError
+from rostether.rostime import Time
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.rostime import Time
     from rostether.serde.codec import Codec
     from rostether.serde.field_path import FieldPath
 
@@ -31,32 +31,33 @@ async def echo(graph_options: GraphOptions, topic: str, options: EchoOptions) ->
     name = resolve_with_field(topic, environment)
     async with joined(graph_options, options.msg_paths, purpose="rostopic") as graph:
         chosen = await wait_for_topic(name, graph, environment)
-        printer = _Printer(graph, chosen.topic, chosen.field, options)
+        printer = Ros1Printer(chosen.topic, chosen.field, options)
         hint = asyncio.ensure_future(_hint_at_silence(graph, chosen.topic, printer))
         try:
             stream = graph.messages(chosen.topic)
             async with shown_messages(stream) as messages:
                 async for message in messages:
                     assert stream.codec is not None
-                    printer.show(message, stream.codec)
+                    printer.show(message, stream.codec, graph.now())
                     if printer.is_done:
                         break
         finally:
             hint.cancel()
 
 
-class _Printer(EchoPrinter):
+class Ros1Printer(EchoPrinter):
     """Prints messages as rostopic does."""
 
-    def __init__(self, graph: TypedGraph, topic: str, field: str, options: EchoOptions) -> None:
+    def __init__(self, topic: str, field: str, options: EchoOptions) -> None:
         super().__init__(topic, options)
-        self._graph = graph
+        self._now = Time()
         self._field = field
         self._codec: Codec | None = None
         self._path: FieldPath | None = None
 
-    def show(self, message: Any, codec: Codec) -> None:
+    def show(self, message: Any, codec: Codec, now: Time) -> None:
         """Print a message that the filter lets through. Raises ConfigError for a field its type lacks."""
+        self._now = now
         if self._field and codec is not self._codec:
             from rostether.serde.field_path import FieldPath
 
@@ -65,13 +66,14 @@ class _Printer(EchoPrinter):
 
     def write_text(self, value: Any) -> None:
         """Print a message or a field of it."""
-        style = self._style(self._graph.now() if self.options.offset else None)
+        style = self._style(self._now if self.options.offset else None)
         if self.options.plot:
             from rostether.serde.csv_print import csv_header, csv_row
 
             if self.shown_count == 1:
                 write_line(csv_header(value, style))
-            write_line(csv_row(value, self._graph.now(), style))
+            # Of a recording, rostopic prints the time in the file.
+            write_line(csv_row(value, self._now, style, uses_stamp=self.options.bag is None))
             return
         from rostether.serde.yaml_print import format_message, format_value
 
@@ -93,7 +95,7 @@ class _Printer(EchoPrinter):
         )
 
 
-async def _hint_at_silence(graph: TypedGraph, topic: str, printer: _Printer) -> None:
+async def _hint_at_silence(graph: TypedGraph, topic: str, printer: Ros1Printer) -> None:
     # Another part reports an unreachable master.
     with contextlib.suppress(GraphError):
         is_simulated = await graph.get_param("/use_sim_time", False)

@@ -19,7 +19,7 @@ from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.ros1_listing import Ros1TopicListing
-from rostether.cli.topic.topics import EchoOptions, PubOptions
+from rostether.cli.topic.topics import EchoOptions, PubOptions, with_field
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
@@ -51,7 +51,6 @@ class Ros1Topics(Ros1TopicListing):
 
         refuse_ros2_only(
             type_name=type_name,
-            field=options.field,
             csv=options.csv,
             full_length=options.full_length,
             truncate_length=options.truncate_length,
@@ -60,7 +59,7 @@ class Ros1Topics(Ros1TopicListing):
         )
         # A wrong filter is reported before anything is subscribed.
         options.compiled_filter()
-        run(echo(self._graph, topic, options))
+        run(echo(self._graph, with_field(topic, options), options))
 
     def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as rostopic does."""

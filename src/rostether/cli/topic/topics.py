@@ -70,6 +70,7 @@ class TopicListing:
     """The options of `topic list`."""
 
     namespace: str | None = argument(required=False, shell_complete=complete_topics)
+    bag: Path | None = option("-b --bag FILE", "List the topics of this recording.", type=PATH)
     verbose: bool = flag("-v --verbose", "Show types and how many nodes publish and subscribe.")
     publishers: bool = flag("-p", "Only topics that are published.")
     subscribers: bool = flag("-s", "Only topics that are subscribed to.")
@@ -84,6 +85,8 @@ class TopicListing:
 class EchoOptions:
     """The options of `topic echo`; `expression` decides which messages are shown."""
 
+    bag: Path | None = option("-b --bag FILE", "Print the messages of this recording.", type=PATH)
+    all_topics: bool = flag("-a --all", "With -b, print the messages of all topics.")
     count: int | None = option("-n --count COUNT", "Stop after COUNT messages.", type=COUNT)
     once: bool = flag("--once", "Stop after one message.")
     plot: bool = flag("-p", "Print comma-separated values, for plotting.")
@@ -96,7 +99,7 @@ class EchoOptions:
     expression: str | None = option(
         "--filter EXPRESSION", "Print only messages m for which the Python expression is true."
     )
-    field: str = option("--field FIELD", "With --ros2, print only this field, e.g. header.stamp.", default="")
+    field: str = option("--field FIELD", "Print only this field, e.g. header.stamp.", default="")
     csv: bool = flag("--csv", "With --ros2, print comma-separated values.")
     full_length: bool = flag("-f --full-length", "With --ros2, do not truncate arrays and strings.")
     truncate_length: int | None = option(
@@ -122,6 +125,11 @@ class EchoOptions:
         from rostether.expression.compiler import compile_filter
 
         return compile_filter(self.expression)
+
+
+def with_field(topic: str, options: EchoOptions) -> str:
+    """Return `TOPIC/FIELD`, ROS 1's form of ROS 2's `--field`."""
+    return f"{topic}/{options.field.replace('.', '/')}" if options.field else topic
 
 
 @dataclass(frozen=True, slots=True)

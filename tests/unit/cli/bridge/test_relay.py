@@ -47,6 +47,8 @@ def test_what_is_typed() -> None:
     [
         ([], 2, "give topics to relay"),
         (["/chatter", "--master", "http://localhost:1", "--master-port", "2"], 1, "--master joins a master"),
+        (["bad name"], 1, "'bad name' is not a ROS name"),
+        (["--service", "bad name=std_srvs/SetBool"], 1, "'bad name' is not a ROS name"),
     ],
 )
 def test_what_makes_no_sense_is_reported(shell: Shell, arguments: list[str], code: int, words: str) -> None:
@@ -70,6 +72,27 @@ async def test_types_of_services_are_found() -> None:
         return "std_srvs/SetBool"
 
     assert (await finding_types(types, probe)("/s", "*")).name == "std_srvs/SetBool"
+
+
+async def test_an_unknown_type_of_a_service_is_reported_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    network = MemoryNetwork()
+
+    @asynccontextmanager
+    async def access(*_: Any, **__: Any) -> AsyncIterator[Ros2Access]:
+        yield Ros2Access(network.join, Ros2Types(Registry(), Ros2Definitions()), "Joining a graph in memory")
+
+    monkeypatch.setattr(relay_command, "ros2_access", access)
+    master = await MasterServer.start(port=0)
+    try:
+        with pytest.raises(UnknownTypeError, match="foo/srv/Bar"):
+            await relay_between(
+                RosEnvironment.read({}).with_master(master.uri),
+                GraphOptions(ros2=Middleware.ZENOH, master=master.uri),
+                RelayOptions(services=("/x=foo/Bar",)).choice(),
+                ConsoleReporter(),
+            )
+    finally:
+        await master.close()
 
 
 async def test_a_relay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -212,3 +212,9 @@ def test_a_topic_without_publishers_is_reported(
     assert "data: True" in shell.output("topic", "echo", "-n", "1", "/quiet")
     speaking.join(60)
     assert warnings == ["WARNING: topic [/quiet] has no publisher yet"]
+
+
+def test_the_field_of_ros2_s_option(graph: LiveGraph, shell: Shell) -> None:
+    publish(graph, "/r", "sensor_msgs/Range", *RANGES)
+    printed = shell.output("topic", "echo", "--once", "--field", "header.frame_id", "/r")
+    assert printed == '"sonar"\n---\n'
