@@ -17,7 +17,7 @@ from rostether.errors import RemoteProtocolError
 # The limit of lists and objects in one message. Garbage collection looks at each.
 MAX_CONTAINERS: Final = 1 << 18
 
-# With more values, parsing takes longer than 10 ms, and so does what follows.
+# With more values, parsing takes 20 ms and more.
 MANY_VALUES: Final = 1 << 16
 
 # Shorter texts are not worth counting: they have at most a thousand values.
@@ -36,7 +36,9 @@ def _integer(digits: str) -> int:
     return int(digits)
 
 
-_DECODER: Final = JSONDecoder(parse_int=_integer)
+# Shorter texts have too few digits to take longer than 10 ms. The check of each integer takes 0.1 µs.
+_MANY_CHARACTERS: Final = 256 << 10
+_CHECKING_DECODER: Final = JSONDecoder(parse_int=_integer)
 
 
 def count_values(text: str) -> int:
@@ -57,7 +59,7 @@ def check_few_values(text: str) -> None:
 
 def parse_json(text: str) -> Any:
     """Return the value of a JSON text. Raises ValueError, RecursionError."""
-    return json.loads(text) if len(text) < _SHORT_CHARACTERS else _DECODER.decode(text)
+    return json.loads(text) if len(text) < _MANY_CHARACTERS else _CHECKING_DECODER.decode(text)
 
 
 def parse_in_steps(text: str) -> Any:

@@ -10,11 +10,14 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.large_json import MANY_VALUES, count_values, parse_in_steps, parse_json
+from rostether.gateways.large_json import count_values, parse_in_steps, parse_json
 from rostether.gateways.shown_values import show
 
 # The limit of names and ids: thousands are stored, and all nodes see them; real ones have less than 150.
 MAX_WORD_CHARACTERS: Final = 512
+
+# More values are parsed in a thread, because they may take longer than 10 ms.
+_MANY_VALUES: Final = 1 << 14
 
 # For larger frames, garbage collection may take longer than parsing.
 _LARGE_BYTES: Final = 64 << 10
@@ -102,7 +105,7 @@ async def read_request(data: str | bytes) -> Request:
     try:
         text = data if isinstance(data, str) else data.decode(json.detect_encoding(data), "surrogatepass")
         value_count = count_values(text)
-        is_slow = value_count > MANY_VALUES
+        is_slow = value_count > _MANY_VALUES
         fields = await asyncio.to_thread(_parsed, text, parse_in_steps) if is_slow else _parsed(text)
     except RecursionError:
         raise RemoteProtocolError("this JSON is nested too deeply") from None
