@@ -86,13 +86,17 @@ class McapReader(ChunkedReader[McapContent]):
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
-        for message in self._messages(connections, messages_in, start_ns, end_ns):
+        found = self._messages(connections, messages_in, start_ns, end_ns)
+        return found if self._ros2 is None else self._converted(self._ros2, found)
+
+    def _converted(self, topics: Ros2Topics, found: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+        for message in found:
             connection, time_ns, payload = message
-            if connection.origin is None or self._ros2 is None:
+            if connection.origin is None:
                 yield message
                 continue
             cdr = payload if self._unpack_message is None else self._unpack_message(payload)
-            converted = self._ros2.convert(connection, cdr)
+            converted = topics.convert(connection, cdr)
             if converted is not None:
                 yield RecordedMessage(connection, time_ns, converted)
 
