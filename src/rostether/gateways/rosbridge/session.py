@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import hashlib
 import time
 from collections.abc import Awaitable, Callable
 from itertools import count
@@ -19,6 +18,7 @@ from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
 from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.request import Request, read_request
+from rostether.gateways.rosbridge.rosauth import authenticates
 from rostether.gateways.rosbridge.settings import (
     GREETING_LIMIT_S,
     MAX_CONTROL_BYTES,
@@ -29,7 +29,7 @@ from rostether.gateways.rosbridge.settings import (
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.shown_values import show
-from rostether.gateways.websocket.admission import Token, is_same_secret
+from rostether.gateways.websocket.admission import Token
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
@@ -37,9 +37,6 @@ from rostether.mechanisms.text import fold_line
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.gateway_context import GatewayContext
-
-# The maximum age of a MAC, as in rosauth: an intercepted MAC cannot be used later.
-MAX_CLOCK_OFFSET_S = 5.0
 
 # How often the client and the log receive a report that a topic is too fast for the client.
 REPORT_INTERVAL_S = 5.0
@@ -283,22 +280,3 @@ class Session:
 
 def _ignore(_: Request) -> None:
     """Ignore a client's status, and a repeated authentication."""
-
-
-def authenticates(token: Token, fields: dict[str, Any], now_s: float) -> bool:
-    """Return whether an `auth` message is valid: with the token itself, or rosauth's MAC made with it."""
-    given = fields.get("token")
-    if isinstance(given, str):
-        return token.matches(given)
-    names = ("client", "dest", "rand", "t", "level", "end")
-    mac, parts = fields.get("mac"), [fields.get(name) for name in names]
-    if not isinstance(mac, str) or not all(isinstance(part, str | int | float) for part in parts):
-        return False
-    try:
-        sent_s, end_s = float(fields["t"]), float(fields["end"])
-    except (ValueError, OverflowError):
-        return False
-    text = token.secret + "".join(map(str, parts))
-    expected = hashlib.sha512(text.encode("utf-8", "surrogatepass")).hexdigest()
-    is_fresh = abs(now_s - sent_s) <= MAX_CLOCK_OFFSET_S and end_s > now_s
-    return is_same_secret(mac.lower(), expected) and is_fresh

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.gateways.rosbridge.session import authenticates
+from rostether.gateways.rosbridge.rosauth import authenticates
 from rostether.gateways.websocket.admission import Token
 
 NOW_S = 1_700_000_000.0
