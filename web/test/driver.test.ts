@@ -61,6 +61,28 @@ test("a page that was asleep does not drive on", async (context) => {
   while (driver.stick.value.y !== 0) await new Promise((resolve) => setTimeout(resolve, 10));
   driver.hold(AHEAD);
   assert.equal(sent.length, 1);
+  // The robot waits for a stop.
+  driver.release();
+  driver.hold(AHEAD);
+  assert.equal(sent[1], 0);
+  assert.ok(sent[2]! > 0);
+  driver.dispose();
+});
+
+test("after a network that stalled, what is still held needs a new touch", (context) => {
+  const { driver, sent, lease } = stage();
+  driver.hold(AHEAD);
+  lease("driving");
+  const now = performance.now.bind(performance);
+  context.mock.method(performance, "now", () => now() + 1500);
+  lease("free");
+  assert.ok(driver.isBlocked.value);
+  driver.hold(AHEAD);
+  assert.equal(sent.length, 1);
+  driver.release();
+  driver.hold(AHEAD);
+  assert.equal(sent[1], 0);
+  assert.ok(sent[2]! > 0);
   driver.dispose();
 });
 

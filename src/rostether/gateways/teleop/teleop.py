@@ -72,6 +72,8 @@ class CommandTopic:
         if self._holder is not None and self._holder is not driver and not self.commands.is_stop(message):
             return False
         now_s = self._loop.time()
+        if self._lease.must_stop_first(driver, now_s) and not self.commands.is_stop(message):
+            return False
         is_stop = self.commands.limit(message, now_s)
         self._lease.command(driver, now_s, is_stop=is_stop)
         self._last = message
@@ -238,6 +240,9 @@ class CommandLease:
         self.driver: Hashable | None = None
         self._commanded_s = 0.0
         self._is_moving = False
+        self._has_stopped = True
+        # Drivers that were silent for `HOLD_S` while they moved the robot.
+        self._lapsed: set[Hashable] = set()
 
     @property
     def due_s(self) -> float | None:
@@ -245,6 +250,15 @@ class CommandLease:
         if self.driver is None:
             return None
         return self._commanded_s + (KEEP_S if self._is_moving else HOLD_S)
+
+    def must_stop_first(self, driver: Hashable, now_s: float) -> bool:
+        """Return whether a driver must send a stop before it may move the robot again.
+
+        After a network stalls, the commands of that time arrive at once; they must not start the robot.
+        """
+        # `expire` may be late in a busy process.
+        is_silent = driver == self.driver and now_s >= self._commanded_s + HOLD_S
+        return driver in self._lapsed or (is_silent and not self._has_stopped)
 
     def command(self, driver: Hashable, now_s: float, *, is_stop: bool) -> bool:
         """Return whether a driver's command may be published, and keep the lease for it."""
@@ -255,7 +269,9 @@ class CommandLease:
                 return False
             self.driver = driver
         self._commanded_s = now_s
+        self._has_stopped = is_stop
         self._is_moving = not is_stop
+        self._lapsed.discard(driver)
         return True
 
     def expire(self, now_s: float) -> bool:
@@ -265,11 +281,14 @@ class CommandLease:
             self._is_moving = False
             must_stop = True
         if self.driver is not None and now_s >= self._commanded_s + HOLD_S:
+            if not self._has_stopped:
+                self._lapsed.add(self.driver)
             self.driver = None
         return must_stop
 
     def release(self, driver: Hashable) -> bool:
         """Free the lease if it is this driver's; returns whether a stop must be published now."""
+        self._lapsed.discard(driver)
         if self.driver != driver:
             return False
         must_stop, self._is_moving, self.driver = self._is_moving, False, None

@@ -70,3 +70,22 @@ def test_a_late_look_does_both(lease: CommandLease) -> None:
     lease.command("anna", 10.0, is_stop=False)
     assert lease.expire(20.0)
     assert lease.driver is None
+
+
+def test_a_driver_that_was_silent_while_it_moved_must_stop_first(lease: CommandLease) -> None:
+    lease.command("anna", 10.0, is_stop=False)
+    assert not lease.must_stop_first("anna", 10.0 + HOLD_S - 0.01)
+    # Its commands of the time when the network stalled arrive at once.
+    assert lease.must_stop_first("anna", 10.0 + HOLD_S)
+    lease.expire(10.0 + HOLD_S)
+    assert lease.must_stop_first("anna", 20.0)
+    assert not lease.must_stop_first("ben", 20.0)
+    lease.command("anna", 20.0, is_stop=True)
+    assert not lease.must_stop_first("anna", 20.0)
+
+
+def test_a_driver_that_stopped_may_be_silent(lease: CommandLease) -> None:
+    lease.command("anna", 10.0, is_stop=False)
+    lease.command("anna", 10.05, is_stop=True)
+    lease.expire(20.0)
+    assert not lease.must_stop_first("anna", 20.0)

@@ -27,6 +27,8 @@ export class Driver {
   private readonly id: number;
   private timer: ReturnType<typeof setInterval> | undefined;
   private repeatedMs = 0;
+  private startedMs = 0;
+  private wasSilent = false;
   private releasedMs: number | undefined;
 
   /** Throws DefinitionError when the type is not known. */
@@ -39,6 +41,11 @@ export class Driver {
     this.id = robot.gateway.advertiseDriven(channel, nameOfDevice(), (lease) => {
       // Another client drives or has stopped the robot: a stick that is still held must not start it again.
       if (lease.state === "taken" && this.timer !== undefined) this.block();
+      // The robot got no commands for a second, because the network stalled: it has stopped.
+      if (lease.state === "free" && this.lease.peek().state === "driving" && this.heldMs() > ASLEEP_MS) {
+        this.wasSilent = true;
+        this.block();
+      }
       this.lease.value = lease;
     });
   }
@@ -64,7 +71,10 @@ export class Driver {
     this.releasedMs = undefined;
     this.stick.value = stick;
     if (this.timer === undefined) {
-      this.repeatedMs = performance.now();
+      this.startedMs = this.repeatedMs = performance.now();
+      // The robot waits for a stop from a driver that was silent while it moved.
+      if (this.wasSilent) this.publish(CENTER);
+      this.wasSilent = false;
       this.timer = setInterval(() => this.repeat(), PERIOD_MS);
       this.repeat();
     }
@@ -97,11 +107,18 @@ export class Driver {
     const wasAsleep = nowMs - this.repeatedMs > ASLEEP_MS;
     this.repeatedMs = nowMs;
     if (this.releasedMs === undefined && (wasAsleep || !this.robot.canCommand.peek())) {
+      this.wasSilent = wasAsleep;
       this.block();
       return;
     }
     this.publish(this.releasedMs === undefined ? this.stick.value : CENTER);
     if (this.releasedMs !== undefined && nowMs - this.releasedMs > ZEROS_MS) this.end();
+  }
+
+  /** How long the stick has been held. */
+  private heldMs(): number {
+    const isHeld = this.timer !== undefined && this.releasedMs === undefined;
+    return isHeld ? performance.now() - this.startedMs : 0;
   }
 
   private block(): void {
