@@ -152,7 +152,7 @@ class _Receiver:
                 return
             self._last_s = now_s
             host = str(source[0])
-            if not self._sources.allows(host) and not is_own_address(host):
+            if not self._sources.allows(host) and not is_own_address(host, *source[3:]):
                 self._refuse(f"a datagram from {host}: allow it with _sources:={host}")
             elif self._commands is None:
                 self._publish(datagram, host)

@@ -87,9 +87,13 @@ def open_receiver(address: GroupAddress) -> socket.socket:
         # Several programs of one machine may receive a group.
         if address.is_multicast:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # A socket bound to the group receives only its datagrams. Windows binds only to local addresses.
-        host = "" if sys.platform == "win32" and address.is_multicast else address.group
-        sock.bind((host, address.port, 0, _scope(address)) if ":" in address.group else (host, address.port))
+        # A socket bound to the group receives only its datagrams. Windows binds only to local addresses, and a
+        # group of one link (ff02::1) would bind the socket to one interface, until that is unplugged.
+        is_of_link = bool(address.interfaces) and _is_of_link(address.group)
+        is_wide = address.is_multicast and (is_of_link or sys.platform == "win32")
+        if is_wide and sys.platform == "linux":
+            sock.setsockopt(*_MULTICAST_ALL[address.family], 0)
+        sock.bind(("" if is_wide else address.group, address.port))
     except OSError:
         sock.close()
         raise
@@ -135,10 +139,9 @@ def join_group(sock: socket.socket, address: GroupAddress, interface: str) -> No
     sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, request)
 
 
-def _scope(address: GroupAddress) -> int:
-    """Return the interface index that a link-local IPv6 group (ff02::1) is bound to, else 0."""
-    is_of_link = address.is_multicast and ipaddress.ip_address(address.group).exploded[3] in "12"
-    return socket.if_nametoindex(address.interfaces[0]) if is_of_link and address.interfaces else 0
+def _is_of_link(group: str) -> bool:
+    """Return whether an IPv6 group belongs to one link or one machine (ff02::1, ff01::1)."""
+    return ":" in group and ipaddress.ip_address(group).exploded[3] in "12"
 
 
 def _request(group: str, interface: str) -> bytes:

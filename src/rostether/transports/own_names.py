@@ -69,15 +69,16 @@ def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
     return {ipaddress.ip_address(each.partition("%")[0]) for each in found}
 
 
-def is_own_address(host: str) -> bool:
+def is_own_address(host: str, scope: int = 0) -> bool:
     """Return whether a numeric address belongs to this machine: whether a socket can have it now.
 
-    0.0.0.0 does: Linux sends from it to a group by `lo` where no other interface has an address.
+    `scope` is the interface index of a link-local IPv6 address. 0.0.0.0 is included: Linux sends from it to a
+    group by `lo` where no other interface has an address.
     """
+    is_ipv6 = ":" in host
     try:
-        family, _, _, _, place = socket.getaddrinfo(host, 0, flags=socket.AI_NUMERICHOST)[0]
-        with socket.socket(family, socket.SOCK_DGRAM) as probe:
-            probe.bind(place)
+        with socket.socket(socket.AF_INET6 if is_ipv6 else socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind((host, 0, 0, scope) if is_ipv6 else (host, 0))
     except OSError:
         return False
     return True

@@ -13,6 +13,7 @@ from rostether.platform.multicast_socket import GroupAddress, join_group, open_r
 
 GROUP = "239.255.82.83"
 GROUP_IPV6 = "ff15::5253"
+LINK_GROUP = "ff02::5253"
 
 
 def _ipv6_interface() -> str:
@@ -25,7 +26,7 @@ def _ipv6_interface() -> str:
 
 
 IPV6_INTERFACE = _ipv6_interface()
-GROUPS = [GROUP, "127.0.0.1", *([GROUP_IPV6] if IPV6_INTERFACE else [])]
+GROUPS = [GROUP, "127.0.0.1", *([GROUP_IPV6, LINK_GROUP] if IPV6_INTERFACE else [])]
 
 
 def loopback_group(group: str = GROUP) -> GroupAddress:

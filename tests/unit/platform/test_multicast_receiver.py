@@ -11,8 +11,8 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.platform import multicast_receiver
 from rostether.platform.command_link import CommandSender, ReceiverSettings, SenderSettings
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
-from rostether.platform.multicast_socket import GroupAddress, open_sender
-from unit.platform.datagrams import GROUPS, loopback_group, running
+from rostether.platform.multicast_socket import GroupAddress, open_receiver, open_sender
+from unit.platform.datagrams import GROUPS, IPV6_INTERFACE, LINK_GROUP, loopback_group, running
 from unit.platform.typed_nodes import Lines, typed_nodes
 from waiting import until
 
@@ -55,12 +55,19 @@ async def test_bare_datagrams_are_published_if_they_fit(group: str) -> None:
     assert "ends 1 byte early in field 'speed'" in lines.texts[1]
 
 
+@pytest.mark.skipif(not IPV6_INTERFACE, reason="this machine has no IPv6")
+def test_a_group_of_one_link_binds_no_interface() -> None:
+    # It may be unplugged, and another one has its name later.
+    with open_receiver(loopback_group(LINK_GROUP)) as sock:
+        assert sock.getsockname()[3] == 0
+
+
 async def test_other_machines_are_ignored_until_they_are_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
     _, (node, other) = await typed_nodes("/multicast_topic_receiver", "/robot")
     address, lines, robot = loopback_group(), Lines(), Robot()
     # What comes from this machine is from another one for the list.
     monkeypatch.setattr("rostether.transports.allow_list.ALWAYS_ALLOWED", ())
-    monkeypatch.setattr(multicast_receiver, "is_own_address", lambda host: False)
+    monkeypatch.setattr(multicast_receiver, "is_own_address", lambda *_: False)
     settings = ReceiverNodeSettings(CONTROL, address=address, sources=("10.0.0.0/8",))
     async with running(robot.listen(other), receive_topic(node, settings, lines)):
         await until(lambda: lines.texts)

@@ -88,6 +88,6 @@ def test_addresses_of_this_machine(host: str) -> None:
     assert is_own_address(host)
 
 
-@pytest.mark.parametrize("host", ["192.0.2.1", "2001:db8::1", "fe80::1%nowhere", "localhost", ""])
+@pytest.mark.parametrize("host", ["192.0.2.1", "2001:db8::1", "fe80::1"])
 def test_addresses_of_others(host: str) -> None:
     assert not is_own_address(host)
