@@ -87,8 +87,8 @@ def open_receiver(address: GroupAddress) -> socket.socket:
         # Several programs of one machine may receive a group.
         if address.is_multicast:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # A socket bound to the group receives only its datagrams. Windows binds only to local addresses, and a
-        # group of one link (ff02::1) would bind the socket to one interface, until that is unplugged.
+        # A socket bound to the group receives only its datagrams. Windows binds only to local addresses.
+        # With a group of one link (ff02::1), it would be bound to one interface, until that is unplugged.
         is_of_link = bool(address.interfaces) and _is_of_link(address.group)
         is_wide = address.is_multicast and (is_of_link or sys.platform == "win32")
         if is_wide and sys.platform == "linux":
