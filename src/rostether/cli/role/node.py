@@ -113,6 +113,10 @@ def run_role(
     from rostether.cli.shell.running import run
 
     arguments = node_arguments(words)
+    # Not an error: launch files may have arguments for another program with the same name.
+    for word in arguments.rest:
+        if word.startswith("--"):
+            warn(f"WARNING: ignored {word!r:.100}; a node's parameters are written _name:=value")
 
     async def until_ended() -> None:
         async with role_node(arguments, default_name, ros2) as graph:

@@ -53,6 +53,13 @@ async def test_a_parameter_that_is_not_a_number(master: MasterServer) -> None:
         await node.wait_for("rostether: error: ~deadzone must be a number, not 'wide'")
 
 
+async def test_an_option_that_a_node_does_not_have(master: MasterServer) -> None:
+    words = ("camera", "--source", "test", "_rate:=0")
+    async with started("role", *words, ROS_MASTER_URI=master.uri) as node:
+        await node.wait_for("WARNING: ignored '--source'; a node's parameters are written _name:=value")
+        await node.wait_for("~rate is above 0")
+
+
 async def test_a_topic_over_multicast_and_back(
     master: MasterServer, graph: TypedGraph, tmp_path: Path
 ) -> None:
