@@ -24,7 +24,6 @@ from rostether.rospy.client.exceptions import (
 from rostether.rospy.client.names import names
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 
-# How often to look for a missing master: it may be starting at the same time.
 _T = TypeVar("_T")
 
 # How long leaving the graph may delay the end of a program.

@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from rostether.errors import RostetherError
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.ros1.node.publication import Publisher as Ros1Publisher
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
@@ -16,7 +15,7 @@ from rostether.rospy.client.message import AnyMsg, Message, SerializationError, 
 from rostether.rospy.client.message_types import message_type_of
 from rostether.rospy.client.node import is_initialized, node
 from rostether.rospy.client.shutdown import is_shutdown
-from rostether.rospy.client.topic import Topic, topics
+from rostether.rospy.client.topic import SharedTopic, Topic, topics
 from rostether.tcpros.message_framing import encode_messages
 
 MAX_WAITING_MESSAGES = 100
@@ -45,17 +44,15 @@ class SubscribeListener:
         """Handle a subscriber that has left; `num_peers` remain."""
 
 
-class PublishedTopic:
+class PublishedTopic(SharedTopic[Ros1Publisher]):
     """The state that all Publishers of one topic share."""
 
+    verb = "publish"
+
     def __init__(self, name: str, data_class: type[Message]) -> None:
-        self.resolved_name = name
-        self.type = data_class._type
-        self.data_class = data_class
-        self.handle_count = 0
+        super().__init__(name, data_class)
         self.is_latch = False
         self.listeners: list[SubscribeListener] = []
-        self._publisher: Ros1Publisher | None = None
         self._sequence = 0
         self._lock = threading.RLock()
         self._waiting: list[bytes] = []
@@ -63,47 +60,17 @@ class PublishedTopic:
         self._is_behind = False
         self._is_empty = threading.Condition()
         self._listener_thread: CallbackThread[Callable[[], object]] | None = None
-        self._is_closed = False
-
-    def open(self) -> None:
-        """Advertise."""
-        if self._is_closed:
-            return
-        try:
-            self._publisher = node.call(self._advertise())
-        except RostetherError as error:
-            raise ROSException(f"cannot publish {self.resolved_name}: {error}") from None
 
     def latch(self) -> None:
         """Keep the last message for later subscribers."""
         self.is_latch = True
-        publisher = self._publisher
+        publisher = self._endpoint
         if publisher is not None:
             node.loop.post(publisher.latch)
 
-    def close(self) -> None:
-        """Unadvertise."""
-        self._is_closed = True
-        node.forget(self.open)
-        if self._publisher is not None and not is_shutdown():
-            node.call(self._close())
-
-    @property
-    def connection_count(self) -> int:
-        """How many subscribers are connected."""
-        return 0 if self._publisher is None else self._publisher.subscriber_count
-
-    def has_connection(self, node_name: str) -> bool:
-        """Return whether a node is among the subscribers."""
-        return node.loop.call(self._has_connection(node_name))
-
-    async def _has_connection(self, node_name: str) -> bool:
-        connections = [] if self._publisher is None else self._publisher.connections
-        return any(connection.record.peer == node_name for connection in connections)
-
     def publish(self, message: Message, only: SubscriberConnection | None = None) -> None:
         """Publish to all subscribers, or to one."""
-        if self._is_closed or self._publisher is None:
+        if self._is_closed or self._endpoint is None:
             if not is_shutdown():
                 raise ROSException("publish() to a closed topic")
             return
@@ -132,7 +99,7 @@ class PublishedTopic:
         with self._is_empty:
             payloads, self._waiting = self._waiting, []
             self._waiting_bytes = 0
-            publisher = self._publisher
+            publisher = self._endpoint
             keeps_up = publisher is None or publisher.publish_raw(payloads)
             if not keeps_up and not self._is_behind:
                 self._is_behind = True
@@ -147,23 +114,28 @@ class PublishedTopic:
         )
 
     async def _catch_up(self) -> None:
-        if self._publisher is not None:
-            await self._publisher.drained(MAX_PAUSE_S)
+        if self._endpoint is not None:
+            await self._endpoint.drained(MAX_PAUSE_S)
         with self._is_empty:
             self._is_behind = False
             self._is_empty.notify_all()
 
-    async def _advertise(self) -> Ros1Publisher:
+    async def _make_endpoint(self) -> Ros1Publisher:
         publisher = await node.graph.advertise(
             self.resolved_name, message_type_of(self.data_class), latch=self.is_latch
         )
         publisher.watch_subscribers(self._note_subscriber)
         return publisher
 
-    async def _close(self) -> None:
+    async def _close_endpoint(self, endpoint: Ros1Publisher) -> None:
         self._flush()
-        if self._publisher is not None:
-            await self._publisher.close()
+        await endpoint.close()
+
+    def _count_connections(self, endpoint: Ros1Publisher) -> int:
+        return endpoint.subscriber_count
+
+    def _connected_nodes(self, endpoint: Ros1Publisher) -> list[str | None]:
+        return [connection.record.peer for connection in endpoint.connections]
 
     def _note_subscriber(self, connection: SubscriberConnection, is_connected: bool) -> None:
         if not self.listeners:
@@ -184,7 +156,7 @@ class PublishedTopic:
         self._listener_thread.put([notify])
 
 
-class Publisher(Topic):
+class Publisher(Topic[PublishedTopic]):
     """Publishes messages on a topic; may be made before init_node."""
 
     def __init__(
@@ -204,8 +176,9 @@ class Publisher(Topic):
                 SyntaxWarning,
                 stacklevel=2,
             )
-        self.impl: PublishedTopic | None
-        self.impl, is_new = topics.acquire(topics.published, (self.name, data_class), PublishedTopic)
+        # A node publishes a topic with one class, the first; as rospy does.
+        self._key = (PublishedTopic, self.name)
+        self.impl, is_new = topics.acquire(self._key, lambda: PublishedTopic(self.name, data_class))
         if subscriber_listener is not None:
             self.impl.listeners.append(subscriber_listener)
         if latch:
@@ -227,16 +200,6 @@ class Publisher(Topic):
             self.impl.publish(message)
         except SerializationError as error:
             raise ROSSerializationException(f"{error}") from None
-
-    def get_num_connections(self) -> int:
-        """Return how many subscribers are connected."""
-        return 0 if self.impl is None else self.impl.connection_count
-
-    def unregister(self) -> None:
-        """End publishing. Idempotent."""
-        impl, self.impl = self.impl, None
-        if impl is not None:
-            topics.release(topics.published, impl.resolved_name)
 
 
 def message_of(data_class: type[Message], args: tuple[Any, ...], kwds: dict[str, Any]) -> Message:

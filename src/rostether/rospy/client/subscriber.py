@@ -6,76 +6,40 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rostether.errors import RostetherError
 from rostether.mechanisms.callback_thread import CallbackThread
+from rostether.ros1.node.subscription import Subscription
 from rostether.rospy.client.exceptions import ROSException
 from rostether.rospy.client.logs import logerr
 from rostether.rospy.client.message import DeserializationError, Message, read_message
 from rostether.rospy.client.message_types import message_type_of
 from rostether.rospy.client.node import node
 from rostether.rospy.client.shutdown import is_shutdown
-from rostether.rospy.client.topic import Topic, topics
+from rostether.rospy.client.topic import SharedTopic, Topic, topics
 
 DEFAULT_BUFF_SIZE = 65536
 
 
-class SubscribedTopic:
+class SubscribedTopic(SharedTopic[Subscription]):
     """The state that all Subscribers of one topic and class share."""
 
+    verb = "subscribe to"
+
     def __init__(self, name: str, data_class: type[Message]) -> None:
-        self.resolved_name = name
-        self.type = data_class._type
-        self.data_class = data_class
-        self.handle_count = 0
+        super().__init__(name, data_class)
         self.callbacks: list[tuple[Callable[..., object], Any]] = []
         self.queue_size: int | None = None
         self.tcp_nodelay = False
         self._latched: dict[str, Message] = {}
         self._threads: list[CallbackThread[tuple[bytes, Mapping[str, str]]]] = []
         self._full = 0
-        self._subscriber: Any = None
-        self._is_closed = False
         self._reported = False
 
-    def open(self) -> None:
-        """Subscribe."""
-        if self._is_closed:
-            return
-        try:
-            self._subscriber = node.call(
-                node.graph.subscribe(
-                    self.resolved_name,
-                    message_type_of(self.data_class),
-                    _ignore,
-                    on_publisher=self._handle_connection,
-                    tcp_nodelay=self.tcp_nodelay,
-                )
-            )
-        except RostetherError as error:
-            raise ROSException(f"cannot subscribe to {self.resolved_name}: {error}") from None
-
     def close(self) -> None:
-        """Unsubscribe."""
-        self._is_closed = True
-        node.forget(self.open)
+        """Unsubscribe, and end the threads."""
         for thread in self._threads:
             thread.close()
         self.callbacks = []
-        if self._subscriber is not None and not is_shutdown():
-            node.call(self._subscriber.close())
-
-    @property
-    def connection_count(self) -> int:
-        """How many publishers are connected."""
-        return 0 if self._subscriber is None else self._subscriber.publisher_count
-
-    def has_connection(self, node_name: str) -> bool:
-        """Return whether a node is among the publishers."""
-        return node.loop.call(self._has_connection(node_name))
-
-    async def _has_connection(self, node_name: str) -> bool:
-        connections = [] if self._subscriber is None else self._subscriber.connections
-        return any(connection.node_name == node_name for connection in connections)
+        super().close()
 
     def add_callback(self, callback: Callable[..., object], arguments: Any) -> None:
         """Call back with every message from now on, and with the latched messages already received."""
@@ -91,6 +55,24 @@ class SubscribedTopic:
         except ValueError:
             raise KeyError("no matching cb") from None
         self.callbacks = remaining
+
+    async def _make_endpoint(self) -> Subscription:
+        return await node.graph.subscribe(
+            self.resolved_name,
+            message_type_of(self.data_class),
+            _ignore,
+            on_publisher=self._handle_connection,
+            tcp_nodelay=self.tcp_nodelay,
+        )
+
+    async def _close_endpoint(self, endpoint: Subscription) -> None:
+        await endpoint.close()
+
+    def _count_connections(self, endpoint: Subscription) -> int:
+        return endpoint.publisher_count
+
+    def _connected_nodes(self, endpoint: Subscription) -> list[str | None]:
+        return [connection.node_name for connection in endpoint.connections]
 
     def _handle_connection(self, fields: Mapping[str, str]) -> Callable[[Sequence[bytes]], None]:
         header = dict(fields)
@@ -110,11 +92,11 @@ class SubscribedTopic:
 
     def _pause_or_resume(self, change: int) -> None:
         self._full += change
-        if self._subscriber is not None and not self._is_closed:
+        if self._endpoint is not None and not self._is_closed:
             if self._full:
-                self._subscriber.pause()
+                self._endpoint.pause()
             else:
-                self._subscriber.resume()
+                self._endpoint.resume()
 
     def _receive(self, item: tuple[bytes, Mapping[str, str]]) -> None:
         payload, header = item
@@ -132,7 +114,7 @@ class SubscribedTopic:
             _invoke(message, callback, arguments)
 
 
-class Subscriber(Topic):
+class Subscriber(Topic[SubscribedTopic]):
     """Calls a function with each message of a topic."""
 
     def __init__(
@@ -154,8 +136,8 @@ class Subscriber(Topic):
             raise ROSException("buffer size must be a positive integer")
         self.callback = callback
         self.callback_args = callback_args
-        self.impl: SubscribedTopic | None
-        self.impl, is_new = topics.acquire(topics.subscribed, (self.name, data_class), SubscribedTopic)
+        self._key = (SubscribedTopic, self.name, data_class)
+        self.impl, is_new = topics.acquire(self._key, lambda: SubscribedTopic(self.name, data_class))
         if queue_size is not None:
             self.impl.queue_size = None if queue_size == -1 else queue_size
         self.impl.tcp_nodelay = self.impl.tcp_nodelay or tcp_nodelay
@@ -164,17 +146,11 @@ class Subscriber(Topic):
         if is_new:
             node.when_joined(self.impl.open)
 
-    def get_num_connections(self) -> int:
-        """Return how many publishers are connected."""
-        return 0 if self.impl is None else self.impl.connection_count
-
     def unregister(self) -> None:
         """End the subscription. Idempotent."""
-        impl, self.impl = self.impl, None
-        if impl is not None:
-            if self.callback is not None:
-                impl.remove_callback(self.callback, self.callback_args)
-            topics.release(topics.subscribed, (impl.resolved_name, impl.data_class))
+        if self.impl is not None and self.callback is not None:
+            self.impl.remove_callback(self.callback, self.callback_args)
+        super().unregister()
 
 
 def _invoke(message: Message, callback: Callable[..., object], arguments: Any) -> None:
