@@ -20,6 +20,10 @@ _LAUNCH_SUFFIXES = (".launch", ".xml", ".test")
 _MAX_LISTED = 8
 
 
+# Packages that come with rostether: their launch files work under the usual names.
+_BUNDLED = Path(__file__).with_name("share")
+
+
 @dataclass(frozen=True, slots=True)
 class LaunchSources:
     """Files in order, whether standard input is also read, and the arguments; the last of a name is used."""
@@ -80,6 +84,11 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
         places = ", ".join(str(each.relative_to(folder)) for each in found)
         raise ConfigError(f"package {package} has several files {name}; give one of {places}")
     return found[0] if found else None
+
+
+def bundled_packages() -> dict[str, Path]:
+    """Map the names of bundled packages to their folders; user packages with the same name have priority."""
+    return {folder.name: folder for folder in sorted(_BUNDLED.iterdir()) if folder.is_dir()}
 
 
 def launch_files(folder: Path) -> list[str]:

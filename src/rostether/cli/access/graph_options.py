@@ -136,14 +136,14 @@ _ROS1_HELP = "Use the ROS 1 graph even if ROS 2 is sourced"
 
 def ros2_option(explanation: str, metavar: str = "[zenoh|rclpy]") -> Callable[[Function], Function]:
     """Return the option `--ros2 [MIDDLEWARE]`, with its help."""
-    return click.option(
+    return add_option(
         ROS2_OPTION,
+        explanation,
         cls=OptionalValueOption,
         alone=ANY_MIDDLEWARE,
         is_value=is_middleware,
         type=MiddlewareName(),
         metavar=metavar,
-        help=explanation,
     )
 
 

@@ -98,7 +98,7 @@ async def check_free(name: str, namespace: str, is_live: IsLive | None) -> None:
 
 async def private_parameters(graph: TypedGraph) -> dict[str, Any]:
     """Return all private parameters of the node; empty if it has none."""
-    found = await graph.raw.get_param("~") if await graph.raw.has_param("~") else {}
+    found = await graph.get_param("~", {})
     return dict(found) if isinstance(found, Mapping) else {}
 
 

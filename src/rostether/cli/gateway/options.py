@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import click
-
 from rostether.cli.shell.option_group import OptionalValueOption, add_option, option_group
 from rostether.errors import ConfigError
 from rostether.ports.config_paths import certificates_folder
@@ -98,13 +96,8 @@ _VIEW_OPTIONS = (
 
 
 def _place_option(spelling: str, text: str) -> Callable[[Any], Any]:
-    return click.option(
-        spelling,
-        cls=OptionalValueOption,
-        alone=DEFAULT_PLACE,
-        is_value=is_place,
-        metavar="[HOST:PORT]",
-        help=text,
+    return add_option(
+        f"{spelling} [HOST:PORT]", text, cls=OptionalValueOption, alone=DEFAULT_PLACE, is_value=is_place
     )
 
 

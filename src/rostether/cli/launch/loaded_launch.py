@@ -16,11 +16,10 @@ from rostether.cli.launch.served_nodes import replacement_line, served_nodes, se
 from rostether.cli.shell.input import STDIN, read_bytes
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
-from rostether.launch.bundled_packages import bundled_packages
 from rostether.launch.command_line import Locate, Program, Replaced
 from rostether.launch.loading import load_launch
 from rostether.launch.plan import LaunchPlan
-from rostether.launch.sources import LaunchSources, find_sources
+from rostether.launch.sources import LaunchSources, bundled_packages, find_sources
 from rostether.packages.locate import package_around, package_folders
 from rostether.rospy.environment import node_environment
 

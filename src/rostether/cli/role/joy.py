@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rostether.cli.role.node import reporter, role
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level, ParamValue
+from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 
@@ -25,8 +25,8 @@ async def joy_node(graph: TypedGraph, _: Arguments) -> None:
     from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
 
     report = reporter(graph)
-    device = str(await _get(graph, "dev", DEFAULT_DEVICE))
-    if name := str(await _get(graph, "dev_name", "")):
+    device = str(await graph.get_param("~dev", DEFAULT_DEVICE))
+    if name := str(await graph.get_param("~dev_name", "")):
         found = device_named(name)
         if found is None:
             report(Level.ERROR, f"no joystick has the name {name!r}; using {device}")
@@ -36,18 +36,14 @@ async def joy_node(graph: TypedGraph, _: Arguments) -> None:
         deadzone=await _number(graph, "deadzone", 0.05),
         autorepeat_rate_hz=await _number(graph, "autorepeat_rate", 0.0),
         coalesce_interval_s=await _number(graph, "coalesce_interval", 0.001),
-        sticky_buttons=bool(await _get(graph, "sticky_buttons", False)),
-        default_trig_val=bool(await _get(graph, "default_trig_val", False)),
+        sticky_buttons=bool(await graph.get_param("~sticky_buttons", False)),
+        default_trig_val=bool(await graph.get_param("~default_trig_val", False)),
     )
     await publish_joystick(graph, settings, report)
 
 
-async def _get(graph: TypedGraph, name: str, default: ParamValue) -> ParamValue:
-    return await graph.raw.get_param(f"~{name}") if await graph.raw.has_param(f"~{name}") else default
-
-
 async def _number(graph: TypedGraph, name: str, default: float) -> float:
-    value = await _get(graph, name, default)
+    value = await graph.get_param(f"~{name}", default)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigError(f"~{name} must be a number, not {value!r}")
     return float(value)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import partial
 
 import click
 
@@ -66,8 +65,8 @@ def throttle(arguments: tuple[str, ...]) -> None:
     async def main(graph: TypedGraph, _: Arguments) -> None:
         from rostether.nodes.forwarding import ByteRate, MessageRate, forward
 
-        ros_time = partial(_ros_time_s, graph)
-        now_s: Callable[[], float] = time.time if await _flag(graph, "wall_clock") else ros_time
+        is_wall_time = await _flag(graph, "wall_clock")
+        now_s: Callable[[], float] = time.time if is_wall_time else lambda: graph.now().to_s()
         select = MessageRate(limits[0], now_s) if count == 3 else ByteRate(int(limits[0]), limits[1], now_s)
         await forward(graph.raw, source, target, select, lazy=await _flag(graph, "lazy"))
 
@@ -156,8 +155,4 @@ def _number(text: str) -> float:
 
 
 async def _flag(graph: TypedGraph, name: str) -> bool:
-    return await graph.raw.has_param(f"~{name}") and bool(await graph.raw.get_param(f"~{name}"))
-
-
-def _ros_time_s(graph: TypedGraph) -> float:
-    return graph.now().to_s()
+    return bool(await graph.get_param(f"~{name}", False))
