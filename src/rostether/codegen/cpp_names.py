@@ -67,7 +67,7 @@ def include_path(full_name: str) -> str:
 
 
 def include_guard(full_name: str) -> str:
-    """Return the macro that guards a header. No two types share one, also if they differ only in case."""
+    """Return the macro that guards a header. No two types share one, even if they differ only in case."""
     package, _, short_name = full_name.partition("/")
     # Distinguishes a_b/C from a/b_C.
     length = f"_{len(package)}" if "_" in short_name else ""

@@ -1,4 +1,4 @@
-"""A cache for the names of the types in a registry."""
+"""Caches the names of the types in a registry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Readable C++ names."""
+"""Converts the names of C++ symbols to readable ones."""
 
 from __future__ import annotations
 

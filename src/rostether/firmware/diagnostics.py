@@ -17,7 +17,7 @@ from rostether.msgdef.registry import Registry
 
 _MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
 _UNDECLARED = re.compile(r"'(\w+)' was not declared")
-# A second directive, or code, after an #include; after a comment, the functions that every sketch has.
+# Lines with a second directive or code after an #include, and with setup() or loop() after a `//`.
 _JOINED = re.compile(
     r"^[ \t]*#[ \t]*include[ \t]*(?:<[^<>\n]+>|\"[^\"\n]+\")[ \t]*(?P<rest>(?!//|/\*)\S.*)$"
     r"|^[ \t]*#[ \t]*define[ \t].*?(?P<second>#[ \t]*(?:include|define)[ \t].*)$"

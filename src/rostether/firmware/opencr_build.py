@@ -30,7 +30,7 @@ _SOURCES = (".h", ".hpp", ".c", ".cpp", ".cc", ".cxx", ".ino", ".pde")
 
 
 async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
-    """Return the program of an .ino file or a folder with one, compiled now if it has not been.
+    """Return the program of an .ino file or a folder with one, compiled if necessary.
 
     `msg_paths` are folders with message definitions. Raises FirmwareError when there is no such sketch or no
     compiler, SketchError when it does not compile.

@@ -1,4 +1,4 @@
-"""The prototypes that an Arduino sketch may omit: its functions may be used before their definition.
+"""Finds the prototypes that an Arduino sketch may omit: its functions may be used before their definition.
 
 The IDE puts all prototypes before the first function. Here each one comes as late as possible: before the
 first statement that uses the function. So parameters may have types of the sketch, and a global object can
@@ -97,7 +97,7 @@ def _name_token(function: Function) -> Token:
 
 
 def _is_declared(function: Function, before: Sequence[Statement]) -> bool:
-    """Return whether the sketch itself declares the function in time."""
+    """Return whether one of the statements before a function already declares it."""
     return any(
         each.function is not None
         and each.function.name == function.name

@@ -80,7 +80,7 @@ class _Search:
         self.gave_up = False
 
     def deepest(self, roots: Iterable[int]) -> _Path:
-        """Return the deepest path from some functions, 0 if there are none."""
+        """Return the deepest path from some functions; its depth is 0 if there are none."""
         paths = (self._path(root, frozenset()) for root in roots)
         best = max(paths, key=lambda path: path.depth_bytes, default=None)
         if best is None:

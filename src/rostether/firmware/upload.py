@@ -1,4 +1,4 @@
-"""Flashing a board through its boot loader, with avrdude or arduino-cli.
+"""Flashes a board through its boot loader, with avrdude or arduino-cli.
 
 Boards with native USB (Leonardo, Micro) enter the boot loader when their port is opened at 1200 baud and
 closed. The port then disappears for a moment, and may come back under another name.
@@ -77,7 +77,7 @@ async def prepare_upload(
     uses_arduino_cli: bool = False,
     list_ports: ListPorts = list_serial_ports,
 ) -> str:
-    """Return the port of a board, `port` if it is given, once it is known that it can be flashed there.
+    """Check that a board can be flashed; return its port, which is `port` if given.
 
     Raises FirmwareError or TransportOpenError: no program, no port, port busy, no permission.
     """

@@ -1,4 +1,4 @@
-"""<param> and <rosparam>: values from attributes, files, programs and YAML."""
+"""Reads <param> and <rosparam>: values from attributes, files, programs and YAML."""
 
 from __future__ import annotations
 

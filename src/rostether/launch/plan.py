@@ -77,7 +77,7 @@ class DeleteParameters:
 
 @dataclass(frozen=True, slots=True)
 class DeclaredArgument:
-    """An <arg> of a launch file; without a default it must be given, with a fixed value it cannot be."""
+    """An <arg> of a launch file. Users must give one without a default, and cannot give a fixed one."""
 
     name: str
     default: str | None = None

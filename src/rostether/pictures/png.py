@@ -1,4 +1,4 @@
-"""A scene as an SVG file, or as PNG, drawn by the package `resvg_py` (extra `pictures`)."""
+"""Converts a scene to SVG or PNG; the package `resvg_py` (extra `pictures`) draws the PNG."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`rostether bag cut`: writes a span of time out of many recordings to one."""
+"""`rostether bag cut`: copies a span of time from many recordings into one."""
 
 from __future__ import annotations
 

@@ -41,8 +41,8 @@ NOTHING = (
     """
     rostether monitor                     live, until Ctrl-C
     rostether monitor --once              one table
-    rostether monitor --once --json       one object a board
-    rostether monitor --json              one object a board and second
+    rostether monitor --once --json       an object for each board
+    rostether monitor --json              the same every second
     """,
 )
 @add_flag("--once", "Print one table and exit (the default without a terminal).")

@@ -133,7 +133,7 @@ def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: 
 
 
 async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> str:
-    """Build and flash a sketch; returns the port of the board. Raises FirmwareError, ConfigError."""
+    """Build and flash a sketch; return the port of the board. Raises FirmwareError, ConfigError."""
     from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure_built

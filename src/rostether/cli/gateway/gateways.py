@@ -105,8 +105,8 @@ async def rosbridge_gateway(
 ) -> AsyncIterator[RosbridgeServer]:
     """Run rosbridge at `options.rosbridge` as long as the block lasts.
 
-    Raises ConfigError naming what is not installed, TransportOpenError where the port cannot be listened on,
-    GraphError where another node has the name.
+    Raises ConfigError if a package is missing, TransportOpenError if the port is not free, GraphError if
+    another node has the name.
     """
     check_rosbridge()
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
@@ -132,7 +132,7 @@ async def rosbridge_gateway(
 
 
 async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Report) -> Graph:
-    """Join as soon as there is a master. Raises GraphError where another node has the name."""
+    """Join as soon as there is a master. Raises GraphError if another node has the name."""
 
     async def join(
         node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None

@@ -65,7 +65,7 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
 
 _TLS_OPTION = add_option(
     "--tls",
-    "Encrypt: auto with a certificate of this machine's own, or with a PEM file of certificate and key.",
+    "Encrypt connections: auto makes a certificate for this machine; or give a PEM file with certificate and key.",
     default="",
     metavar="auto|FILE",
 )

@@ -168,7 +168,7 @@ def _generated_packages(directory: Path) -> list[str]:
 
     library = directory.expanduser() / LIBRARY_NAME
     registry = Registry.from_environment(())
-    # The established tool has no folder for sources.
+    # The established make_libraries.py puts the packages' headers directly into the library.
     folders = [each for part in (f"{SOURCE_FOLDER}/*", "*") for each in library.glob(part) if each.is_dir()]
     names = sorted({each.name for each in folders})
     return [name for name in names if registry.messages(name) or registry.services(name)]

@@ -49,7 +49,7 @@ SHIMS = {
     "rqt_image_view": ("run", "rqt_image_view", "rqt_image_view"),
     "rqt_plot": ("run", "rqt_plot", "rqt_plot"),
     "rviz": ("run", "rviz", "rviz"),
-    # Its arguments are the same as those of the verbs.
+    # `ros2 topic echo` becomes `rostether topic echo`.
     "ros2": (),
 }
 # Per shim: a variable that is set for the command.

@@ -1,4 +1,4 @@
-"""`node kill` and `node cleanup`: ends nodes, and removes the entries of nodes that have crashed."""
+"""`node kill` and `node cleanup`: end nodes, and remove the entries of nodes that have crashed."""
 
 from __future__ import annotations
 

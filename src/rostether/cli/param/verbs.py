@@ -1,4 +1,4 @@
-"""`rostether param list|get|set|delete|describe|dump|load`: reading and writing parameters."""
+"""`rostether param list|get|set|delete|describe|dump|load`: reads and writes parameters."""
 
 from __future__ import annotations
 

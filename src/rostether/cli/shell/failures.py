@@ -48,7 +48,7 @@ def exit_code_of(command: Callable[[], object]) -> int:
 
 
 def _is_interruption(error: BaseException | None) -> bool:
-    """Return whether Ctrl-C caused an error: Python 3.11 wraps one in a class body in a RuntimeError."""
+    """Return whether Ctrl-C caused an error: Python 3.11 wraps it in a RuntimeError if it comes in a class body."""
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
             return True

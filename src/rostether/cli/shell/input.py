@@ -97,11 +97,11 @@ async def _read(descriptor: int) -> bytes:
 
 
 def _may_read(descriptor: int) -> bool:
-    """Return whether reading would stop us: a background command must not read from a terminal."""
+    """Return whether we may read: the system stops a background command that reads from its terminal."""
     try:
         return not os.isatty(descriptor) or os.tcgetpgrp(descriptor) == os.getpgrp()
     except OSError:
-        return True  # a terminal of another session does not stop us
+        return True  # The terminal of another session stops nobody.
 
 
 async def piped_documents(stream: TextIO) -> AsyncIterator[str]:

@@ -1,4 +1,4 @@
-"""Ctrl-C outside of event loops: before the first of a command, and between two."""
+"""Handles Ctrl-C outside of event loops: before the first of a command, and between two."""
 
 from __future__ import annotations
 

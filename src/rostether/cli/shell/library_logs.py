@@ -55,7 +55,10 @@ class _Lines(logging.Handler):
 
 
 def show_library_logs(show: Callable[[Level, str], None] | None = None) -> None:
-    """Send warnings and worse to `show`, to stderr as `WARNING: text` without one. The last call applies."""
+    """Send warnings and errors to `show`, or write them to stderr as `WARNING: text`.
+
+    A later call replaces an earlier one.
+    """
     handler = _Lines(show or (lambda level, text: warn(f"{logging.getLevelName(_python(level))}: {text}")))
     for logger in (_ROSTETHER, _ASYNCIO):
         for earlier in [each for each in logger.handlers if isinstance(each, _Lines)]:

@@ -1,4 +1,4 @@
-"""Writing results: lines for users, and one JSON object per line for scripts."""
+"""Writes results: lines for users, and one JSON object per line for scripts."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from rostether.transports.descriptors import allow_many_descriptors
 
 T = TypeVar("T")
 
-# After a signal, a loop that is busy for this long is interrupted; 50 ms is a defect.
+# A signal interrupts a loop that is busy for this long; a step of more than 50 ms is already a defect.
 BUSY_S = 2.0
 
 # The exit code that a shell reports for a program that SIGTERM ended.

@@ -20,7 +20,7 @@ from rostether.cli.shell.option_group import OptionalValueOption
 # Maximum width of help text: longer lines are hard to read on wide terminals.
 HELP_WIDTH = 100
 
-# click's own minimum is wider than a narrow terminal, which then breaks each line twice.
+# With click's own minimum, a narrow terminal would break each line a second time.
 _MIN_HELP_WIDTH = 20
 # Below it, an option's text has too little space beside the option.
 _WIDTH_FOR_COLUMNS = 60

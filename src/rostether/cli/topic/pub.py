@@ -1,4 +1,4 @@
-"""`rostether topic pub`: publishing messages typed on the command line, from a file or through a pipe."""
+"""`rostether topic pub`: publishes messages from the command line, a file or a pipe."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class IntervalWindow:
         self._last_s = now_s
 
     def report(self) -> Spread | None:
-        """Return the spread, or None without a message since the last report."""
+        """Return the spread, or None if no message has come since the last report."""
         if not self._intervals or self._last_s == self._reported_s:
             return None
         self._reported_s = self._last_s
@@ -74,7 +74,7 @@ class DelayWindow:
         self._has_news = True
 
     def report(self) -> Spread | None:
-        """Return the spread, or None without a message since the last report."""
+        """Return the spread, or None if no message has come since the last report."""
         if not self._has_news:
             return None
         self._has_news = False

@@ -15,7 +15,7 @@ from rostether.cli.gateway import foxglove
 from rostether.cli.gateway.foxglove import settings_of_parameters
 from rostether.errors import ConfigError
 from rostether.gateways.foxglove.settings import CAPABILITIES, FoxgloveLimits, FoxgloveSettings
-from rostether.launch.bundled_packages import bundled_packages
+from rostether.launch.sources import bundled_packages
 from rostether.ros1.master.server import MasterServer
 from unit.gateways.foxglove.protocol_client import ProtocolClient
 

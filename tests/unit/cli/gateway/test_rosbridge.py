@@ -16,7 +16,7 @@ from programs import started
 from rostether.cli.gateway.rosbridge import read_settings
 from rostether.errors import ConfigError
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.launch.bundled_packages import bundled_packages
+from rostether.launch.sources import bundled_packages
 from rostether.ros1.master.server import MasterServer
 
 
