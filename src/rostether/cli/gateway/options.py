@@ -65,7 +65,7 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
 
 _TLS_OPTION = add_option(
     "--tls",
-    "Encrypt connections: auto makes a certificate for this machine; or give a PEM file with certificate and key.",
+    "Encrypt: auto makes a certificate for this machine; or give a PEM file with certificate and key.",
     default="",
     metavar="auto|FILE",
 )

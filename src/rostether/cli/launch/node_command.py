@@ -68,7 +68,7 @@ def explain_unknown_package(package: str, program: str, packages: Mapping[str, P
 def python_for(script: Path, environ: Mapping[str, str]) -> list[str]:
     """Return the words before the script's path on its command line: a Python, and flags of its first line.
 
-    Naming it lets scripts run that are not executable, or have Windows line ends.
+    With these words, scripts also run if they are not executable or have Windows line ends.
     """
     if chosen := environ.get(PYTHON_VARIABLE):
         return [chosen]

@@ -161,7 +161,7 @@ def make_libraries(context: click.Context, directory: Path, packages: tuple[str,
 
 
 def _generated_packages(directory: Path) -> list[str]:
-    """Return the packages in a library that is there, as far as their definitions are known."""
+    """Return the packages in an existing library whose definitions are known."""
     from rostether.codegen.arduino_library import LIBRARY_NAME
     from rostether.codegen.library_source import SOURCE_FOLDER
     from rostether.msgdef.registry import Registry

@@ -48,7 +48,7 @@ def exit_code_of(command: Callable[[], object]) -> int:
 
 
 def _is_interruption(error: BaseException | None) -> bool:
-    """Return whether Ctrl-C caused an error: Python 3.11 wraps it in a RuntimeError if it comes in a class body."""
+    """Return whether Ctrl-C caused an error; Python 3.11 may wrap it in a RuntimeError."""
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
             return True
