@@ -64,7 +64,7 @@ def _flush_output(code: int) -> int:
             from rostether.cli.shell.output import forget
 
             forget(stream)
-            # A closed pipe ended a command that is done (`| head`); a full disk lost its output.
+            # A closed pipe (`| head`) is no failure; a full disk is one, because output is lost.
             if code == EXIT_DONE and not isinstance(error, BrokenPipeError):
                 print_error(error_text(error))
                 code = EXIT_FAILED

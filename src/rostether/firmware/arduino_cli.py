@@ -68,7 +68,7 @@ def _ros_library(sketch: Sketch, given: list[Library], ros: RosLibrary) -> Libra
         for file in files
         for header in _INCLUDE.findall(file.read_text(encoding="utf-8", errors="replace"))
     ]
-    wanted = [each for each in headers if choose(each, given) is None and ros.wants(each)]
+    wanted = [each for each in headers if choose(each, given) is None and ros.add_header(each)]
     return ros.write() if wanted else None
 
 

@@ -167,7 +167,7 @@ class LibraryChoice:
         for header in headers:
             found = choose(header, self._libraries)
             # The library generated for this build has priority over an older one in the sketchbook.
-            if (found is None or found.origin is not Origin.GIVEN) and self._ros.wants(header):
+            if (found is None or found.origin is not Origin.GIVEN) and self._ros.add_header(header):
                 wants_ros = True
             elif found is not None:
                 chosen[found.folder] = found

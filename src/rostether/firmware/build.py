@@ -99,7 +99,7 @@ async def build_sketch(sketch: Path, board: Board, options: BuildOptions | None 
 
 
 def save_outputs(built: BuiltFirmware, folder: Path) -> tuple[Path, Path]:
-    """Copy the ELF and the image into a folder; raises FirmwareError if it cannot be written."""
+    """Copy the ELF and the image into a folder. Raises FirmwareError if it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         copies = [folder / each.name for each in (built.elf, built.image)]

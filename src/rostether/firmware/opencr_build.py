@@ -49,7 +49,7 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
     contents = {str(each): each.read_bytes() for each in files}
     for content in contents.values():
         for header in _INCLUDE.findall(content):
-            ros.wants(header.decode())
+            ros.add_header(header.decode())
     library = ros.write()
     core = _core()
     key = digest(

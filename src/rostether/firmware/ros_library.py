@@ -44,8 +44,8 @@ class RosLibrary:
 
         return Registry.from_environment(msg_paths=self._msg_paths)
 
-    def wants(self, header: str) -> bool:
-        """Return whether a missing header belongs to this library; if so, adds its package."""
+    def add_header(self, header: str) -> bool:
+        """Add the package of a missing header; return whether the header belongs to this library."""
         match = _TYPE_HEADER.fullmatch(header)
         is_type = match is not None and self._knows(match[1], match[2])
         if match is not None and is_type:

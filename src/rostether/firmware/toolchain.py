@@ -109,7 +109,7 @@ def find_avr_toolchain(
 
 
 def find_arduino_cli(reason: str, environ: Mapping[str, str] | None = None) -> str:
-    """Return the path of arduino-cli; raises FirmwareError with the reason why it is needed."""
+    """Return the path of arduino-cli. Raises FirmwareError with the reason why it is needed."""
     program = shutil.which("arduino-cli", path=(os.environ if environ is None else environ).get("PATH"))
     if program is None:
         raise FirmwareError(

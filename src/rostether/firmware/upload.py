@@ -97,7 +97,7 @@ async def upload(
     show: Show | None = None,
     list_ports: ListPorts = list_serial_ports,
 ) -> str:
-    """Flash a board; returns the output of the flashing program.
+    """Flash a board; return the output of the flashing program.
 
     Raises FirmwareError or TransportOpenError: no program, no port, port busy, no permission, no answer.
     """
@@ -158,7 +158,7 @@ def check_port(port: str, list_ports: ListPorts = list_serial_ports) -> None:
 
 
 async def touch(port: str, list_ports: ListPorts = list_serial_ports, limit_s: float = TOUCH_LIMIT_S) -> str:
-    """Make a board with native USB enter its boot loader; returns the boot loader's port."""
+    """Make a board with native USB enter its boot loader; return the boot loader's port."""
     loop = asyncio.get_running_loop()
     before = {each.path for each in list_ports()}
     await _open_at_touch_baud(port)

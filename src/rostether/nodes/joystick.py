@@ -49,7 +49,7 @@ class Joystick:
         self.deadzone = min(max(deadzone, 0.0), MAX_DEADZONE)
 
     def feed(self, data: bytes) -> When:
-        """Handle bytes of the device, which may contain partial events; returns when to publish."""
+        """Handle bytes of the device, which may contain partial events; return when to publish."""
         data = self._rest + data
         end = len(data) - len(data) % EVENT.size
         self._rest = data[end:]

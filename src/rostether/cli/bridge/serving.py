@@ -49,7 +49,7 @@ def read_links(text: str, hosts: Sequence[str] = (LOOPBACK,), allowed: tuple[str
 
 
 def read_web_boards(links: list[Address], *, is_served: bool, is_refused: bool) -> WebBoards | None:
-    """Return the boards that pages of the dashboard connect, None without; adds their link if none is typed.
+    """Return the boards that pages of the dashboard connect, None without; add their link if none is typed.
 
     Raises ConfigError for a link that cannot be served.
     """

@@ -100,7 +100,7 @@ class RecentLines:
         self.lines: deque[str] = deque(maxlen=MAX_LINES)
 
     def line(self, level: Level, text: str, *, node: str = "") -> None:
-        """Keep one line."""
+        """Keep a line, without those for debugging."""
         if level >= Level.INFO:
             self.lines.append(f"{node}: {text}" if node else text)
 

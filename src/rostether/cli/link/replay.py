@@ -156,7 +156,7 @@ class _Settling:
         self._known = 0
 
     async def settle(self) -> float:
-        """Wait; returns for how many seconds, 0.0 if nothing was new."""
+        """Wait; return for how many seconds, 0.0 if nothing was new."""
         await asyncio.sleep(0)
         loop = asyncio.get_running_loop()
         began_s = loop.time()

@@ -58,7 +58,7 @@ async def _resolve_running(environment: RosEnvironment, names: tuple[str, ...]) 
 
 
 async def _kill(environment: RosEnvironment, names: list[str]) -> list[tuple[str, str]]:
-    """Ask each node to shut down; returns those that could not be asked, with the reason."""
+    """Ask each node to shut down; return those that could not be asked, with the reason."""
     failed = []
     async with master_client(environment) as client:
         for name in names:
@@ -102,7 +102,7 @@ def _is_confirmed() -> bool:
 
 
 async def _silent(environment: RosEnvironment) -> dict[str, str]:
-    """Ping every node; returns the URI of each that did not answer."""
+    """Ping every node; return the URI of each that did not answer."""
     silent = {}
     async with master_client(environment) as client:
         for name in await node_names(client):

@@ -87,7 +87,7 @@ async def _read(descriptor: int) -> bytes:
             await ready.wait()
         finally:
             loop.remove_reader(descriptor)
-        if _may_read(descriptor):
+        if not is_background_job(descriptor):
             break
         await asyncio.sleep(_BACKGROUND_S)
     try:
@@ -96,12 +96,13 @@ async def _read(descriptor: int) -> bytes:
         return b""
 
 
-def _may_read(descriptor: int) -> bool:
-    """Return whether we may read: the system stops a background command that reads from its terminal."""
+def is_background_job(terminal: int) -> bool:
+    """Return whether the shell would stop us when we read from its terminal or change it."""
     try:
-        return not os.isatty(descriptor) or os.tcgetpgrp(descriptor) == os.getpgrp()
+        return os.tcgetpgrp(terminal) != os.getpgrp()
     except OSError:
-        return True  # The terminal of another session stops nobody.
+        # It is not a terminal, or that of another session.
+        return False
 
 
 async def piped_documents(stream: TextIO) -> AsyncIterator[str]:

@@ -9,6 +9,8 @@ import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 
+from rostether.cli.shell.input import is_background_job
+
 # A held key repeats thirty times a second, three bytes each.
 _READ_BYTES = 1024
 
@@ -26,7 +28,7 @@ def typed_keys(on_typed: Callable[[bytes], None]) -> Iterator[bool]:
     except ImportError:
         yield False
         return
-    if not sys.stdin.isatty() or _is_background_job(sys.stdin.fileno()):
+    if not sys.stdin.isatty() or is_background_job(sys.stdin.fileno()):
         yield False
         return
     stdin = sys.stdin.fileno()
@@ -48,15 +50,6 @@ def typed_keys(on_typed: Callable[[bytes], None]) -> Iterator[bool]:
         loop.remove_reader(stdin)
         with contextlib.suppress(termios.error):
             termios.tcsetattr(stdin, termios.TCSADRAIN, before)
-
-
-def _is_background_job(terminal: int) -> bool:
-    """Return whether the shell would stop us when we change its terminal."""
-    try:
-        return os.tcgetpgrp(terminal) != os.getpgrp()
-    except OSError:
-        # The terminal has no shell.
-        return False
 
 
 def split_keys(typed: bytes, known: Collection[bytes]) -> list[bytes]:
