@@ -3,7 +3,7 @@
 DIR/ros_lib/
     library.properties library.json keywords.txt ...    hand-written, from the client library
     src/ros.h src/ros/... src/tf/...                    hand-written
-    src/sensor_msgs/Range.h ...                         generated, one header a message or service
+    src/sensor_msgs/Range.h ...                         generated, one header for each message or service
     examples/...                                        hand-written; only in a library of all messages
 """
 

@@ -191,7 +191,7 @@ async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Repo
     def report(event: BoardEvent) -> None:
         text = f"{link}: {show_event(event).strip()}"
         if event.name in _WARNINGS:
-            # One event for each lost byte: thousands, when a program does not read.
+            # There is an event for each lost byte: thousands if a program does not read.
             notices.episode(event.name, Level.WARN, text)
         else:
             notices.show(Level.INFO, text)
