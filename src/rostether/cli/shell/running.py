@@ -108,7 +108,13 @@ class _Ending:
         if self.exit_code is not None:
             main.close()
             raise asyncio.CancelledError
-        return await main
+        try:
+            return await main
+        finally:
+            # asyncio closes its socket for signals before it forgets it: a late Ctrl-C would be reported.
+            if isinstance(loop, asyncio.SelectorEventLoop):
+                with contextlib.suppress(ValueError):
+                    signal.set_wakeup_fd(-1)
 
     def _arrived(self, number: int, _frame: object) -> None:
         code = self._codes[signal.Signals(number)]

@@ -312,3 +312,16 @@ async def test_a_manager_that_has_ended(monkeypatch: pytest.MonkeyPatch, tmp_pat
         return 3
 
     assert await notifying_systemd(main()) == 3
+
+
+def test_a_signal_at_the_end_finds_no_closed_socket(monkeypatch: pytest.MonkeyPatch) -> None:
+    sockets: list[int] = []
+    close = asyncio.Runner.close
+
+    def watched_close(runner: asyncio.Runner) -> None:
+        sockets.append(signal.set_wakeup_fd(-1))
+        close(runner)
+
+    monkeypatch.setattr(asyncio.Runner, "close", watched_close)
+    run(asyncio.sleep(0))
+    assert sockets == [-1]
