@@ -49,7 +49,9 @@ def parse_rpc_uri(uri: str, *, scheme: str = "http") -> RpcUri:
     """Parse the URI of a node or master. Raises ConfigError."""
     match = _URI.fullmatch(uri.strip())
     if match is None or match["scheme"] != scheme or not 0 < int(match["port"]) < 65536:
-        raise ConfigError(f"{uri!r:.200} is not a URI like {scheme}://192.168.1.7:11311; give host and port")
+        is_bare = "://" not in uri and _URI.fullmatch(f"{scheme}://{uri.strip()}") is not None
+        example = uri.strip() if is_bare else "192.168.1.7:11311"
+        raise ConfigError(f"{uri!r:.200} is not a URI; write host and port, as {scheme}://{example}")
     return RpcUri(match["host"].strip("[]"), int(match["port"]), match["path"] or "/")
 
 

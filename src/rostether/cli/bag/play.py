@@ -190,7 +190,7 @@ def _check_topics(settings: PlaySettings, recorded: set[str]) -> None:
     missing = sorted((settings.topics | settings.pause_topics) - recorded)
     if missing:
         near = did_you_mean(missing[0], recorded)
-        hint = near or f"`rostether bag info` lists its {len(recorded)} topics"
+        hint = near or "`rostether bag info` lists its topics"
         raise ConfigError(f"the recording has no topic {missing[0]}; {hint}")
 
 

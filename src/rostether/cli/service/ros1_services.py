@@ -151,6 +151,9 @@ async def call(
         if options.wait:
             await _wait_for_service(client, name, options.timeout_s)
         type_name = await probe_type(client, name)
+    # `ros2 service call` takes the type before the values.
+    if values and values[0] in (type_name, type_name.replace("/", "/srv/")):
+        values = values[1:]
     async with joined(graph_options, options.msg_paths, purpose="rosservice") as graph:
         async for request in _requests(graph, type_name, values):
             response = await graph.call(name, type_name, request, timeout_s=options.timeout_s)

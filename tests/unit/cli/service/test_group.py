@@ -96,6 +96,12 @@ def test_call_prints_what_rosservice_prints(
     assert shell.output("service", "call", *arguments) == response
 
 
+@pytest.mark.parametrize("type_name", ["std_srvs/SetBool", "std_srvs/srv/SetBool"])
+def test_call_accepts_the_type_as_ros2_does(board: Ros1Graph, shell: Shell, type_name: str) -> None:
+    printed = shell.output("service", "call", "/set_led", type_name, "{data: true}")
+    assert printed == 'success: True\nmessage: "on"\n'
+
+
 def test_call_takes_requests_from_a_pipe(board: Ros1Graph, shell: Shell) -> None:
     printed = shell.output("service", "call", "/set_led", stdin="data: true\n---\n[false]\n---\n")
     assert printed == 'success: True\nmessage: "on"\nsuccess: False\nmessage: "off"\n'
