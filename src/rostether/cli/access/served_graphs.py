@@ -115,7 +115,10 @@ async def used_master(
     Raises GraphError if another program uses the port.
     """
     if is_chosen or (environment.master_uri_is_set and not environment.master.is_loopback):
-        yield UsedMaster(environment, f"Using the ROS master at {environment.master_uri}")
+        line = f"Using the ROS master at {environment.master_uri}"
+        if not await master_answers(environment):
+            line += ", which does not answer yet; waiting for it"
+        yield UsedMaster(environment, line)
         return
     if port is not None:
         environment = replace(environment, master_uri=format_uri("localhost", port))

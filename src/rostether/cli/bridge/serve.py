@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
@@ -177,6 +178,8 @@ def serve(
         show_debug_records()
     reporter = ConsoleReporter(lowest=Level.DEBUG if options.verbose else Level.INFO)
     access = replace(gateways, allow=graph.allow)
+    if dashboard is gateways.foxglove is gateways.rosbridge is None:
+        _refuse_token()
     dashboard_settings = (
         DashboardSettings(dashboard, access, boards=web_boards) if dashboard is not None else None
     )
@@ -188,6 +191,12 @@ def serve(
         is_service=True,
         uvloop=options.uvloop,
     )
+
+
+def _refuse_token() -> None:
+    """Raise UsageError for a token that protects nothing: boards do not send it."""
+    if click.get_current_context().get_parameter_source("token") is ParameterSource.COMMANDLINE:
+        raise click.UsageError("--token is for web clients; add --dashboard, --foxglove or --rosbridge")
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,7 +73,7 @@ async def test_a_chosen_or_distant_master_is_waited_for_not_replaced(is_chosen: 
     uri = f"http://localhost:{free_port}" if is_chosen else "http://192.0.2.1:11311"
     environment = RosEnvironment.read({"ROS_MASTER_URI": uri})
     async with used_master(environment, is_chosen=is_chosen) as used:
-        assert used.line == f"Using the ROS master at {uri}"
+        assert used.line == f"Using the ROS master at {uri}, which does not answer yet; waiting for it"
         assert not (is_chosen and await answers(uri))
 
 

@@ -18,6 +18,7 @@ from rostether.errors import ConfigError
 from rostether.ports.devices_toml import Limit
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.transports.address_parser import parse_address
+from unit.cli.command_shell import Shell
 
 DOCUMENTED = (Path(__file__).parents[4] / "docs/reference/limits.md").read_text()
 
@@ -101,3 +102,11 @@ def test_what_makes_no_sense_is_refused_in_one_line(text: str) -> None:
         read_limits([text])
     assert str(caught.value).startswith(f"--limit {text}: ")
     assert "\n" not in str(caught.value)
+
+
+def test_a_token_without_web_clients_is_refused(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    line = shell.failure("serve", "--token", "secret", "tcp://:0", code=2)
+    assert line == "--token is for web clients; add --dashboard, --foxglove or --rosbridge"
+    # In the environment, it is for all commands.
+    monkeypatch.setenv("ROSTETHER_TOKEN", "secret")
+    assert "no serial port" in shell.failure("serve", "/dev/ttyACMO")
