@@ -239,7 +239,8 @@ function signed(value: number, digits: number): string {
   return `${value > 0 ? "+" : ""}${value.toFixed(digits)}`;
 }
 
-/** A part of a finding as a sentence: the parts have no capital and no full stop. */
+/** A part of a finding as a sentence: the parts have no capital and no full stop. Code such as `loop()` keeps its case. */
 function sentence(text: string): string {
-  return `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
+  const begun = /^\w+\(/.test(text) ? text : `${text.charAt(0).toUpperCase()}${text.slice(1)}`;
+  return `${begun}${/[.!?]$/.test(text) ? "" : "."}`;
 }
