@@ -85,6 +85,19 @@ async def test_a_plot_goes_on_while_another_panel_is_shown(robot: Robot, browser
     await browser.wait_for(page, "rostether.subscriptionCount === 0")
 
 
+async def test_a_number_to_plot_is_searched_at_once(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/plots")
+    await browser.do("click", page=page, selector=".plots-add")
+    await browser.wait_for(page, "document.activeElement?.closest('.plots-picker') !== null")
+    await browser.do("fill", page=page, selector=":focus", text="count")
+    choices = "[...document.querySelectorAll('.plots-path')].map((each) => each.innerText)"
+    await browser.wait_for(page, f"{choices}.join() === '/count.data'")
+    press = "new KeyboardEvent('keydown', { key: 'Escape', bubbles: true })"
+    script = f"void document.activeElement.dispatchEvent({press})"
+    await browser.do("evaluate", page=page, script=script)
+    await browser.wait_for(page, "document.querySelector('.plots-picker') === null")
+
+
 async def test_a_graph_fits_into_the_width(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/graph", width=900)
     scroll = "document.querySelector('.graph-scroll')"

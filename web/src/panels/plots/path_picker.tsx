@@ -1,5 +1,6 @@
 // The list of all numbers on the graph, to choose from.
 import { useComputed, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import { compareNames } from "../../shell/format.ts";
 import { Icon } from "../../shell/icons.tsx";
 import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
@@ -19,6 +20,11 @@ interface Props {
 
 export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
   const search = useSignal("");
+  const host = useRef<HTMLElement>(null);
+  useEffect(() => {
+    // On phones, the keyboard would cover the list.
+    if (matchMedia("(pointer: fine)").matches) host.current?.querySelector("input")?.focus();
+  }, []);
   const ids = useComputed(() => {
     const found: string[] = [];
     const topics = [...context.robot.topics.value.values()].filter((each) => each.isPublished);
@@ -37,6 +43,7 @@ export function PathPicker({ context, chosen, onToggle, onClose }: Props) {
   return (
     <aside
       class="plots-picker"
+      ref={host}
       aria-label={texts.plots.add}
       onKeyDown={(event) => {
         if (event.key === "Escape") onClose();
