@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     "IGMP querier. See also: fleet doctor.",
 )
 @add_option("--key-file FILE", "With --fleet, the fleet's key.")
+@add_option(
+    "--interface interfaces NAME", "With --fleet, the network interface; may be repeated.", multiple=True
+)
 @msg_path_option
 @json_option
 def doctor(
@@ -62,6 +65,7 @@ def doctor(
     ros2: str | None,
     fleet: bool,
     key_file: str | None,
+    interfaces: tuple[str, ...],
     msg_paths: tuple[Path, ...],
     as_json: bool,
 ) -> int:
@@ -77,9 +81,10 @@ def doctor(
         from rostether.cli.platform.fleet_doctor import examine_fleet
         from rostether.cli.platform.fleet_options import fleet_settings
 
-        return run(examine_fleet(fleet_settings(key_file=key_file), seconds or 1.0, as_json=as_json))
-    if key_file is not None:
-        raise click.UsageError("--key-file needs --fleet")
+        settings = fleet_settings(key_file=key_file, interfaces=interfaces)
+        return run(examine_fleet(settings, seconds or 1.0, as_json=as_json))
+    if key_file is not None or interfaces:
+        raise click.UsageError("--key-file and --interface need --fleet")
     if ros2 is not None:
         if port is not None or seconds is not None:
             raise click.UsageError("with --ros2, doctor examines no board: omit PORT and --duration")

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from rostether.platform.fleet import FleetSettings
 from rostether.platform.robot_table import Robot
 from rostether.platform.status_frame import RobotStatus
 from unit.cli.command_shell import Shell
@@ -35,3 +36,16 @@ def test_who_confirms_a_stop(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> N
         {"robot": 2, "address": "10.0.0.2", "stopped": False},
     ]
     assert (stopped.code, as_json.code) == (1, 1)
+
+
+def test_the_doctor_of_boards_examines_a_fleet(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    examined: list[tuple[str, ...]] = []
+
+    async def examine(settings: FleetSettings, *_: object, **__: object) -> int:
+        examined.append(settings.address.interfaces)
+        return 0
+
+    monkeypatch.setattr("rostether.cli.platform.fleet_doctor.examine_fleet", examine)
+    shell.output("doctor", "--fleet", "--interface", "wlan0", "--interface", "eth0")
+    assert examined == [("wlan0", "eth0")]
+    assert "--interface need --fleet" in shell.failure("doctor", "--interface", "wlan0", code=2)
