@@ -80,6 +80,13 @@ def test_only_what_is_used_is_imported() -> None:
     assert not {"asyncio", "yaml", "rich", "serialx", "rostether.msgdef.registry"} & set(loaded.split())
 
 
+@pytest.mark.usefixtures("cold_start")
+def test_serve_imports_no_simulator_without_a_simulated_board() -> None:
+    code = "import sys, rostether.cli.bridge.serve; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert not {name for name in loaded.split() if name.startswith("rostether.simulation")}
+
+
 def fail(error: BaseException) -> int:
     raise error
 

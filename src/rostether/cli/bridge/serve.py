@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Sequence
+from contextlib import AbstractAsyncContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,6 @@ from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.access.served_graphs import served_graphs
 from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
 from rostether.cli.bag.line_capture import record_limit_option, recorded
-from rostether.cli.board.simulated_links import simulated
 from rostether.cli.bridge.announcing import announced, check_mdns
 from rostether.cli.bridge.options import (
     BRIDGE_LIMITS,
@@ -50,15 +50,16 @@ from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_gr
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level
+from rostether.graph.ports import JoinGraph, Level
 from rostether.ports.config_paths import known_boards_path
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.known_boards import KnownBoards
 from rostether.ros1.environment import LOOPBACK, RosEnvironment
-from rostether.transports.address import Address
+from rostether.transports.address import Address, SimAddress
 from rostether.transports.opening import listen as listen_for_links
 
 if TYPE_CHECKING:
+    from rostether.bridge.reporter import Reporter
     from rostether.bridge.settings import BridgeSettings
 
 
@@ -246,7 +247,7 @@ async def _serve(
             bags_recorded(
                 settings.bags, graphs.join, reporter, types=None if graph.uses_ros1 else graphs.types
             ),
-            simulated(links, reporter, msg_paths, graphs.join) as opened,
+            _simulated(links, reporter, msg_paths, graphs.join) as opened,
         ):
             supervisor = Supervisor(
                 graphs.join,
@@ -275,3 +276,14 @@ async def _serve(
                 gc.freeze()
                 await supervisor.wait_done()
                 return EXIT_FAILED if supervisor.has_failed else EXIT_DONE
+
+
+def _simulated(
+    links: Sequence[Address], reporter: Reporter, msg_paths: Sequence[Path], join: JoinGraph
+) -> AbstractAsyncContextManager[list[Address]]:
+    if not any(isinstance(each, SimAddress) for each in links):
+        return nullcontext(list(links))
+    # Importing the simulators takes a tenth of the time to the first message.
+    from rostether.cli.board.simulated_links import simulated
+
+    return simulated(links, reporter, msg_paths, join)
