@@ -33,7 +33,7 @@ from rostether.cli.gateway.node import (
     read_gateway_words,
     whole_number,
 )
-from rostether.cli.gateway.options import access_options, read_encryption, read_place, viewer_access_options
+from rostether.cli.gateway.options import client_options, read_encryption, read_place, viewer_access_options
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
@@ -95,7 +95,7 @@ def foxglove(
     """,
     cls=RoleVerb,
 )
-@access_options
+@client_options
 @node_words
 def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve Foxglove, like foxglove_bridge.
@@ -104,7 +104,7 @@ def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> Non
     ~service_whitelist, ~param_whitelist, ~client_topic_whitelist, ~capabilities, ~send_buffer_limit, ~tls,
     ~certfile, ~keyfile. Other parameters of foxglove_bridge have no effect.
     """
-    run_role(FOXGLOVE_NODE, arguments, partial(_main, token=gateways.token))
+    run_role(FOXGLOVE_NODE, arguments, partial(_main, gateways=gateways))
 
 
 @asynccontextmanager
@@ -169,8 +169,9 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
     )
 
 
-async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
-    settings = settings_of_parameters(await private_parameters(graph), token)
+async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
+    settings = settings_of_parameters(await private_parameters(graph), gateways.token)
+    settings = replace(settings, origins=gateways.origins)
     # Its node already exists.
     on = ros1_gateway_graph(_no_join, graph.store, node_environment(arguments))
     async with _gateway_on(graph.raw, on, settings, ConsoleReporter().line, "address 0.0.0.0") as gateway:

@@ -63,13 +63,7 @@ def read_place(text: str, default_port: int) -> tuple[str, int]:
     return host.strip("[]"), int(port)
 
 
-_TLS_OPTION = add_option(
-    "--tls",
-    "Encrypt: auto makes a certificate for this machine; or give a PEM file with certificate and key.",
-    default="",
-    metavar="auto|FILE",
-)
-_ACCESS_OPTIONS = (
+_CLIENT_OPTIONS = (
     add_option(
         "--token TOKEN",
         f"Require this token from web clients: ws://HOST:PORT/?token=TOKEN; or set {TOKEN_VARIABLE}.",
@@ -82,7 +76,15 @@ _ACCESS_OPTIONS = (
         "*: all; may be repeated.",
         multiple=True,
     ),
-    _TLS_OPTION,
+)
+_ACCESS_OPTIONS = (
+    *_CLIENT_OPTIONS,
+    add_option(
+        "--tls",
+        "Encrypt: auto makes a certificate for this machine; or give a PEM file with certificate and key.",
+        default="",
+        metavar="auto|FILE",
+    ),
 )
 _VIEW_OPTIONS = (
     add_option(
@@ -132,7 +134,9 @@ def _checked(
     )
 
 
-# Adds --token and --origin; the verb gets a GatewayOptions as `gateways`.
+# Adds --token and --origin, for nodes with parameters for TLS; the verb gets a GatewayOptions as `gateways`.
+client_options = option_group("gateways", _checked, _CLIENT_OPTIONS)
+# Also adds --tls.
 access_options = option_group("gateways", _checked, _ACCESS_OPTIONS)
 # Also adds --view-token, for gateways with view-only clients.
 viewer_access_options = option_group("gateways", _checked, (*_ACCESS_OPTIONS, *_VIEW_OPTIONS))

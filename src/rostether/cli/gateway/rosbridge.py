@@ -37,6 +37,7 @@ from rostether.cli.gateway.options import (
     TOKEN_VARIABLE,
     GatewayOptions,
     access_options,
+    client_options,
 )
 from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_role
 from rostether.cli.shell.verbs import verb
@@ -109,7 +110,7 @@ async def _opened(
     """,
     cls=RoleVerb,
 )
-@access_options
+@client_options
 @node_words
 def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve web pages, like rosbridge_websocket.
@@ -119,12 +120,12 @@ def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) ->
     ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket have no effect.
     """
     check_rosbridge()
-    run_role(ROSBRIDGE_NODE, arguments, partial(_main, token=gateways.token))
+    run_role(ROSBRIDGE_NODE, arguments, partial(_main, gateways=gateways))
 
 
-async def _main(graph: TypedGraph, arguments: Arguments, token: str) -> None:
+async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
     parameters = await node_parameters(graph, arguments.rest)
-    settings = read_settings(parameters, token)
+    settings = replace(read_settings(parameters, gateways.token), origins=gateways.origins)
     reporter = ConsoleReporter()
     environment = node_environment(arguments)
     on = ros1_gateway_graph(joining_ros1(environment), graph.store, environment)

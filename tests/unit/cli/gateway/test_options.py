@@ -3,10 +3,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+from websockets.typing import Origin, Subprotocol
 
+from interop.ros1_peers import free_port
+from programs import started
 from rostether.cli.gateway.options import Encryption, is_place, read_encryption, read_place
 from rostether.cli.shell.option_group import insert_value
 from rostether.errors import ConfigError
+from rostether.ros1.master.server import MasterServer
 from unit.cli.command_shell import Shell
 
 
@@ -60,6 +66,24 @@ def test_what_is_not_a_place(text: str) -> None:
 @pytest.mark.parametrize("origin", ["panel.example", "https:panel.example", "https://panel.example/page"])
 def test_what_is_not_an_origin(command: str, origin: str, shell: Shell) -> None:
     assert "write it like https://panel.example or" in shell.failure(command, "--origin", origin)
+
+
+@pytest.mark.parametrize("node", ["rosbridge-websocket", "foxglove-bridge"])
+async def test_nodes_of_launch_files_accept_pages_of_an_origin(node: str) -> None:
+    port = free_port()
+    protocols = [Subprotocol("foxglove.sdk.v1")] if node == "foxglove-bridge" else None
+    master = await MasterServer.start(host="127.0.0.1", port=0)
+    try:
+        words = ("--origin", "https://panel.example", f"_port:={port}", f"__master:={master.uri}")
+        async with started("role", node, *words) as role:
+            await role.wait_for("ws://")
+            uri = f"ws://127.0.0.1:{port}"
+            async with connect(uri, origin=Origin("https://panel.example"), subprotocols=protocols):
+                pass
+            with pytest.raises(InvalidStatus, match="403"):
+                await connect(uri, origin=Origin("https://other.example"), subprotocols=protocols)
+    finally:
+        await master.close()
 
 
 @pytest.mark.parametrize(
