@@ -91,7 +91,7 @@ class LinkKeeper:
             path = await self._wait_present()
             address, identity = self._identify(path)
             try:
-                transport = await self._open_link(address if path is None else _at(address, path))
+                transport = await self._open_link(address if path is None else _with_path(address, path))
             except TransportError as error:
                 await attempts.wait_after(str(error))
                 continue
@@ -175,5 +175,5 @@ def _terminal_made_ns(path: str) -> int | None:
         return None
 
 
-def _at(address: Address, path: str) -> Address:
+def _with_path(address: Address, path: str) -> Address:
     return replace(address, path=path) if isinstance(address, SerialAddress) else address

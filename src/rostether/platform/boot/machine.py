@@ -47,7 +47,7 @@ class Machine:
         if self.interface:
             lines.append(f"interface = {_quoted(self.interface)}")
         lines += ["", "[parts]"]
-        lines += [f"{_key(name)} = {_quoted(words)}" for name, words in self._all_parts().items()]
+        lines += [f"{_toml_key(name)} = {_quoted(words)}" for name, words in self._all_parts().items()]
         return "\n".join(lines) + "\n"
 
     def _all_parts(self) -> dict[str, str]:
@@ -67,7 +67,7 @@ def _uri(core: str) -> str:
     return f"http://{core}" if ":" in core else f"http://{core}:11311"
 
 
-def _key(name: str) -> str:
+def _toml_key(name: str) -> str:
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
 
 

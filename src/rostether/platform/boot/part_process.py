@@ -65,7 +65,7 @@ class PartProcess:
             if loop.time() - started_s > SETTLED_S:
                 self._backoff.reset()
             delay_s = self._backoff.next_delay_s()
-            self._report(self.part.name, f"ended ({_words_of(code)}); restarts in {delay_s:.0f} s")
+            self._report(self.part.name, f"ended ({_exit_text(code)}); restarts in {delay_s:.0f} s")
             await asyncio.sleep(delay_s)
 
     async def _run_once(self) -> int:
@@ -150,5 +150,5 @@ def _signal(process: asyncio.subprocess.Process, number: signal.Signals) -> None
         os.killpg(process.pid, number)
 
 
-def _words_of(code: int) -> str:
+def _exit_text(code: int) -> str:
     return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"

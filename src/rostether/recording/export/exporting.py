@@ -66,7 +66,7 @@ class Export:
         self._decoder = Decoder()
         by_type: dict[tuple[str, str, str], list[Connection]] = {}
         for connection in reader.counts:
-            is_chosen = not topics or any(fnmatchcase(connection.topic, _full(each)) for each in topics)
+            is_chosen = not topics or any(fnmatchcase(connection.topic, _with_slash(each)) for each in topics)
             if is_chosen and type_name in ("", connection.type.name):
                 key = (connection.topic, connection.type.md5sum, connection.type.name)
                 by_type.setdefault(key, []).append(connection)
@@ -122,5 +122,5 @@ class Export:
                         each.flush()
 
 
-def _full(topic: str) -> str:
+def _with_slash(topic: str) -> str:
     return topic if topic.startswith(("/", "*")) else f"/{topic}"

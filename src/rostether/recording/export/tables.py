@@ -107,13 +107,13 @@ def _cell_of(column: Column) -> Callable[[Message], Any]:
         is_bytes = isinstance(node, Array) and node.is_bytes and not column.lists
         return (lambda message: _base64(read(message))) if is_bytes else lambda message: _json(read(message))
     if isinstance(node, Text):
-        return lambda message: _text(read(message) or "")
+        return lambda message: _unevaluated_text(read(message) or "")
     if isinstance(node, Number) and node.name == "bool":
         return lambda message: _truth(read(message))
     return read
 
 
-def _text(value: str) -> str:
+def _unevaluated_text(value: str) -> str:
     """Return a text that no spreadsheet takes for a formula: any board or peer may have sent it."""
     return f"'{clean_text(value)}" if value.startswith(_FORMULA_STARTS) else clean_text(value)
 

@@ -54,12 +54,12 @@ class NativeTypes(Ros2Types):
             return None
         return support if support is not None and support.ros1_type.md5sum == wanted.md5sum else None
 
-    def _texts(self, message_type: MessageType) -> PairedDefinitions:
+    def _definitions_of(self, message_type: MessageType) -> PairedDefinitions:
         self.message(message_type)
         support = self._native_supports.get(message_type.name)
         if support is not None and support.ros1_type.md5sum == message_type.md5sum:
             return self._native.source
-        return super()._texts(message_type)
+        return super()._definitions_of(message_type)
 
     def _describe(self, name: str) -> MessageSupport:
         source = self._native.source

@@ -145,10 +145,10 @@ class Ros2Types:
 
         Raises the same errors as `message`.
         """
-        source = self._texts(message_type)
+        source = self._definitions_of(message_type)
         return full_text(source.message(self.message(message_type).name), source)
 
-    def _texts(self, message_type: MessageType) -> PairedDefinitions:
+    def _definitions_of(self, message_type: MessageType) -> PairedDefinitions:
         return PairedDefinitions(self._source(message_type), self.definitions)
 
     def _paired(self, name: str) -> MessageSupport | None:

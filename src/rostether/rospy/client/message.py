@@ -191,7 +191,7 @@ def strify_message(
         lines = []
         for name, kind in zip(val._field_names(), val._slot_types, strict=True):
             if name in shown:
-                value = _listed(getattr(val, name), kind)
+                value = _with_byte_list(getattr(val, name), kind)
                 text = strify_message(value, f"  {indent}", time_offset, current_time, field_filter)
                 lines.append(f"{indent}{name}: {text}")
         text = "\n".join(lines)
@@ -227,7 +227,7 @@ def _quoted(text: str) -> str:
     return str(yaml.dump(text, default_style='"')).rstrip("\n")
 
 
-def _listed(value: Any, kind: str) -> Any:
+def _with_byte_list(value: Any, kind: str) -> Any:
     return list(value) if isinstance(value, bytes) and "uint8[" in kind else value
 
 

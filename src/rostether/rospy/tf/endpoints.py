@@ -67,24 +67,27 @@ class TransformListener:
             self.last_update = now
 
 
-class TransformBroadcaster:
-    """Publishes changing transforms."""
+class _Broadcaster:
+    """Publishes transforms on a topic."""
 
-    def __init__(self) -> None:
-        self.pub_tf = Publisher(TF_TOPIC, all_types().message_class(TF_TYPE), queue_size=QUEUE_SIZE)
+    def __init__(self, topic: str, *, latch: bool) -> None:
+        tf_class = all_types().message_class(TF_TYPE)
+        self.pub_tf = Publisher(topic, tf_class, queue_size=QUEUE_SIZE, latch=latch)
 
     def sendTransform(self, transform: Any) -> None:  # noqa: N802 - the name is tf2's
         """Publish one TransformStamped or a list of them."""
         self.pub_tf.publish(transform if isinstance(transform, list) else [transform])
 
 
-class StaticTransformBroadcaster:
+class TransformBroadcaster(_Broadcaster):
+    """Publishes changing transforms."""
+
+    def __init__(self) -> None:
+        super().__init__(TF_TOPIC, latch=False)
+
+
+class StaticTransformBroadcaster(_Broadcaster):
     """Publishes static transforms; later subscribers receive the last call."""
 
     def __init__(self) -> None:
-        tf_class = all_types().message_class(TF_TYPE)
-        self.pub_tf = Publisher(TF_STATIC_TOPIC, tf_class, queue_size=QUEUE_SIZE, latch=True)
-
-    def sendTransform(self, transform: Any) -> None:  # noqa: N802
-        """Publish one TransformStamped or a list of them."""
-        self.pub_tf.publish(transform if isinstance(transform, list) else [transform])
+        super().__init__(TF_STATIC_TOPIC, latch=True)

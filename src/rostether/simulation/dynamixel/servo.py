@@ -101,7 +101,7 @@ class Servo:
         changes: list[tuple[Register, int]] = []
         position = 0
         while position < len(data):
-            register = _starting_at(address + position)
+            register = _register_at(address + position)
             if register is None or position + register.size > len(data):
                 return ServoError.DATA_LENGTH if register else ServoError.DATA_RANGE
             value = int.from_bytes(
@@ -198,7 +198,7 @@ class Servo:
         self._table[register.address : register.address + register.size] = data
 
 
-def _starting_at(address: int) -> Register | None:
+def _register_at(address: int) -> Register | None:
     return next((register for register in REGISTERS if register.address == address), None)
 
 

@@ -53,7 +53,7 @@ class ServoBus:
         return answer
 
     def _do(self, packet: Packet, now_s: float) -> list[bytes]:
-        listening = [servo for servo in self._by_id() if not servo.is_restarting(now_s)]
+        listening = [servo for servo in self._in_id_order() if not servo.is_restarting(now_s)]
         if packet.id == BROADCAST_ID:
             for servo in listening:
                 servo.heard(now_s)
@@ -100,7 +100,7 @@ class ServoBus:
                 # Servos do not answer it: a refused value changes nothing.
                 servo.write(address, parameters[start + 1 : start + 1 + size])
 
-    def _by_id(self) -> list[Servo]:
+    def _in_id_order(self) -> list[Servo]:
         return sorted(self.servos.values(), key=lambda servo: servo.id)
 
 
