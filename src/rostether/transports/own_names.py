@@ -70,7 +70,7 @@ def own_addresses() -> set[ipaddress.IPv4Address | ipaddress.IPv6Address]:
 
 
 def is_own_address(host: str, scope: int = 0) -> bool:
-    """Return whether a numeric address belongs to this machine: whether a socket can have it now.
+    """Return whether a numeric address belongs to this machine: whether its way there begins where it ends.
 
     `scope` is the interface index of a link-local IPv6 address. 0.0.0.0 is included: Linux sends from it to a
     group by `lo` where no other interface has an address.
@@ -78,10 +78,11 @@ def is_own_address(host: str, scope: int = 0) -> bool:
     is_ipv6 = ":" in host
     try:
         with socket.socket(socket.AF_INET6 if is_ipv6 else socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind((host, 0, 0, scope) if is_ipv6 else (host, 0))
+            # It sends nothing. A test with `bind` would be wrong where ip_nonlocal_bind is set.
+            probe.connect((host, 9, 0, scope) if is_ipv6 else (host, 9))
+            return bool(probe.getsockname()[0] == probe.getpeername()[0])
     except OSError:
         return False
-    return True
 
 
 def _plain(name: str) -> str:
