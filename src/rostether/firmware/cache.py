@@ -133,7 +133,7 @@ class BuildCache:
         return self._digests[name]
 
     def prune(self, now_s: float) -> None:
-        """Remove the least recently used entries if the cache is too large; checks once an hour."""
+        """Remove the least recently used entries if the cache is too large. Checks the size once an hour."""
         stamp = self.folder / "pruned"
         with contextlib.suppress(OSError):
             if stamp.exists() and now_s - stamp.stat().st_mtime < PRUNE_INTERVAL_S:
