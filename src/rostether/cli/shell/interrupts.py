@@ -14,7 +14,7 @@ def raise_at_interrupt() -> None:
 
 
 def was_interrupted() -> bool:
-    """Return whether Ctrl-C was pressed since then: Python may lose the exception in a clean-up."""
+    """Return whether Ctrl-C was pressed: Python may lose the KeyboardInterrupt in a clean-up."""
     return _interrupted
 
 
