@@ -89,13 +89,13 @@ class MulticastCommand {
     uint8_t count = MOST_DATAGRAMS;
     uint16_t now_ms;
     do now_ms = static_cast<uint16_t>(millis());
-    while (take(now_ms) && --count);
+    while (receiveOne(now_ms) && --count);
     const bool expired = receiver_.expired(now_ms);
     if (expired) halt_();
     socket_.watch(now_ms, expired);
   }
 
-  ROS_APART bool take(uint16_t now_ms) {
+  ROS_APART bool receiveOne(uint16_t now_ms) {
     // Aligned for the message, which is read in place.
     union {
       uint32_t aligned;

@@ -41,7 +41,7 @@ class MulticastTopic {
     uint8_t count = MOST_DATAGRAMS;
     uint16_t now_ms;
     do now_ms = static_cast<uint16_t>(millis());
-    while (take(now_ms) && --count);
+    while (receiveOne(now_ms) && --count);
     const bool expired = moving_ && static_cast<uint16_t>(now_ms - obeyed_ms_) >= timeout_ms_;
     if (expired) {
       moving_ = false;
@@ -56,7 +56,7 @@ class MulticastTopic {
   // The limit for one call; more datagrams wait for the next call.
   static const uint8_t MOST_DATAGRAMS = 8;
 
-  bool take(uint16_t now_ms) {
+  bool receiveOne(uint16_t now_ms) {
     // Aligned for the message, which is read in place.
     union {
       uint32_t aligned;

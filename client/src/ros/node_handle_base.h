@@ -258,7 +258,7 @@ class NodeHandleBase_ : public FrameWriter {
   ROS_APART int8_t keepInTouch(uint16_t now_ms) {
     uint8_t due = due_;
     due_ = NOTHING_DUE;
-    if (window_.tookForeign() && !connected_) due |= PROBED;
+    if (window_.readAndClearForeign() && !connected_) due |= PROBED;
     const uint16_t silent_ms = since(requested_ms_, now_ms);
     if (silent_ms < SYNC_PERIOD_MS) {
       if (due == NOTHING_DUE || (due == PROBED && silent_ms <= ANSWER_PAUSE_MS)) return SPIN_OK;
@@ -327,7 +327,7 @@ class NodeHandleBase_ : public FrameWriter {
     if (id == ID_PUBLISHER) {
       due_ |= ANSWER_DUE;
     } else if (id == ID_TIME && frame.length() == 8) {
-      takeTime(frame.payload());
+      handleTime(frame.payload());
     } else if (id == ID_TX_STOP) {
       connected_ = false;
     } else {
@@ -336,7 +336,7 @@ class NodeHandleBase_ : public FrameWriter {
     }
   }
 
-  ROS_APART void takeTime(const uint8_t* host) {
+  ROS_APART void handleTime(const uint8_t* host) {
     const uint32_t now_ms = time();
     // The host read its clock halfway between request and answer.
     const uint16_t answer_ms = awaiting_time_ ? since(requested_ms_, static_cast<uint16_t>(now_ms)) / 2 : 0;

@@ -74,10 +74,10 @@ class ParameterRequest : public Endpoint {
   enum State { AWAITING_VALUES, GOT_VALUES, GOT_OTHER_VALUES };
 
   static void drive(Endpoint& self, NodeHandleBase_& node, Reader* reader) {
-    if (reader) static_cast<ParameterRequest&>(self).take(node, *reader);
+    if (reader) static_cast<ParameterRequest&>(self).receive(node, *reader);
   }
 
-  void take(NodeHandleBase_& node, Reader& reader) {
+  void receive(NodeHandleBase_& node, Reader& reader) {
     const uint8_t* numbers = nullptr;
     bool fits = false;
     for (uint8_t list = INT_LIST; list <= TEXT_LIST; ++list) {

@@ -47,16 +47,16 @@ class Reader {
 
   template <class T>
   void value(T& field) {
-    take(&field, sizeof(T));
+    copy(&field, sizeof(T));
   }
   void value(bool& field) {
     uint8_t byte = 0;
-    take(&byte, 1);
+    copy(&byte, 1);
     field = byte != 0;
   }
   void value(double& field) {
     uint8_t bytes[8] = {0, 0, 0, 0, 0, 0, 0, 0};
-    take(bytes, 8);
+    copy(bytes, 8);
     field = loadFloat64(bytes);
   }
   void string(const char*& text) {
@@ -149,7 +149,7 @@ class Reader {
     next_ += count;
     remaining_ -= count;
   }
-  void take(void* field, size_t count) {
+  void copy(void* field, size_t count) {
     if (count > remaining_) {
       fail();
       return;
@@ -238,7 +238,7 @@ class Reader {
 
   template <class T>
   void elements(T* array, size_t length, BlockKind) {
-    take(array, length * sizeof(T));
+    copy(array, length * sizeof(T));
   }
   void elements(bool* array, size_t length, BlockKind) {
     for (size_t i = 0; i < length; ++i) value(array[i]);

@@ -84,7 +84,7 @@ class ReceiveWindow {
   }
 
   // Whether the bytes dropped since the last call contained the start of a frame of another protocol version.
-  bool tookForeign() {
+  bool readAndClearForeign() {
     const bool foreign = is_foreign_;
     is_foreign_ = false;
     return foreign;
