@@ -18,6 +18,7 @@ LISTED_PORTS = 6
 USUAL_GROUP = "dialout"
 
 _GROUP_MAY_USE = 0o060
+_MAINBOARD_PREFIX = "ttyS"
 _LIKELY_PREFIXES = ("ttyACM", "ttyUSB", "cu.usb")
 
 
@@ -85,6 +86,9 @@ def near_names(path: str, ports: Sequence[str]) -> list[str]:
         if each in ports or Path(each).name.startswith(_LIKELY_PREFIXES) or not str(folder).startswith("/dev")
     ]
     known = {Path(each).name: each for each in (*likely, *ports)}
+    # A board on USB is not at a port of the mainboard.
+    if not name.startswith(_MAINBOARD_PREFIX):
+        known = {short: each for short, each in known.items() if not short.startswith(_MAINBOARD_PREFIX)}
     return [known[each] for each in get_close_matches(name, known, n=3, cutoff=0.6)]
 
 

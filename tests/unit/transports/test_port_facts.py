@@ -32,6 +32,11 @@ def test_links_beside_a_port_are_near_too(tmp_path: Path) -> None:
     assert near_names("/nowhere/at/all", []) == []
 
 
+def test_a_board_on_usb_is_not_at_a_port_of_the_mainboard() -> None:
+    assert "/dev/ttyS0" not in near_names("/dev/ttyACM0", ["/dev/ttyS0"])
+    assert near_names("/dev/ttyS00", ["/dev/ttyS0"])[0] == "/dev/ttyS0"
+
+
 def test_a_file_is_not_a_device(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.touch()
