@@ -41,5 +41,7 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except RecursionError:
         raise ConfigError(f"{file}: not TOML: brackets are nested too deeply") from None
-    except ValueError as error:  # a number may have more digits than Python supports
+    except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{file}: not TOML: {error}") from None
+    except ValueError:
+        raise ConfigError(f"{file}: not TOML: a number has too many digits") from None

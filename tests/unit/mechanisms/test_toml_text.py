@@ -14,7 +14,7 @@ from rostether.mechanisms.toml_text import MAX_FILE_BYTES, parse_toml, read_toml
         ("x = ", "not TOML: Invalid value"),
         ("x = " + "[" * 5000, "nested too deeply"),
         ("x = " + "{a=" * 5000, "nested too deeply"),
-        ("x = " + "1" * 5000, "not TOML: Exceeds the limit"),
+        ("x = " + "1" * 5000, "not TOML: a number has too many digits$"),
         (".".join(["a"] * 50_000) + " = 1", "line 1: a key has more than 32 parts"),
         ("x = 1\n[" + ".".join(["a"] * 50_000) + "]", "line 2: a key has more than 32 parts"),
     ],
