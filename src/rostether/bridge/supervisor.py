@@ -19,7 +19,7 @@ from rostether.bridge.health.health_round import HealthRound
 from rostether.bridge.identity import hardware_id, identify_peer, node_name
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.discovery import Discovery
-from rostether.bridge.ports.link_keeper import LinkKeeper, identify_address, way_back
+from rostether.bridge.ports.link_keeper import LinkKeeper, OpenTransport, identify_address, way_back
 from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
 from rostether.bridge.process_memory import BoardObjects
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
@@ -53,13 +53,6 @@ MAX_JOIN_WAIT_S = 2.0
 SPEECHLESS_S = 60.0
 # The time to ask the boards to stop; a hung board does not read it.
 STOP_LIMIT_S = 0.8
-
-
-class OpenTransport(Protocol):
-    """Opens one link; `transports.opening.open_transport` is the real one."""
-
-    def __call__(self, address: Address) -> Awaitable[Transport]:
-        """Open. Raises TransportError."""
 
 
 class Listen(Protocol):

@@ -31,7 +31,7 @@ class Parameters:
         return default
 
     async def text(self, default: str, *names: str) -> str:
-        """Return a text."""
+        """Return the value as text."""
         return str(await self.value(default, *names))
 
     async def flag(self, default: bool, *names: str) -> bool:

@@ -59,7 +59,7 @@ class Services:
     type: str = ""
 
     def covers(self, name: str) -> bool:
-        """Return whether a service is carried: to the graph that has it not."""
+        """Return whether the relay carries a service to the graph that does not have it."""
         if any(fnmatchcase(name, private) for private in PRIVATE_SERVICES):
             return name == self.pattern
         return fnmatchcase(name, self.pattern)

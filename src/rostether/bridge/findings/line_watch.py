@@ -97,7 +97,7 @@ class LineWatch:
         return self._alive_s is not None
 
     def handle_event(self, event: HostEvent, now_s: float) -> None:
-        """Handle an event."""
+        """Note a sign of life, and count what the event shows about the line."""
         if isinstance(event, _SIGNS_OF_LIFE):
             self._silence_s = None
             self.noise.alive()

@@ -96,13 +96,13 @@ class TopicQueue:
         return 1
 
     def pause_source(self) -> None:
-        """Pause the source."""
+        """Pause the source, unless it is paused."""
         if self._source is not None and not self._source_paused:
             self._source_paused = True
             self._source.pause()
 
     def resume_source(self) -> None:
-        """Resume the source."""
+        """Resume the source, if it is paused."""
         if self._source is not None and self._source_paused:
             self._source_paused = False
             self._source.resume()

@@ -32,8 +32,8 @@ PRESENCE_POLL_S = 0.1
 MAX_RETRY_S = 0.4
 
 
-class OpenLink(Protocol):
-    """Opens the link."""
+class OpenTransport(Protocol):
+    """Opens one link; `transports.opening.open_transport` is the real one."""
 
     def __call__(self, address: Address) -> Awaitable[Transport]:
         """Open. Raises TransportError."""
@@ -48,7 +48,7 @@ class LinkKeeper:
     def __init__(
         self,
         address: Address,
-        open_link: OpenLink,
+        open_link: OpenTransport,
         serve: ServeLink,
         reporter: Reporter,
         devices: DeviceBook | None = None,

@@ -57,7 +57,7 @@ class RosPack:
 
     @staticmethod
     def get_instance(ros_paths: list[str] | None = None) -> RosPack:
-        """Return an instance."""
+        """Return a new instance for these paths."""
         return RosPack(ros_paths)
 
     def __init__(self, ros_paths: list[str] | None = None) -> None:

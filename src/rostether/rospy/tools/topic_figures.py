@@ -113,7 +113,7 @@ class ROSTopicDelay:
         return mean, min(delays), max(delays), deviation, len(delays)
 
     def print_delay(self) -> None:
-        """Print the delays."""
+        """Print the mean, range and deviation of the delays."""
         found = self.get_delay()
         if found is None:
             print("no new messages")

@@ -1,4 +1,4 @@
-"""actionlib.action_client."""
+"""actionlib.action_client, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.actionlib.action_client import ActionClient

@@ -1,4 +1,4 @@
-"""genpy.message."""
+"""genpy.message, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.client.message import (

@@ -1,4 +1,4 @@
-"""rosbag.bag."""
+"""rosbag.bag, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.bag.bag import Bag

@@ -1,4 +1,4 @@
-"""rosgraph.masterapi."""
+"""rosgraph.masterapi, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.tools.master_tools import (

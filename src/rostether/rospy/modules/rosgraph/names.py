@@ -1,4 +1,4 @@
-"""rosgraph.names."""
+"""rosgraph.names, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.mechanisms.anonymous import anonymous_name

@@ -1,4 +1,4 @@
-"""rosgraph.rosenv."""
+"""rosgraph.rosenv, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.tools.master_tools import get_master_uri

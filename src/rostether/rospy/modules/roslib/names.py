@@ -1,4 +1,4 @@
-"""roslib.names."""
+"""roslib.names, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.mechanisms.anonymous import anonymous_name

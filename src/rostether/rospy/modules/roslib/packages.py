@@ -1,4 +1,4 @@
-"""roslib.packages."""
+"""roslib.packages, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.tools.ros_packages import ResourceNotFound as InvalidROSPkgException

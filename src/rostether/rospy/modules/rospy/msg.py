@@ -1,4 +1,4 @@
-"""rospy.msg."""
+"""rospy.msg, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.client.message import AnyMsg

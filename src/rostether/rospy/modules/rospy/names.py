@@ -1,4 +1,4 @@
-"""rospy.names."""
+"""rospy.names, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.names.graph_name import is_global, is_private

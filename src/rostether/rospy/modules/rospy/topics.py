@@ -1,4 +1,4 @@
-"""rospy.topics."""
+"""rospy.topics, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.client.message import Message

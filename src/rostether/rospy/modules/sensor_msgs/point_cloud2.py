@@ -1,4 +1,4 @@
-"""sensor_msgs.point_cloud2."""
+"""sensor_msgs.point_cloud2, as programs import it."""
 
 # ruff: noqa: F401
 from rostether.rospy.tf.point_cloud import (
