@@ -1,4 +1,4 @@
-"""The ROS 2 environment variables, read like in the middlewares.
+"""The ROS 2 environment variables, read as the middlewares read them.
 
 Sources: the ROS 2 documentation of ROS_DOMAIN_ID and of the discovery range, and rmw_zenoh's documentation of
 its ZENOH_* variables.
