@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -25,6 +26,8 @@ _CONFIRM_S = 0.3
 _STOP_ROUNDS = 3
 # Without an answer after this time, the user is informed.
 _ANSWER_S = 1.5
+# After a longer pause the robots have been still for a while, and must not start again unexpectedly.
+_MAX_PAUSE_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,16 +70,23 @@ class FleetSender:
     async def drive(self, payload: bytes, duration_s: float = float("inf")) -> None:
         """Send a command for some time, then stop.
 
-        Raises TransportError if a single target robot refuses it.
+        Raises TransportError if a single target robot refuses it, or after a pause of this process.
         """
         self._has_commanded = True
         await self._overtake()
         began_s = time.monotonic()
         end_s, reported = began_s + duration_s, False
+        sent_s = _now_with_suspend_s()
         try:
             self._send(self._commands.command(payload, began_s))
             while (now_s := time.monotonic()) < end_s:
                 await asyncio.sleep(max(0.0, min(self._commands.due_s or now_s, end_s) - now_s))
+                paused_s, sent_s = _now_with_suspend_s() - sent_s, _now_with_suspend_s()
+                if paused_s > _MAX_PAUSE_S:
+                    raise TransportError(
+                        f"the robots stopped, because this program was paused for {paused_s:.0f} s; "
+                        "start it again to drive on"
+                    )
                 self._send(self._commands.repeat(time.monotonic()))
                 self._check_refusals()
                 if not reported and not self.robots and now_s - began_s > _ANSWER_S:
@@ -166,6 +176,11 @@ class FleetSender:
     def _send(self, datagrams: list[bytes]) -> None:
         for datagram in datagrams:
             self._channel.send(datagram)
+
+
+def _now_with_suspend_s() -> float:
+    """Return a clock that goes on while the machine sleeps, where the system has one."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) if sys.platform == "linux" else time.monotonic()
 
 
 def has_stopped(robot: Robot) -> bool:

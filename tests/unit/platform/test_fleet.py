@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from rostether.errors import ConfigError
+from rostether.errors import ConfigError, TransportError
 from rostether.msgdef.registry import Registry
+from rostether.platform import fleet
 from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_frame import Flags, decode_frame
 from rostether.platform.command_link import CommandSender, ReceiverSettings, SenderSettings
@@ -56,6 +57,28 @@ async def test_queries_change_nothing_and_a_drive_ends_with_a_halt_and_a_release
     assert silence_text(FleetSettings(ONE_ROBOT, address)).startswith(
         f"robot 7 does not answer at {address}; check the key"
     )
+
+
+async def test_a_drive_ends_after_a_pause(monkeypatch: pytest.MonkeyPatch) -> None:
+    address = loopback_group()
+    receiver = PlainReceiver(address)
+    sender = FleetSender(FleetSettings(ONE_ROBOT, address), Lines())
+    clock_s = 0.0
+    monkeypatch.setattr(fleet, "_now_with_suspend_s", lambda: clock_s)
+    drive = asyncio.ensure_future(sender.drive(b"go"))
+
+    def armed() -> int:
+        return sum(decode_frame(each).flags is Flags.ARMED for each in receiver.datagrams)
+
+    await until(lambda: armed() > 5)
+    clock_s = 60.0
+    with pytest.raises(TransportError, match=r"paused for 60 s; start it again"):
+        await drive
+    count = armed()
+    await until(lambda: decode_frame(receiver.datagrams[-1]).flags == Flags(0))
+    sender.close()
+    receiver.close()
+    assert armed() == count
 
 
 async def test_a_sender_whose_clock_was_ahead_is_stopped_and_followed() -> None:
