@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import gc
-import statistics
 import sys
 import threading
 import time
@@ -14,6 +13,7 @@ from asyncio import events
 
 import pytest
 
+from machine_speed import slowness
 from rostether.packages import search_path
 
 CEILING_S = 60.0
@@ -21,8 +21,6 @@ CEILING_S = 60.0
 
 # "Nothing holds the event loop for 50 ms."
 MAX_HELD_S = 0.05
-# The processor time of `_reference_work` on a quiet machine; beside other programs it takes up to twice this.
-REFERENCE_S = 0.01
 
 
 class CallbackWatch:
@@ -50,18 +48,11 @@ class CallbackWatch:
         self._longest_s, self._longest = 0.0, ""
         if longest_s < MAX_HELD_S:
             return
-        slowness = max(1.0, statistics.median(_reference_work() for _ in range(9)) / REFERENCE_S)
-        assert longest_s < MAX_HELD_S * slowness, (
+        slow = slowness()
+        assert longest_s < MAX_HELD_S * slow, (
             f"{what} held the loop for {longest_s * 1000:.0f} ms in {longest}, "
-            f"on a machine that was {slowness:.1f} times as slow as a quiet one"
+            f"on a machine that was {slow:.1f} times as slow as a quiet one"
         )
-
-
-def _reference_work() -> float:
-    began_s = time.thread_time()
-    values = {f"key {number}": [number] for number in range(20_000)}
-    values.clear()
-    return time.thread_time() - began_s
 
 
 class FolderWatch:

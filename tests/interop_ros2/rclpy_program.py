@@ -153,7 +153,7 @@ class Peer:
             self.node.destroy_client(client)
 
     def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
-        """Send a goal, and with `cancel` end it after a feedback; return feedback, status and result."""
+        """Send a goal, and with `cancel` end it at once; return feedback, status and result."""
         client = self.action_client(action, type)
         feedback: list[Any] = []
         if not client.wait_for_server(PATIENCE_S):
@@ -163,7 +163,6 @@ class Peer:
         )
         wait_for(sent.done, f"{action} does not answer")
         if cancel:
-            wait_for(lambda: bool(feedback), f"{action} gives no feedback")
             sent.result().cancel_goal_async()
         ended = sent.result().get_result_async()
         wait_for(ended.done, f"{action} does not end")
