@@ -13,7 +13,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { type FrameTask, frameTask } from "../store/frames.ts";
+import { type FrameTask, frameTask, limitFrames } from "../store/frames.ts";
 import { texts } from "../texts.ts";
 import { distanceToFit } from "./camera_fit.ts";
 import { arrangeCaptions } from "./captions.ts";
@@ -25,8 +25,10 @@ import { frameName, type TfBuffer } from "./tf_buffer.ts";
 
 // 30 pictures a second look smooth, and need half the energy of 60.
 const MIN_FRAME_MS = 30;
-// Without a graphics card a picture takes the processor some 35 ms: five a second leave most of a core to others.
-const MIN_SOFTWARE_FRAME_MS = 180;
+// Without a graphics card a picture takes the processor about 65 ms; a core must be left for other work.
+const MIN_SOFTWARE_FRAME_MS = 400;
+// There, each frame of the page costs some milliseconds even if nothing is drawn.
+const MIN_SOFTWARE_PAGE_FRAME_MS = 120;
 const DIRECTIONS = {
   corner: new Vector3(0.75, -0.75, 0.55),
   // A little to the side, because from straight above no direction is up.
@@ -86,12 +88,9 @@ export class SceneView {
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.maxPolarAngle = Math.PI * 0.98;
     this.controls.addEventListener("change", () => this.markDirty());
-    this.controls.addEventListener("start", () => {
-      this.isTurning = true;
-    });
-    this.controls.addEventListener("end", () => {
-      this.isTurning = false;
-    });
+    this.controls.addEventListener("start", () => this.setTurning(true));
+    this.controls.addEventListener("end", () => this.setTurning(false));
+    this.setTurning(false);
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(3, -4, 8);
     this.scene.add(sun, new AmbientLight(0xffffff, 1.1), this.ground.lines);
@@ -196,6 +195,7 @@ export class SceneView {
   dispose(): void {
     for (const key of [...this.displays.keys()]) this.remove(key);
     clearTimeout(this.timer);
+    limitFrames(0);
     this.frame.dispose();
     this.resizes.disconnect();
     this.controls.dispose();
@@ -215,6 +215,11 @@ export class SceneView {
     if (typeof found === "string" && stampS !== null) found = this.tf.lookup(this.fixedFrame, from, null);
     if (typeof found === "string") return { transform: undefined, problem: `${found} Drawn at the origin.` };
     return { transform: found.transform, problem: "" };
+  }
+
+  private setTurning(isTurning: boolean): void {
+    this.isTurning = isTurning;
+    limitFrames(this.isSoftware && !isTurning ? MIN_SOFTWARE_PAGE_FRAME_MS : 0);
   }
 
   private drawSoon(): void {

@@ -7,10 +7,25 @@ export interface FrameTask {
 }
 
 const dirty = new Set<() => void>();
-let requested = 0;
+let isRequested = false;
+let periodMs = 0;
+let ranMs = 0;
+
+/** Sets the shortest time between two frames; 0 for the screen's rate. Without a graphics card, each one is expensive. */
+export function limitFrames(shortestMs: number): void {
+  periodMs = shortestMs;
+}
+
+function request(): void {
+  isRequested = true;
+  const waitMs = periodMs - (performance.now() - ranMs);
+  if (waitMs <= 0) requestAnimationFrame(run);
+  else setTimeout(() => requestAnimationFrame(run), waitMs);
+}
 
 function run(): void {
-  requested = 0;
+  isRequested = false;
+  ranMs = performance.now();
   const tasks = [...dirty];
   dirty.clear();
   for (const each of tasks) {
@@ -31,7 +46,7 @@ export function frameTask(draw: () => void): FrameTask {
     markDirty() {
       if (isDisposed) return;
       dirty.add(task);
-      if (requested === 0) requested = requestAnimationFrame(run);
+      if (!isRequested) request();
     },
     dispose() {
       isDisposed = true;
