@@ -266,6 +266,7 @@ export const texts = {
     stick: "Stick: drag it to drive",
     stop: "Stop",
     linear: "Max speed (m/s)",
+    share: "Max speed (1 is full speed)",
     angular: "Max turn rate (rad/s)",
     ready: (topic: string) => `Ready to drive ${topic}`,
     driving: (topic: string) => `You drive ${topic}`,

@@ -95,9 +95,9 @@ function Drive(props: {
       <StickPad driver={driver} />
       <div class="drive-limits">
         <Limit
-          label={texts.drive.linear}
-          value={limits.linear}
-          max={2}
+          label={driver.hasTurnLimit ? texts.drive.linear : texts.drive.share}
+          value={driver.hasTurnLimit ? limits.linear : Math.min(limits.linear, 1)}
+          max={driver.hasTurnLimit ? 2 : 1}
           onChange={(linear) => set({ linear })}
         />
         {driver.hasTurnLimit && (
