@@ -103,7 +103,7 @@ def _own_settings(tmp_path_factory: pytest.TempPathFactory) -> None:
 def pytest_xdist_auto_num_workers() -> int:
     """Return how many test processes `-n auto` means: most tests wait for more than half of their time."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(2 * processors + 4, MAX_WORKERS)
+    return min(2 * processors + 2, MAX_WORKERS)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -153,7 +153,7 @@ class Peer:
             self.node.destroy_client(client)
 
     def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
-        """Send a goal, and with `cancel` end it at once; return feedback, status and result."""
+        """Send a goal, and with `cancel` cancel it until it ends; return feedback, status and result."""
         client = self.action_client(action, type)
         feedback: list[Any] = []
         if not client.wait_for_server(PATIENCE_S):
@@ -162,9 +162,10 @@ class Peer:
             fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
         )
         wait_for(sent.done, f"{action} does not answer")
-        if cancel:
-            sent.result().cancel_goal_async()
         ended = sent.result().get_result_async()
+        while cancel and not ended.done():
+            sent.result().cancel_goal_async()
+            time.sleep(0.5)
         wait_for(ended.done, f"{action} does not end")
         return {
             "feedback": feedback,

@@ -182,6 +182,8 @@ class _Receiver:
 
     def _obey(self, commands: CommandReceiver, datagram: bytes, source: SocketAddress) -> None:
         host = source[0]
+        # A busy loop may read a query before it runs the watchdog.
+        self._stop_if_expired(commands, self._last_s)
         was_moving, refused_count = commands.is_moving, commands.refused_count
         frame = commands.receive(datagram, self._last_s)
         if commands.refused_count > refused_count and "not newer" not in commands.last_refusal:
@@ -233,11 +235,15 @@ class _Receiver:
 
     def _expire(self, commands: CommandReceiver) -> None:
         self._watchdog = None
-        if commands.expired(time.monotonic()):
+        if not self._stop_if_expired(commands, time.monotonic()):
+            self._watch(commands)
+
+    def _stop_if_expired(self, commands: CommandReceiver, now_s: float) -> bool:
+        has_expired = commands.expired(now_s)
+        if has_expired:
             self._report(Level.WARN, f"no command within the time to live; stopping {self._publisher.topic}")
             self._publisher.publish()
-        else:
-            self._watch(commands)
+        return has_expired
 
     def _publish(self, payload: bytes, host: str) -> None:
         if self._layout.accepts(payload):

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import time
 from dataclasses import replace
 
 import pytest
@@ -99,6 +100,24 @@ async def test_a_framed_robot_stops_on_request_and_when_its_sender_disappears() 
             await until(lambda: robot.speeds == [1.0, 0.0, 1.0, 0.0])
     assert "is not a framed command" in lines.texts[1]
     assert lines.texts[2:] == ["no command within the time to live; stopping /multicast_topic"]
+
+
+async def test_a_robot_stops_if_a_query_is_read_before_the_watchdog_runs() -> None:
+    _, (node, other) = await typed_nodes("/multicast_topic_receiver", "/robot")
+    address, lines, robot = loopback_group(), Lines(), Robot()
+    framed = ReceiverSettings(3, kind=KIND, key=KEY)
+    settings = ReceiverNodeSettings(CONTROL, address=address, framed=framed, has_key=True)
+    sender = CommandSender(SenderSettings(3, to_groups=False, kind=KIND, key=KEY), 1_000)
+    async with running(robot.listen(other), receive_topic(node, settings, lines)):
+        await until(lambda: lines.texts)
+        with sender_to(address) as sock:
+            sock.send(sender.command(EXAMPLE, 0.0)[0])
+            await until(lambda: robot.speeds == [1.0])
+            # The loop stands still until the time to live has passed, and then reads first.
+            sock.send(sender.query())
+            time.sleep(0.4)
+            await until(lambda: robot.speeds == [1.0, 0.0])
+    assert lines.texts[1:] == ["no command within the time to live; stopping /multicast_topic"]
 
 
 async def test_a_robot_that_moves_is_stopped_when_its_receiver_ends() -> None:
