@@ -51,8 +51,9 @@ async def printed(peers: Ros1Peers, python: str, script: str, *arguments: str) -
 
 
 def _is_left_out(line: str) -> bool:
-    # Debian's rospy reports a probe of its services as an error when the probe ends before it is read.
-    return _is_debug(line) or "incoming connection failed" in line
+    # Debian's rospy reports a probe of its services, depending on when the probe ends.
+    probed = "incoming connection failed" in line or "transport terminated" in line
+    return _is_debug(line) or probed
 
 
 def _is_debug(line: str) -> bool:

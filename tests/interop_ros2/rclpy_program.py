@@ -5,6 +5,7 @@ Each line is `{"verb": NAME, ...}` and is answered by one line, `{"answer": ...}
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import json
 import sys
@@ -12,6 +13,7 @@ import threading
 import time
 from typing import Any
 
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.action.client import ActionClient
 from rclpy.action.server import ActionServer
 from rclpy.context import Context
@@ -85,12 +87,13 @@ class Peer:
         self.received: dict[str, list[Any]] = {}
         self.requests: dict[str, list[Any]] = {}
         self.servers: list[Any] = []
-        self.action_clients: dict[str, Any] = {}
         threading.Thread(target=self.spin, daemon=True).start()
 
     def spin(self) -> None:
         while self.context.ok():
-            self.executor.spin_once()
+            # An action client may be destroyed while the executor prepares to wait for it.
+            with contextlib.suppress(RCLError):
+                self.executor.spin_once()
 
     def advertise(self, topic: str, type: str, quality: str = "default") -> None:  # noqa: A002
         self.publishers[topic] = self.node.create_publisher(find(type), topic, QUALITIES[quality])
@@ -153,31 +156,28 @@ class Peer:
             self.node.destroy_client(client)
 
     def act(self, action: str, type: str, goal: dict[str, Any], cancel: bool = False) -> Any:  # noqa: A002
-        """Send a goal, and with `cancel` cancel it until it ends; return feedback, status and result."""
-        client = self.action_client(action, type)
+        """Send a goal, and with `cancel` end it after a feedback; return feedback, status and result."""
+        client: Any = ActionClient(self.node, find(type), action)
         feedback: list[Any] = []
-        if not client.wait_for_server(PATIENCE_S):
-            raise TimeoutError(f"nobody offers {action}")
-        sent = client.send_goal_async(
-            fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
-        )
-        wait_for(sent.done, f"{action} does not answer")
-        ended = sent.result().get_result_async()
-        while cancel and not ended.done():
-            sent.result().cancel_goal_async()
-            time.sleep(0.5)
-        wait_for(ended.done, f"{action} does not end")
-        return {
-            "feedback": feedback,
-            "status": ended.result().status,
-            "result": plain(ended.result().result),
-        }
-
-    def action_client(self, action: str, type: str) -> Any:  # noqa: A002
-        """Return the client of an action. It is kept: destroying one ends the thread that spins."""
-        if action not in self.action_clients:
-            self.action_clients[action] = ActionClient(self.node, find(type), action)
-        return self.action_clients[action]
+        try:
+            if not client.wait_for_server(PATIENCE_S):
+                raise TimeoutError(f"nobody offers {action}")
+            sent = client.send_goal_async(
+                fill(find(type).Goal(), goal), lambda message: feedback.append(plain(message.feedback))
+            )
+            wait_for(sent.done, f"{action} does not answer")
+            if cancel:
+                wait_for(lambda: bool(feedback), f"{action} gives no feedback")
+                sent.result().cancel_goal_async()
+            ended = sent.result().get_result_async()
+            wait_for(ended.done, f"{action} does not end")
+            return {
+                "feedback": feedback,
+                "status": ended.result().status,
+                "result": plain(ended.result().result),
+            }
+        finally:
+            client.destroy()
 
     def serve_action(self, action: str, type: str, result: dict[str, Any]) -> None:  # noqa: A002
         """Serve an action: every goal succeeds with the same result."""

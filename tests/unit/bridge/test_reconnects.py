@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 RECONNECTS = 250
 # Until then caches fill.
 WARM_UP = 100
-MAX_GROWTH_BYTES = 64 * 1024
+MAX_GROWTH_BYTES = 128 * 1024
 
 
 def _descriptors() -> int:
