@@ -118,7 +118,9 @@ async def test_a_board_calls_rclpy(boards: Boards, peer: RclpyPeer) -> None:
     device = await boards.connect()
     client = device.service_client("gripper", "std_srvs/SetBool")
     node = await boards.announced("service client", "gripper")
-    # Listed before it has called anything.
+    # Listed before it has called anything, once the peer has discovered the node.
+    while [node.removeprefix("/"), "/"] not in await peer.ask("nodes"):
+        await asyncio.sleep(0.01)
     while ["/gripper", ["std_srvs/srv/SetBool"]] not in (
         await peer.ask("of_node", name=node.removeprefix("/"), namespace="/")
     )["clients"]:
