@@ -254,7 +254,7 @@ def test_at_commands_reach_other_radios(model: Model) -> None:
         await ask(frame(1, board.serial_number, 0xFFFE, b"CH"))
         await ask(frame(2, board.serial_number, 0xFFFE, b"RO\x09"))
         await ask(frame(3, board.serial_number, 0xFFFE, b"XX"))
-        # Nobody has this address.
+        # No radio has this address.
         await ask(frame(4, board.serial_number + 1, 0xFFFE, b"CH"))
         assert answers == [
             b"\x97\x01" + source + b"CH\x00\x0d",
