@@ -35,7 +35,7 @@ def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]
             raise ConfigError(
                 f"{path} is a port's name on Windows; here it is {_there(list_ports())}"
             ) from None
-        if (meant := baud_option(path) or _meant(path)) is not None:
+        if (meant := meant_port(path)) is not None:
             raise ConfigError(f"no serial port {path}; did you mean {meant}?") from None
         # Names of ports have ASCII characters only; a copied text may have others that look alike.
         strange = next((each for each in path if not each.isascii()), None)
@@ -48,6 +48,11 @@ def check_typed_port(address: Address, list_ports: Callable[[], Sequence[_Port]]
             raise ConfigError(f"{path} is a sketch, not a serial port; {sketch_advice(path)}")
         kind = "folder" if stat.S_ISDIR(mode) else "file"
         raise ConfigError(f"{path} is a {kind}, not a serial port; write {_there(list_ports())}")
+
+
+def meant_port(path: str) -> str | None:
+    """Return the port that a mistyped name probably means."""
+    return baud_option(path) or _meant(path)
 
 
 def _meant(path: str) -> str | None:

@@ -16,6 +16,18 @@ from programs import start_command
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl (apt install openssl)")
 
 KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
+AUTHORITY = """
+[ca]
+default_ca = ours
+[ours]
+database = issued
+new_certs_dir = .
+default_md = sha256
+rand_serial = yes
+policy = names
+[names]
+commonName = supplied
+"""
 OURS: dict[str, object] = {"root_ca_certificate": "ours.pem"}
 
 
@@ -23,9 +35,29 @@ def run(folder: Path, *arguments: str) -> None:
     subprocess.run(["openssl", *arguments], cwd=folder, check=True, capture_output=True)
 
 
-def certify(folder: Path, name: str, authority: str) -> None:
+def certify(folder: Path, name: str, authority: str, *, until: str = "") -> None:
     run(folder, "req", *KEY, "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
     (folder / "ext").write_text("subjectAltName=DNS:localhost")
+    if until:
+        # `openssl x509` of OpenSSL 3.0 cannot set dates.
+        (folder / "issued").write_text("")
+        (folder / "ca.cnf").write_text(AUTHORITY)
+        run(
+            folder,
+            *(
+                "ca",
+                "-batch",
+                "-config",
+                "ca.cnf",
+                "-cert",
+                f"{authority}.pem",
+                "-keyfile",
+                f"{authority}.key",
+            ),
+            *("-in", f"{name}.csr", "-extfile", "ext", "-notext", "-out", f"{name}.pem"),
+            *("-startdate", "20200101000000Z", "-enddate", until),
+        )
+        return
     signed = ("-CA", f"{authority}.pem", "-CAkey", f"{authority}.key", "-CAcreateserial")
     run(
         folder,
@@ -46,13 +78,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         )
     for name, authority in (("robot", "ours"), ("laptop", "ours"), ("stranger", "others")):
         certify(folder, name, authority)
+    certify(folder, "expired", "ours", until="20200201000000Z")
     return folder
 
 
 def configured(folder: Path, name: str, tls: dict[str, object], **endpoints: list[str]) -> dict[str, str]:
     """Write a router's configuration; returns the variable that names it."""
     files = {
-        key: str(folder / str(value)) if str(value).endswith((".pem", ".key")) else value
+        key: str(folder / str(value)) if str(value).endswith((".pem", ".key", "ext")) else value
         for key, value in tls.items()
     }
     path = folder / f"{name}.json5"
@@ -97,6 +130,13 @@ def ours(name: str) -> dict[str, object]:
             "it does not know the authority",
         ),
         ({}, "no authority is given", "it does not know the authority"),
+        (
+            ours("laptop") | {"connect_private_key": "stranger.key"},
+            "stranger.key is not the key of the certificate",
+            "",
+        ),
+        (OURS | {"root_ca_certificate": "none.pem"}, "none.pem cannot be read (No such file", ""),
+        (ours("expired"), "refuses the client certificate", "its certificate has expired (invalid"),
     ],
 )
 async def test_both_sides_report_the_reason(
@@ -135,12 +175,73 @@ async def test_both_sides_report_the_reason(
         try:
             await other.wait_for(f"no zenoh router answers at tls/localhost:{port} yet")
             await other.wait_for(here)
-            await router.wait_for(f"refused a TLS connection: {there}")
+            if there:
+                await router.wait_for(f"refused a TLS connection: {there}")
             assert "ThreadId" not in router.text
         finally:
             await other.stop(signal.SIGTERM)
     finally:
         await router.stop(signal.SIGTERM)
+
+
+async def test_the_wrong_protocol(folder: Path) -> None:
+    port, tcp_port = free_port(), free_port()
+    robot = {**OURS, "listen_certificate": "robot.pem", "listen_private_key": "robot.key"}
+    listening = [f"tcp/localhost:{tcp_port}", f"tls/localhost:{port}"]
+    router = await start_command(
+        "core", "--ros2", "zenoh", environment=configured(folder, "both", robot, listen=listening)
+    )
+    connecting = [f"tcp/localhost:{port}", f"tls/localhost:{tcp_port}"]
+    variables = configured(folder, "wrong", OURS, listen=[], connect=connecting)
+    try:
+        await router.wait_for("Press Ctrl-C")
+        doctor = await start_command("doctor", "--ros2", "zenoh", environment=variables)
+        text = await doctor.finish()
+        assert f"PROBLEM: tcp/localhost:{port} in {folder}/wrong.json5: zenoh cannot connect to it" in text
+        assert (
+            f"PROBLEM: tls/localhost:{tcp_port} in {folder}/wrong.json5: it accepts connections, but" in text
+        )
+        await router.wait_for("refused a TLS connection: it does not speak TLS")
+        # The doctor's own test of the port is not a refusal.
+        assert "handshake eof" not in router.text
+    finally:
+        await router.stop(signal.SIGTERM)
+
+
+@pytest.mark.parametrize(
+    ("tls", "fault"),
+    [
+        ({}, "TLS needs a certificate and its key"),
+        (
+            {"listen_certificate": "robot.pem", "listen_private_key": "none.key"},
+            "none.key cannot be read (No such file or directory): check transport/link/tls/listen_private",
+        ),
+        ({"listen_certificate": "ext", "listen_private_key": "robot.key"}, "ext is not a certificate"),
+    ],
+)
+async def test_files_of_a_listener(folder: Path, tls: dict[str, object], fault: str) -> None:
+    variables = configured(folder, "listener", tls, listen=[f"tls/localhost:{free_port()}"])
+    router = await start_command("core", "--ros2", "zenoh", environment=variables)
+    text = await router.finish()
+    assert "zenoh cannot listen: " in text
+    assert fault in text
+    assert "uses the port" not in text
+    doctor = await start_command("doctor", "--ros2", "zenoh", environment=variables)
+    text = await doctor.finish()
+    assert "PROBLEM: " in text
+    assert fault in text
+
+
+async def test_an_unknown_setting(folder: Path) -> None:
+    path = folder / "typo.json5"
+    path.write_text('{ mode: "router", lissten: {} }')
+    router = await start_command(
+        "core", "--ros2", "zenoh", environment={"ZENOH_ROUTER_CONFIG_URI": str(path)}
+    )
+    text = await router.finish()
+    assert "is not a zenoh configuration: unknown field `lissten`" in text
+    assert "(line 1, column 19)" in text
+    assert "Message" not in text
 
 
 async def test_an_endpoint_that_does_not_answer(folder: Path) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import errno
+import sys
 
 from rostether.bridge.findings.finding import Code, Finding, error
+from rostether.transports.address_advice import WINDOWS_PORT
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
+from rostether.transports.typed_port import meant_port
 
 
 def port_findings(facts: PortFacts) -> list[Finding]:
@@ -82,7 +85,11 @@ def busy(place: str, holders: tuple[Holder, ...]) -> Finding:
 
 
 def _no_port(facts: PortFacts) -> Finding:
-    if facts.near:
+    if (meant := meant_port(facts.path)) is not None:
+        step = f"did you mean {meant}?"
+    elif WINDOWS_PORT.fullmatch(facts.path) and sys.platform != "win32":
+        step = "this is a port's name on Windows; here it is /dev/ttyACM0 or /dev/ttyUSB0"
+    elif facts.near:
         step = f"did you mean {' or '.join(facts.near)}?"
     elif facts.others:
         step = f"the ports are {', '.join(facts.others)}"

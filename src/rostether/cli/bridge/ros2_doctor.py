@@ -58,7 +58,13 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
             peer_configuration,
             router_configuration,
         )
-        from rostether.ros2.zenoh.reachability import endpoints_of, find_fault, tls_of
+        from rostether.ros2.zenoh.reachability import (
+            NO_SESSION,
+            endpoints_of,
+            find_fault,
+            find_listen_fault,
+            tls_of,
+        )
     except ModuleNotFoundError:
         return
     if not names_its_own_place(environment):
@@ -78,9 +84,13 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
         for endpoint in endpoints_of(configuration, "connect"):
             fault = await find_fault(endpoint, tls)
             denied = () if fault else await find_denied_topics(configuration, endpoint, environment.domain_id)
-            if denied:
+            if denied is None:
+                fault = NO_SESSION
+            elif denied:
                 fault = f"its access control does not carry {', '.join(denied)} for this machine"
             yield _Finding(not fault, f"{endpoint} in {path}", fault or "answers")
         listening = endpoints_of(configuration, "listen")
         if listening:
-            yield _Finding(True, f"{path}", f"listens at {', '.join(listening)}")
+            fault = find_listen_fault(configuration)
+            where = f"listens at {', '.join(listening)}"
+            yield _Finding(not fault, f"{path}", f"{where}, but {fault}" if fault else where)

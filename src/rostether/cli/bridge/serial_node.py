@@ -94,6 +94,10 @@ def serial_node(
 
     Settings in devices.toml apply unless an argument overrides them; __name sets the board's name.
     """
+    wrong = next((each for each in arguments if each.startswith("--")), None)
+    if wrong is not None:
+        advice = "; set the master with __master:=URI" if wrong.startswith("--master") else ""
+        raise click.UsageError(f"no such option {wrong}{advice}")
     host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
     run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
 

@@ -27,7 +27,7 @@ PROBE_LIMIT_S = 10.0
 # The time for a subscription to become known before the next probe.
 _REPEAT_S = 0.2
 
-_CONNECT_LIMIT_MS = 2000
+_CONNECT_LIMIT_MS = 5000
 _LISTING_LIMIT_S = 2.0
 _PROBE = "_rostether_access"
 _TOPICS = (Kind.PUBLISHER, Kind.SUBSCRIBER)
@@ -36,10 +36,10 @@ _log = logging.getLogger("rostether.ros2")
 
 async def find_denied_topics(
     configuration: zenoh.Config, endpoint: str, domain_id: int, ends: Iterable[Token] | None = None
-) -> list[str]:
+) -> list[str] | None:
     """Return the topics that the router at an endpoint denies, among `ends` or the whole graph.
 
-    The result is empty if the router cannot be reached.
+    The result is None if zenoh cannot connect to the router.
     """
     ended = threading.Event()
     try:
@@ -55,7 +55,7 @@ def _find(
     domain_id: int,
     ends: Iterable[Token] | None,
     ended: threading.Event,
-) -> list[str]:
+) -> list[str] | None:
     stay_known()
     with ExitStack() as stack:
         try:
@@ -64,7 +64,7 @@ def _find(
             )
         except zenoh.ZError as error:
             _log.debug("access at %s is not checked: %s", endpoint, error)
-            return []
+            return None
         keys = _keys(_listed(sender, domain_id) if ends is None else ends)
         missing = _missing(sender, receiver, keys, ended)
         return sorted({topic for key, topic in keys.items() if key in missing})

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -51,6 +52,7 @@ _PEER = {
     "connect/retry": "{period_init_ms: 500, period_max_ms: 2000, period_increase_factor: 2}",
 }
 _ROUTER = {"mode": '"router"', "connect/exit_on_failure": "false"}
+_JSON_ERROR = re.compile(r'JSON error: Message { msg: "(.*)", location: .* line: (\d+), column: (\d+) .*')
 
 
 class RouterChoice(Enum):
@@ -164,5 +166,6 @@ def _port(endpoint: str) -> str:
 
 
 def one_line(error: BaseException) -> str:
-    """Return zenoh's error without the source location and line breaks."""
-    return " ".join(str(error).partition(" at /")[0].split())
+    """Return zenoh's error without the source location, line breaks and Rust's notation of values."""
+    text = " ".join(str(error).partition(" at /")[0].split())
+    return _JSON_ERROR.sub(r"\1 (line \2, column \3)", text)

@@ -9,7 +9,8 @@ import asyncio
 import json
 import os
 import ssl
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import zenoh
@@ -22,8 +23,15 @@ PROBE_TIMEOUT_S = 3.0
 # The time to wait for a refusal of the certificate, which TLS 1.3 sends after the handshake.
 REFUSAL_TIMEOUT_S = 1.0
 
+_TLS_PROTOCOLS = ("tls/", "quic/")
+
+# What is wrong if an endpoint accepts connections, or its protocol cannot be tried.
+NO_SESSION = "zenoh cannot connect to it: check its protocol (tcp, tls, quic), and that it is a zenoh router"
+
 _LOOPBACK = ("localhost", "127.", "[::1]")
 _TLS = "transport/link/tls"
+_CONNECT_FILES = ("root_ca_certificate", "connect_certificate", "connect_private_key")
+_LISTEN_FILES = ("root_ca_certificate", "listen_certificate", "listen_private_key")
 
 
 def endpoints_of(configuration: zenoh.Config, what: str) -> tuple[str, ...]:
@@ -55,33 +63,88 @@ async def find_fault(endpoint: str, tls: Mapping[str, Any]) -> str:
     """Return why an endpoint cannot be reached; empty if it can, or if its protocol cannot be tried."""
     protocol, _, place = endpoint.partition("#")[0].partition("?")[0].partition("/")
     host, _, port = place.rpartition(":")
+    host = host.strip("[]")
     if protocol not in ("tcp", "tls") or not port.isdecimal():
         return ""
-    try:
-        context = _context(tls) if protocol == "tls" else None
-    except (OSError, ValueError) as error:
-        return (
-            f"a certificate of the configuration cannot be used ({_words(error)}): check the files of {_TLS}"
-        )
+    files = _CONNECT_FILES if tls.get("enable_mtls") else _CONNECT_FILES[:1]
+    if protocol == "tls" and (fault := _find_file_fault(tls, *files)):
+        return fault
     try:
         async with asyncio.timeout(PROBE_TIMEOUT_S):
-            reader, writer = await asyncio.open_connection(host.strip("[]"), int(port), ssl=context)
+            reader, writer = await asyncio.open_connection(host, int(port))
+    except TimeoutError:
+        return "nothing answers there: is the machine on, and does a firewall let the port through?"
+    except OSError as error:
+        return f"it cannot be reached ({_words(error)}): is the router running, and is the address right?"
+    try:
+        return await _find_tls_fault(reader, writer, host, tls) if protocol == "tls" else ""
+    finally:
+        writer.close()
+
+
+async def _find_tls_fault(
+    reader: asyncio.StreamReader, writer: asyncio.StreamWriter, host: str, tls: Mapping[str, Any]
+) -> str:
+    try:
+        async with asyncio.timeout(PROBE_TIMEOUT_S):
+            await writer.start_tls(_context(tls), server_hostname=host)
         try:
-            if context is not None:
-                async with asyncio.timeout(REFUSAL_TIMEOUT_S):
-                    await reader.read(1)
+            async with asyncio.timeout(REFUSAL_TIMEOUT_S):
+                await reader.read(1)
         except TimeoutError:
             pass
-        finally:
-            writer.close()
     except ssl.SSLCertVerificationError as error:
         return _explain_verification(error, tls)
     except ssl.SSLError as error:
         return _explain_refusal(error)
     except TimeoutError:
-        return "nothing answers there: is the machine on, and does a firewall let the port through?"
+        return "it accepts connections, but does not speak TLS: is it a tcp/ endpoint?"
     except OSError as error:
-        return f"it cannot be reached ({_words(error)}): is the router running, and is the address right?"
+        return f"it ends TLS connections ({_words(error)}): check the port"
+    return ""
+
+
+def uses_tls(endpoints: Iterable[str]) -> bool:
+    """Return whether an endpoint needs certificates."""
+    return any(each.startswith(_TLS_PROTOCOLS) for each in endpoints)
+
+
+def find_listen_fault(configuration: zenoh.Config) -> str:
+    """Return why the TLS endpoints of a configuration cannot listen; empty if they can."""
+    tls = tls_of(configuration)
+    if not uses_tls(endpoints_of(configuration, "listen")):
+        return ""
+    if not all(tls.get(name) for name in _LISTEN_FILES[1:]):
+        return f"TLS needs a certificate and its key: set {' and '.join(_LISTEN_FILES[1:])} in {_TLS}"
+    return _find_file_fault(tls, *_LISTEN_FILES)
+
+
+def _find_file_fault(tls: Mapping[str, Any], *names: str) -> str:
+    """Return why a file cannot be used; empty if all can.
+
+    `names` are the settings of the authority's certificate, the own certificate and its key.
+    """
+    files = {f"{_TLS}/{name}": str(path) for name in names if (path := tls.get(name))}
+    for name, path in files.items():
+        try:
+            Path(path).read_bytes()
+        except OSError as error:
+            return f"{path} cannot be read ({_words(error)}): check {name}"
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    authority, certificate, key = (files.get(f"{_TLS}/{name}") for name in (*names, "", "")[:3])
+    try:
+        if authority:
+            context.load_verify_locations(authority)
+    except ssl.SSLError:
+        return f"{authority} contains no certificate: check {_TLS}/{names[0]}"
+    try:
+        if certificate and key:
+            # Without a password here, OpenSSL asks for it on the terminal.
+            context.load_cert_chain(certificate, key, password="")
+    except ssl.SSLError as error:
+        if error.reason == "KEY_VALUES_MISMATCH":
+            return f"{key} is not the key of the certificate {certificate}: check {_TLS}/{names[2]}"
+        return f"{certificate} is not a certificate, or {key} is not a key or has a password"
     return ""
 
 
@@ -112,6 +175,8 @@ def _explain_refusal(error: ssl.SSLError) -> str:
             f"it asks for a certificate ({reason}): set {_TLS}/connect_certificate, connect_private_key and "
             "enable_mtls: true"
         )
+    if "expired" in reason:
+        return f"it refuses the client certificate ({reason}): renew it"
     if "unknown ca" in reason or "certificate" in reason:
         return f"it refuses the client certificate ({reason}): get one from an authority that it trusts"
     return f"it does not accept TLS connections ({reason}): check the port"
@@ -124,7 +189,8 @@ def _value(configuration: zenoh.Config, path: str) -> Any:
         return None
 
 
-def _words(error: Exception) -> str:
-    number = getattr(error, "errno", None)
-    text = os.strerror(number) if number is not None and number > 0 else str(error)
+def _words(error: OSError) -> str:
+    number = error.errno
+    # A name that is not found has a negative number.
+    text = os.strerror(number) if number is not None and number > 0 else error.strerror or str(error)
     return fold_line(text) or type(error).__name__

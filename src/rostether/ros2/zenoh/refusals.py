@@ -28,9 +28,14 @@ _MEANINGS = {
     "UnknownIssuer": "its certificate is not from the configured authority",
     "sent no certificates": "it has no certificate",
     "UnknownCA": "it does not know the authority of this machine's certificate",
-    "Expired": "its certificate has expired",
+    "certificate expired": "its certificate has expired",
+    "not valid yet": "its certificate is not valid yet, or a clock is wrong",
+    "CertificateExpired": "this machine's certificate has expired",
     "BadCertificate": "it does not accept this machine's certificate",
+    "InvalidContentType": "it does not speak TLS; it needs an endpoint with tls/",
 }
+# A program that only tests whether the port is open is not refused.
+_TESTED = "handshake eof"
 _log = logging.getLogger("rostether.ros2")
 _started = threading.Lock()
 
@@ -59,6 +64,8 @@ def explain(line: bytes) -> str:
     if found is None:
         return ""
     reason = found["reason"].decode("utf-8", "replace").partition(" Hint:")[0].rstrip(".")
+    # The seconds after this differ each time.
+    reason = reason.partition(": verification time")[0]
     meaning = next((text for word, text in _MEANINGS.items() if word in reason), "")
     return (
         f"refused a TLS connection: {meaning} ({reason})"
@@ -74,7 +81,7 @@ def _read(source: int, output: int) -> None:
             text = explain(line)
             if not text:
                 os.write(output, line)
-            elif time.monotonic() - reported_s.get(text, float("-inf")) >= REPEAT_S:
+            elif _TESTED not in text and time.monotonic() - reported_s.get(text, float("-inf")) >= REPEAT_S:
                 if len(reported_s) >= MAX_KINDS:
                     reported_s.clear()
                 reported_s[text] = time.monotonic()

@@ -31,7 +31,14 @@ from rostether.ros2.zenoh.configuration import (
     router_configuration,
 )
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.reachability import endpoints_of, find_faults, tls_of
+from rostether.ros2.zenoh.reachability import (
+    NO_SESSION,
+    endpoints_of,
+    find_faults,
+    find_listen_fault,
+    tls_of,
+    uses_tls,
+)
 from rostether.ros2.zenoh.refusals import report_refusals
 from rostether.ros2.zenoh.router_watch import watch_router
 from rostether.ros2.zenoh.thread_state import stay_known
@@ -244,8 +251,7 @@ class ZenohSession:
         if self.is_router:
             await self._wait_for_link()
         if not faults and not self._is_linked():
-            # For protocols other than TCP, only a connection shows whether the endpoint is reachable.
-            faults = dict.fromkeys(named, "check that it is running and can be reached")
+            faults = dict.fromkeys(named, NO_SESSION)
         for endpoint, fault in faults.items():
             _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
 
@@ -283,18 +289,20 @@ async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:
 
 
 async def _open(configuration: zenoh.Config) -> zenoh.Session:
-    if any(each.startswith(("tls/", "quic/")) for each in endpoints_of(configuration, "listen")):
+    if uses_tls(endpoints_of(configuration, "listen")):
         report_refusals()
     try:
         # Opening blocks until the first connections are established or have failed.
         return await asyncio.to_thread(zenoh.open, configuration)
     except zenoh.ZError as error:
         text = one_line(error)
+        if fault := find_listen_fault(configuration):
+            raise MasterUnreachableError(f"zenoh cannot listen: {fault}") from error
         if "listener" in text:
-            raise MasterUnreachableError(
-                f"zenoh cannot listen: {text}; stop the program that uses the port, "
-                "or choose another endpoint"
-            ) from error
+            advice = "check the listen endpoints of the configuration"
+            if "in use" in text:
+                advice = "stop the program that uses the port, or choose another endpoint"
+            raise MasterUnreachableError(f"zenoh cannot listen: {text}; {advice}") from error
         raise MasterUnreachableError(f"zenoh cannot open a session: {text}") from error
     except Exception as error:
         raise ConfigError(f"zenoh does not accept its configuration: {one_line(error)}") from error

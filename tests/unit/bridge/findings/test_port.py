@@ -31,6 +31,13 @@ def test_a_port_that_is_not_there() -> None:
     assert "the ports are /dev/ttyS0" in told(PortFacts(PORT, exists=False, others=("/dev/ttyS0",)))
 
 
+def test_mistyped_names_of_ports() -> None:
+    others = ("/dev/ttyS0",)
+    mistyped = told(PortFacts("/dev/ttyACMO", exists=False, others=others))
+    assert "did you mean /dev/ttyACM0 (with a zero)?" in mistyped
+    assert "a port's name on Windows" in told(PortFacts("COM3", exists=False, others=others))
+
+
 def test_permission_with_the_exact_command() -> None:
     assert "run: sudo usermod -aG dialout $USER" in told(PortFacts(PORT, may_open=False, group="dialout"))
     assert f"run: sudo chmod a+rw {PORT}" in told(PortFacts(PORT, may_open=False))

@@ -56,6 +56,12 @@ def test_too_many_arguments() -> None:
         _link("/dev/ttyACM0", "57600", "more")
 
 
+async def test_an_option_of_other_commands() -> None:
+    async with started("serial-node", "/dev/ttyACM0", "--master", "http://127.0.0.1:1") as command:
+        text = await command.finish()
+    assert "no such option --master; set the master with __master:=URI" in text
+
+
 async def test_well_known_lines_over_a_pseudo_terminal(tmp_path: Path) -> None:
     master = await MasterServer.start(port=0)
     port = tmp_path / "ttyACM0"
