@@ -23,6 +23,11 @@ from interop_web.web_peers import missing_web
 from rostether.errors import ConfigError
 from rostether.pictures.png import png
 from rostether.pictures.scene import Scene
+from second_try import (  # noqa: F401 - hooks
+    pytest_runtest_logreport,
+    pytest_runtest_protocol,
+    pytest_terminal_summary,
+)
 from unit.codegen.compilers import COMPILERS, missing_compiler
 from unit.simulation.simavr.programs import missing_simavr
 from warm_start import (  # noqa: F401 - fixture and hooks

@@ -11,7 +11,7 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
-from loop_watch import CallbackWatch, held_each_time
+from loop_watch import CallbackWatch
 from unit.gateways.foxglove.protocol_client import stage
 from unit.gateways.rosbridge.web_client import world
 
@@ -57,7 +57,6 @@ async def send_until_refused(writer: asyncio.StreamWriter, data: bytes) -> None:
 
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
-@held_each_time
 async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch: pytest.MonkeyPatch) -> None:
     async with serving(gateway) as port:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
@@ -75,7 +74,6 @@ async def test_an_upgrade_in_single_bytes_is_accepted(gateway: str, monkeypatch:
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
 @pytest.mark.parametrize("kind", ["GET", "upgrade"])
-@held_each_time
 async def test_pipelined_requests_do_not_delay_others(
     gateway: str, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -117,7 +115,6 @@ async def test_two_upgrades_at_once_end_without_a_defect(
 
 @pytest.mark.parametrize("gateway", GATEWAYS)
 @pytest.mark.parametrize("line", [b"a", b"a: b\r\n", b"\r\n"])
-@held_each_time
 async def test_a_head_without_an_end_is_refused(
     gateway: str, line: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:

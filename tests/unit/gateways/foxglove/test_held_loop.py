@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from loop_watch import CEILING_S, CallbackWatch, held_each_time
+from loop_watch import CEILING_S, CallbackWatch
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.foxglove.client_parser import MAX_TEXT_MESSAGE_CHARACTERS, parse_text
 from unit.gateways.foxglove.protocol_client import ProtocolClient, stage
@@ -19,7 +19,6 @@ async def advertise(client: ProtocolClient, encoding: str, type_name: str, schem
     await client.say("advertise", channels=[channel | {"schemaEncoding": "ros1msg"}])
 
 
-@held_each_time
 async def test_json_that_stands_for_many_messages(monkeypatch: pytest.MonkeyPatch) -> None:
     async with stage() as there, there.client() as client:
         heard: list[bytes] = []
@@ -36,7 +35,6 @@ async def test_json_that_stands_for_many_messages(monkeypatch: pytest.MonkeyPatc
         assert [struct.unpack_from("<I", each)[0] for each in heard] == [20_001, 20_001, 1, 20_001]
 
 
-@held_each_time
 async def test_a_message_with_many_strings(monkeypatch: pytest.MonkeyPatch) -> None:
     async with stage() as there, there.client() as client:
         await advertise(client, "ros1", "test_msgs/Strings", "string[] names")
@@ -47,7 +45,6 @@ async def test_a_message_with_many_strings(monkeypatch: pytest.MonkeyPatch) -> N
         watch.check(f"{count} strings")
 
 
-@held_each_time
 async def test_a_long_definition(monkeypatch: pytest.MonkeyPatch) -> None:
     async with stage() as there, there.client() as client:
         watch = CallbackWatch(monkeypatch)

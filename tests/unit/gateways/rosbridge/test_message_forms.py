@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from loop_watch import CallbackWatch, held_each_time
+from loop_watch import CallbackWatch
 from rostether.errors import SerializationError
 from rostether.gateways.rosbridge.client_subscription import Compression
 from rostether.gateways.rosbridge.message_forms import MessageForms
@@ -31,7 +31,6 @@ def batch(payload: bytes) -> Batch:
     return Batch(PublisherConnection("/map", fields, LearnedTypes(STORE)), [payload])
 
 
-@held_each_time
 async def test_a_large_message_is_converted_once_and_does_not_hold_the_loop(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -53,7 +52,6 @@ async def test_a_large_message_that_does_not_fit_its_type_is_refused_for_every_c
             await there.published("/map", sent, 0, Compression.NONE)
 
 
-@held_each_time
 async def test_a_large_response_does_not_hold_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     payload = MAP.encode({"data": CELLS})
     watch = CallbackWatch(monkeypatch)

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 import pytest
 
 from effort import effort
-from loop_watch import CallbackWatch, held_each_time
+from loop_watch import CallbackWatch
 from rostether.ros1.master import registrations
 from rostether.ros1.master.registrations import MAX_OF_ONE_NODE, MAX_WATCHES
 from rostether.ros1.master.server import MasterServer
@@ -52,7 +52,6 @@ def filled(kind: str) -> XmlRpcValue:
 
 
 @pytest.mark.parametrize("kind", effort(["namespaces", "flat"], ["list", "structs", "namespaces", "flat"]))
-@held_each_time
 async def test_parameters_as_many_as_a_master_holds(
     kind: str, client: XmlRpcClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -69,7 +68,6 @@ async def test_parameters_as_many_as_a_master_holds(
         watch.check(f"{method} of {kind}")
 
 
-@held_each_time
 async def test_as_many_watchers_as_a_master_allows(
     master: MasterServer, client: XmlRpcClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,7 +91,6 @@ async def test_as_many_watchers_as_a_master_allows(
         watch.check(f"{method} {args[0]}")
 
 
-@held_each_time
 async def test_a_node_with_as_many_topics_as_a_master_allows_is_replaced(
     master: MasterServer, client: XmlRpcClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -134,7 +131,6 @@ async def test_one_node_has_a_limit(
     assert "/n has 2 registrations, the limit" in answers[2][1]
 
 
-@held_each_time
 async def test_the_nodes_have_a_limit_and_are_pinged_in_slices(
     master: MasterServer, client: XmlRpcClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:

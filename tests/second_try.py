@@ -1,0 +1,57 @@
+"""A second try for a test that failed beside others, reported at the end of the run.
+
+The test processes keep a machine so busy that boards and peers in real time may be late. A test that is run
+alone has one try.
+"""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from _pytest.runner import runtestprotocol
+
+# The attribute of a report with the failure of the first try. pytest-xdist carries it to the controller.
+_FIRST_FAILURE = "first_failure"
+_MAX_FAILURE_CHARS = 300
+
+_failures: list[tuple[str, str]] = []
+
+
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
+    """Run a test in a test process of pytest-xdist; if it fails, once more."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return None
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    reports = runtestprotocol(item, nextitem=nextitem, log=False)
+    failed = [each for each in reports if each.failed]
+    if failed:
+        # The fixtures are made again.
+        item._initrequest()  # type: ignore[attr-defined]
+        reports = runtestprotocol(item, nextitem=nextitem, log=False)
+        setattr(reports[-1], _FIRST_FAILURE, _summary(failed[0]))
+    for report in reports:
+        item.ihook.pytest_runtest_logreport(report=report)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    return True
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Keep the first failures for the end of the run."""
+    if failure := getattr(report, _FIRST_FAILURE, ""):
+        _failures.append((report.nodeid, failure))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """List the tests that had a second try, with the failure of the first."""
+    if not _failures:
+        return
+    terminalreporter.section("second tries")
+    for test, failure in _failures:
+        terminalreporter.write_line(f"{test}: {failure}")
+
+
+def _summary(report: pytest.TestReport) -> str:
+    crash = getattr(report.longrepr, "reprcrash", None)
+    text = report.longreprtext if crash is None else f"{crash.path}:{crash.lineno}: {crash.message}"
+    return " ".join(text.split())[:_MAX_FAILURE_CHARS]
