@@ -19,7 +19,7 @@ _failures: list[tuple[str, str]] = []
 
 
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-    """Run a test in a test process of pytest-xdist; if it fails, once more."""
+    """Run a test in a test process of pytest-xdist; if it fails, again."""
     if "PYTEST_XDIST_WORKER" not in os.environ:
         return None
     item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)

@@ -1,4 +1,4 @@
-"""A test that fails beside others is tried once more, and the run's end says so."""
+"""A test that fails beside others is tried again, and the run's end says so."""
 
 from __future__ import annotations
 
