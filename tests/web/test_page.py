@@ -35,6 +35,28 @@ async def test_the_overview_shows_the_board_and_moving_values(robot: Robot, brow
     assert seen["errors"] == []
 
 
+async def test_the_3d_view_starts_after_the_first_values(robot: Robot, browser: Browser) -> None:
+    # Without a graphics card, its start blocks the page for up to a second. Here the values come late.
+    note = """
+        const { set } = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
+        Object.defineProperty(WebSocket.prototype, "onmessage", { set(handle) {
+            set.call(this, (event) => {
+                const late = () => { globalThis.valueMs ??= performance.now(); handle(event); };
+                globalThis.openedMs ??= performance.now();
+                if (typeof event.data === "string") handle(event);
+                else setTimeout(late, 1000);
+            });
+        } });
+    """
+    page = await browser.do("open", url=robot.url, script=note)
+    code = "performance.getEntriesByType('resource').find((each) => each.name.includes('scene_panel'))"
+    await browser.wait_for(page, f"{code} !== undefined && globalThis.valueMs !== undefined")
+    times = f"[{code}.startTime, valueMs, openedMs]"
+    started_ms, value_ms, opened_ms = await browser.do("evaluate", page=page, script=times)
+    # It does not wait for silent topics longer than this.
+    assert started_ms > min(value_ms, opened_ms + 1500), (started_ms, value_ms, opened_ms)
+
+
 async def test_the_list_of_topics_shows_the_newest_values(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/topics")
     row = "document.querySelector('tr[data-topic=\"/imu_data\"]')?.innerText"

@@ -1,13 +1,13 @@
-// Hooks for panels that are Preact components.
+// Hooks for panels that are Preact components. They subscribe without waiting until the browser has painted.
 import { useSignal } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo } from "preact/hooks";
 import type { Feed, Listener } from "../store/feed.ts";
 import type { PanelContext } from "./panel.ts";
 
 /** Subscribes while the panel is visible; the component is drawn again for new messages, at most once a frame. */
 export function useFeed(context: PanelContext, topicName: string, listener?: Listener): Feed {
   const feed = useMemo(() => context.robot.feed(topicName), [topicName]);
-  useEffect(() => {
+  useLayoutEffect(() => {
     const subscription = context.subscribe(topicName, listener);
     return () => subscription.close();
   }, [topicName]);
@@ -21,7 +21,7 @@ export function useSubscription(
   topicName: string | undefined,
   listener?: Listener,
 ): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (topicName === undefined) return;
     const subscription = context.subscribe(topicName, listener);
     return () => subscription.close();

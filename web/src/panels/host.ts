@@ -51,8 +51,8 @@ export function mountPanel(
   };
 
   let retry: ReturnType<typeof setTimeout> | undefined;
-  let cancelPause = () => {};
   const load = () => {
+    if (isDisposed) return;
     panel.load().then(
       ({ default: module }) => {
         if (isDisposed) return;
@@ -68,13 +68,17 @@ export function mountPanel(
       },
     );
   };
-  if (isCard && panel.loadsLate) cancelPause = inPause(load);
-  else load();
+  if (isCard && panel.loadsLate) {
+    // In the first pause the other cards have subscribed.
+    void pause()
+      .then(() => robot.firstValues(MAX_WAIT_MS))
+      .then(pause)
+      .then(load);
+  } else load();
 
   return () => {
     isDisposed = true;
     clearTimeout(retry);
-    cancelPause();
     watched.dispose();
     for (const each of [...endings]) each();
     endings.clear();
@@ -82,13 +86,11 @@ export function mountPanel(
   };
 }
 
-/** Calls `run` when the browser is idle; returns a function that cancels it. */
-function inPause(run: () => void): () => void {
-  // Safari has no idle callbacks.
-  if (!("requestIdleCallback" in globalThis)) {
-    const timer = setTimeout(run, MAX_WAIT_MS / 2);
-    return () => clearTimeout(timer);
-  }
-  const request = requestIdleCallback(run, { timeout: MAX_WAIT_MS });
-  return () => cancelIdleCallback(request);
+/** Resolves when the browser is idle. */
+function pause(): Promise<void> {
+  return new Promise((resolve) => {
+    // Safari has no idle callbacks.
+    if ("requestIdleCallback" in globalThis) requestIdleCallback(() => resolve(), { timeout: MAX_WAIT_MS });
+    else setTimeout(resolve, MAX_WAIT_MS / 2);
+  });
 }

@@ -1,7 +1,7 @@
 // The first screen: a card for each thing that the graph has, without configuration; and the user's changes.
 import { computed, signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { graphOf } from "../panels/graph_of.ts";
 import { mountPanel } from "../panels/host.ts";
 import type { Panel, Suggestion } from "../panels/panel.ts";
@@ -135,7 +135,7 @@ function ArrangeButtons({ card, shown }: { card: Card; shown: Card[] }) {
 function CardView({ card, robot, arrange }: { card: Card; robot: Robot; arrange: ComponentChildren }) {
   const host = useRef<HTMLDivElement>(null);
   const frame = useRef<HTMLElement>(null);
-  useEffect(() => mountPanel(card.panel, host.current!, robot, signal(card.settings), true), [robot]);
+  useLayoutEffect(() => mountPanel(card.panel, host.current!, robot, signal(card.settings), true), [robot]);
   useEffect(() => followHeight(frame.current!), []);
   return (
     <section

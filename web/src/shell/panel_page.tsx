@@ -1,6 +1,6 @@
 // One panel as a whole page. Its settings are those of the link, or else the saved ones.
 import { effect, type Signal, signal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { mountPanel } from "../panels/host.ts";
 import type { Panel, Settings } from "../panels/panel.ts";
 import type { Robot } from "../store/robot.ts";
@@ -10,7 +10,7 @@ import { route } from "./route.ts";
 
 export function PanelPage({ panel, robot }: { panel: Panel; robot: Robot }) {
   const host = useRef<HTMLDivElement>(null);
-  useEffect(() => {
+  useLayoutEffect(() => {
     const settings = pageSettings(panel.id);
     const dispose = mountPanel(panel, host.current!, robot, settings, false);
     const key = `panel.${panel.id}`;

@@ -72,6 +72,9 @@ export class Robot {
   private readonly uses = new Map<string, Use>();
   private readonly bySubscription = new Map<number, Feed>();
   private readonly changed = new Set<Feed>();
+  /** Those that are subscribed and have had no message yet. */
+  private readonly empty = new Set<Feed>();
+  private readonly onNoneEmpty = new Set<() => void>();
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
   /** How often the page could be loaded since the connection was lost: once may be a robot that just came back. */
   private refusedBefore = 0;
@@ -92,6 +95,7 @@ export class Robot {
         const feed = this.bySubscription.get(id);
         if (!feed) return;
         feed.receive({ payload, receivedMs: performance.now(), timeNs });
+        this.fill(feed);
         this.changed.add(feed);
         this.frame.markDirty();
       },
@@ -162,6 +166,25 @@ export class Robot {
     };
   }
 
+  /** Resolves when every topic that is received has had a message, at the latest after `mostMs`. */
+  firstValues(mostMs: number): Promise<void> {
+    return new Promise((resolve) => {
+      const end = () => {
+        clearTimeout(timer);
+        this.onNoneEmpty.delete(end);
+        resolve();
+      };
+      const timer = setTimeout(end, mostMs);
+      if (this.empty.size === 0) end();
+      else this.onNoneEmpty.add(end);
+    });
+  }
+
+  private fill(feed: Feed): void {
+    if (!this.empty.delete(feed) || this.empty.size > 0) return;
+    for (const each of [...this.onNoneEmpty]) each();
+  }
+
   /** How many topics are subscribed now; for tests. */
   get subscriptionCount(): number {
     return this.bySubscription.size;
@@ -175,11 +198,14 @@ export class Robot {
     use.subscriptionId = this.nextSubscriptionId++;
     feed.rate.start(performance.now());
     this.bySubscription.set(use.subscriptionId, feed);
+    if (feed.last === undefined) this.empty.add(feed);
     this.gateway.subscribe([{ id: use.subscriptionId, channelId }]);
   }
 
   private end(use: Use): void {
     if (use.subscriptionId === undefined) return;
+    const feed = this.bySubscription.get(use.subscriptionId);
+    if (feed) this.fill(feed);
     this.bySubscription.delete(use.subscriptionId);
     this.gateway.unsubscribe([use.subscriptionId]);
     use.subscriptionId = undefined;
@@ -239,6 +265,7 @@ export class Robot {
     if (!use) return;
     // The server ends the subscription with its channel.
     if (use.subscriptionId !== undefined) this.bySubscription.delete(use.subscriptionId);
+    this.fill(feed);
     use.subscriptionId = undefined;
     if (use.count > 0) this.begin(feed, use);
   }

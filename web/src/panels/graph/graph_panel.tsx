@@ -39,10 +39,11 @@ function GraphPanel({ context }: { context: PanelContext }) {
   const host = useRef<HTMLDivElement>(null);
   const widthPx = useSignal(Number.POSITIVE_INFINITY);
   useEffect(() => {
+    const element = host.current!;
     const observer = new ResizeObserver(() => {
-      widthPx.value = host.current!.clientWidth - 2 * PADDING;
+      widthPx.value = element.clientWidth - 2 * PADDING;
     });
-    observer.observe(host.current!);
+    observer.observe(element);
     return () => observer.disconnect();
   }, []);
   const isTouched = matchMedia("(pointer: coarse)").matches;

@@ -1,5 +1,5 @@
 // Series by their names, receiving while the panel is visible.
-import { useEffect, useMemo } from "preact/hooks";
+import { useLayoutEffect, useMemo } from "preact/hooks";
 import { keepSeries, receiveSeries } from "../../plot/receiving.ts";
 import { type Series, seriesStore } from "../../plot/series.ts";
 import type { PanelContext } from "../panel.ts";
@@ -11,7 +11,7 @@ export function useSeries(context: PanelContext, ids: readonly string[], isKept 
   const series = useMemo(() => ids.map((id) => seriesStore(robot).get(id)), [key]);
   // Their units and axes depend on types, which are known after the connection.
   for (const each of series) each.follow(robot.topics.value.get(each.topicName));
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (isKept)
       keepSeries(
         robot,
