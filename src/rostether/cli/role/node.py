@@ -29,8 +29,10 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
+NODE_WORDS = "[NAME:=VALUE]..."
+
 # A node's arguments, as every ROS node accepts them.
-node_words = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
+node_words = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar=NODE_WORDS)
 
 
 class RoleVerb(Verb):
@@ -132,14 +134,16 @@ def role(
     verb: str,
     examples: str,
     *,
+    metavar: str = NODE_WORDS,
     has_ros2: bool = False,
     node_name: Callable[[str, Arguments], str] = lambda default, _: default,
 ) -> Callable[[Main], click.Command]:
     """Return a decorator that makes a node's coroutine a verb; its docstring is the help.
 
     Args:
-        verb: The name of the verb. examples: Command lines for the help. has_ros2: Whether to add --ros2.
-        node_name: Returns the node's usual name from the verb with underscores and the node's arguments.
+        verb: The name of the verb. examples: Command lines for the help. metavar: The arguments in the help.
+        has_ros2: Whether to add --ros2. node_name: Returns the node's usual name from the verb with
+            underscores and the node's arguments; it may raise ConfigError for wrong arguments.
     """
 
     def decorate(main: Main) -> click.Command:
@@ -148,7 +152,8 @@ def role(
             run_role(name, arguments, main, ros2)
 
         command.__doc__ = main.__doc__
-        decorated = node_words(ROS2_CHOICE(command) if has_ros2 else command)
+        words = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar=metavar)
+        decorated = words(ROS2_CHOICE(command) if has_ros2 else command)
         return click.command(verb, cls=RoleVerb, examples=examples)(decorated)
 
     return decorate
