@@ -8,6 +8,7 @@ from collections.abc import Callable
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.platform.command_frame import NO_KEY
+from rostether.platform.command_link import CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import RobotTable, SocketAddress, hosts_of_duplicate_ids
@@ -59,21 +60,19 @@ class CommandChannel:
         """Return the robots that refuse this sender."""
         return dict(self._refused)
 
-    def forget_refusals(self) -> None:
-        """Forget refusals: a new epoch is not refused yet."""
-        self._refused.clear()
-
     @property
     def is_overtaken(self) -> bool:
         """Return whether a robot has obeyed a sender with a later epoch, so that it refuses this one."""
         return self._last_epoch_us > self.epoch_us
 
-    def next_epoch_us(self) -> int:
-        """Return the epoch of a sender that starts now: the clock, or later than that of every known sender.
+    def start_sender(self, settings: SenderSettings) -> CommandSender:
+        """Return a sender with a new epoch: the clock, or later than that of every known sender.
 
         The clock of an earlier sender may have been ahead: robots would refuse this one, and its stops.
         """
-        return max(time.time_ns() // 1000, self._last_epoch_us + 1)
+        self.epoch_us = max(time.time_ns() // 1000, self._last_epoch_us + 1)
+        self._refused.clear()
+        return CommandSender(settings, self.epoch_us)
 
     def close(self) -> None:
         """Close the sockets. Idempotent."""

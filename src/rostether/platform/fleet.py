@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from rostether.errors import TransportError
 from rostether.graph.ports import Level
 from rostether.platform.command_channel import CommandChannel, refusal_text
-from rostether.platform.command_link import RELEASE_FRAMES, REPEAT_S, CommandSender, SenderSettings
+from rostether.platform.command_link import RELEASE_FRAMES, REPEAT_S, SenderSettings
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import Robot
 from rostether.platform.status_frame import Refusal
@@ -123,9 +123,7 @@ class FleetSender:
 
     def _begin(self) -> None:
         """Start an epoch, later than that of every known sender."""
-        self._commands = CommandSender(self._settings.sender, self._channel.next_epoch_us())
-        self._channel.epoch_us = self._commands.epoch_us
-        self._channel.forget_refusals()
+        self._commands = self._channel.start_sender(self._settings.sender)
         # Their refusals are those of the earlier epoch.
         self._channel.table.robots.clear()
 

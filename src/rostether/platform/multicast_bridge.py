@@ -146,7 +146,7 @@ class _FramedBridge:
         if self._commands is None or kind != self._settings.kind:
             self._release()
             self._settings = replace(self._settings, kind=kind)
-            self._begin()
+            self._commands = self._channel.start_sender(self._settings)
             self._has_news.set()
 
     async def run(self) -> None:
@@ -165,19 +165,13 @@ class _FramedBridge:
                 datagrams, self._silent_at_s = self._commands.halt(now_s), None
                 if Refusal.OLDER in self._channel.refusing().values():
                     # Another program has stopped the robots; the next message may command them again.
-                    self._begin()
+                    self._commands = self._channel.start_sender(self._settings)
             elif self._commands.due_s is not None and now_s >= self._commands.due_s:
                 datagrams = self._commands.repeat(now_s)
             else:
                 continue
             for datagram in datagrams:
                 self._channel.send(datagram)
-
-    def _begin(self) -> None:
-        """Start an epoch, later than that of every earlier sender."""
-        self._commands = CommandSender(self._settings, self._channel.next_epoch_us())
-        self._channel.epoch_us = self._commands.epoch_us
-        self._channel.forget_refusals()
 
     async def _wait(self, next_news_s: float) -> None:
         """Return when a message may be sent, or a repetition is due."""

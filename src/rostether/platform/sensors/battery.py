@@ -8,13 +8,15 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import AsyncGenerator, Callable
+from contextlib import aclosing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rostether.errors import BoardError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
-from rostether.platform.sensors.readings import Pace, publish_readings
+from rostether.platform.sensors.readings import paced, publish_readings
 from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
 
 MESSAGE_TYPE = "sensor_msgs/BatteryState"
@@ -112,10 +114,9 @@ async def publish_battery(
 
 async def _readings(supply: Path | None, rate_hz: float) -> AsyncGenerator[dict[str, Any], None]:
     found = supply if supply is not None else await asyncio.to_thread(find_battery)
-    pace = Pace(rate_hz)
-    while True:
-        yield await asyncio.to_thread(read_battery, found)
-        await pace.wait()
+    async with aclosing(paced(partial(read_battery, found), rate_hz)) as readings:
+        async for reading in readings:
+            yield reading
 
 
 def _charge(supply: Path, which: str) -> float:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 from collections.abc import AsyncGenerator
 from pathlib import Path
 
 from rostether.errors import BoardError
-from rostether.platform.sensors.readings import Pace
+from rostether.platform.sensors.readings import paced
 
 # Longer than every number; a larger file is a mistake.
 _MAX_FILE_BYTES = 4096
@@ -50,19 +49,15 @@ class NumberFile:
         self.unit = _IIO_THOUSANDTHS.get(self._kind) or _IIO_UNITS.get(self._kind, "")
 
     def read(self) -> float:
-        """Return the value in its unit. Raises OSError, BoardError."""
+        """Return the value in its unit; an ADC on I2C may need 0.1 s. Raises OSError, BoardError."""
         value = read_number(self.path)
         if self._form == "raw":
             value = (value + self._property("offset", 0.0)) * self._property("scale", 1.0)
         return value / 1000 if self._kind in _IIO_THOUSANDTHS else value
 
-    async def readings(self, rate_hz: float) -> AsyncGenerator[float, None]:
+    def readings(self, rate_hz: float) -> AsyncGenerator[float, None]:
         """Yield the value `rate_hz` times a second. Raises OSError, BoardError."""
-        pace = Pace(rate_hz)
-        while True:
-            # An ADC on I2C may need 0.1 s.
-            yield await asyncio.to_thread(self.read)
-            await pace.wait()
+        return paced(self.read, rate_hz)
 
     def _property(self, name: str, default: float) -> float:
         # A channel has its own file, or shares one with all channels of its kind.

@@ -33,6 +33,14 @@ class Pace:
         await asyncio.sleep(self._next_s - now_s)
 
 
+async def paced(read: Callable[[], T], rate_hz: float) -> AsyncGenerator[T, None]:
+    """Yield what `read` returns, `rate_hz` times a second; it runs in a thread, because it may block."""
+    pace = Pace(rate_hz)
+    while True:
+        yield await asyncio.to_thread(read)
+        await pace.wait()
+
+
 def reason_of(error: Exception) -> str:
     """Return the message of an error, with the name of the file."""
     if isinstance(error, OSError) and error.strerror:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import shutil
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,7 @@ from rostether.errors import BoardError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.number_file import read_number
-from rostether.platform.sensors.readings import Pace
+from rostether.platform.sensors.readings import paced
 from rostether.platform.sensors.registered_sensor import SensorDescription
 from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
 
@@ -97,7 +97,7 @@ async def publish_system_load(
                     f"{word}/{name}", platform, "ANALOG", MESSAGE_TYPE, name, unit, rate_hz=rate_hz
                 )
                 scaling = Scaling(alert_above=_ALERT_ABOVE.get(name, float("inf")))
-                readings = partial(_readings, read, rate_hz)
+                readings = partial(paced, read, rate_hz)
                 group.create_task(
                     publish_values(
                         graph, what, readings, scaling, report, hint="this machine may not report it"
@@ -105,10 +105,3 @@ async def publish_system_load(
                 )
     except ExceptionGroup as failures:
         raise failures.exceptions[0] from None
-
-
-async def _readings(read: Callable[[], float], rate_hz: float) -> AsyncGenerator[float, None]:
-    pace = Pace(rate_hz)
-    while True:
-        yield await asyncio.to_thread(read)
-        await pace.wait()
