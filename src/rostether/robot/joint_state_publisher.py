@@ -7,17 +7,11 @@ from collections.abc import Callable, Sequence
 from contextlib import aclosing
 
 from rostether.errors import ConfigError
+from rostether.graph.node_parameters import NodeParameters, as_number
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.robot.joint_states import JointStates, JointStateSettings
-from rostether.robot.node_parameters import (
-    node_bool,
-    node_mapping,
-    node_number,
-    node_parameter,
-    number,
-    read_model,
-)
+from rostether.robot.robot_description import read_model
 from rostether.robot.robot_model import Mimic, RobotModel
 
 STATE_TYPE = "sensor_msgs/JointState"
@@ -33,18 +27,23 @@ MAX_RATE_HZ = 10_000.0
 async def read_joint_states(graph: TypedGraph) -> JointStates:
     """Return the robot's joints as the parameters set them. Raises ConfigError, RobotModelError."""
     model = await read_model(graph)
+    parameters = NodeParameters(graph, "")
+
+    async def flag(name: str, default: bool) -> bool:
+        return await parameters.flag(default, name, accepts_integers=True)
+
     settings = JointStateSettings(
         zeros=await _zeros(graph, model),
         dependent_joints={
             name: _mimic(name, value)
-            for name, value in (await node_mapping(graph, "dependent_joints")).items()
+            for name, value in (await parameters.mapping("dependent_joints")).items()
         },
-        use_mimic_tags=await node_bool(graph, "use_mimic_tags", True),
-        use_smallest_joint_limits=await node_bool(graph, "use_smallest_joint_limits", True),
-        publish_default_positions=await node_bool(graph, "publish_default_positions", True),
-        publish_default_velocities=await node_bool(graph, "publish_default_velocities", False),
-        publish_default_efforts=await node_bool(graph, "publish_default_efforts", False),
-        delta=await node_number(graph, "delta", 0.0),
+        use_mimic_tags=await flag("use_mimic_tags", True),
+        use_smallest_joint_limits=await flag("use_smallest_joint_limits", True),
+        publish_default_positions=await flag("publish_default_positions", True),
+        publish_default_velocities=await flag("publish_default_velocities", False),
+        publish_default_efforts=await flag("publish_default_efforts", False),
+        delta=await parameters.number(0.0, "delta"),
     )
     return JointStates(model, settings)
 
@@ -60,12 +59,13 @@ async def publish_joint_states(
     `more_sources` are topics of positions besides those in the parameter source_list. Raises ConfigError for
     an invalid parameter.
     """
-    rate_hz = await node_number(graph, "rate", DEFAULT_RATE_HZ)
+    parameters = NodeParameters(graph, "")
+    rate_hz = await parameters.number(DEFAULT_RATE_HZ, "rate")
     if not 0 < rate_hz <= MAX_RATE_HZ:
-        raise ConfigError(f"the parameter rate must be between 0 and {MAX_RATE_HZ:g} Hz, not {rate_hz:g}")
-    sources = await node_parameter(graph, "source_list", [])
+        raise ConfigError(f"~rate must be above 0 and at most {MAX_RATE_HZ:g} Hz, not {rate_hz:g}")
+    sources = await parameters.value([], "source_list")
     if not isinstance(sources, list) or not all(isinstance(each, str) for each in sources):
-        raise ConfigError(f"the parameter source_list must be a list of topics, not {sources!r}")
+        raise ConfigError(f"~source_list must be a list of topics, not {sources!r:.200}")
     publisher = await graph.publisher("joint_states", STATE_TYPE)
     left = asyncio.ensure_future(graph.raw.wait_closed())
     async with asyncio.TaskGroup() as tasks:
@@ -114,10 +114,10 @@ async def _zeros(graph: TypedGraph, model: RobotModel) -> dict[str, float]:
         if await graph.has_param(name):
             value = await graph.get_param(name)
             if not isinstance(value, dict):
-                raise ConfigError(f"the parameter {name} must map joints to positions, not {value!r}")
-            zeros.update(
-                {joint: number(at, f"{name}/{joint}") for joint, at in value.items() if joint in model.joints}
-            )
+                raise ConfigError(f"{name} must map joints to positions, not {value!r:.200}")
+            for joint, position in value.items():
+                if joint in model.joints:
+                    zeros[joint] = as_number(position, f"{name}/{joint}")
     return zeros
 
 
@@ -127,6 +127,6 @@ def _mimic(name: str, value: ParamValue) -> Mimic:
     where = f"dependent_joints/{name}"
     return Mimic(
         str(value["parent"]),
-        number(value.get("factor", 1.0), f"{where}/factor"),
-        number(value.get("offset", 0.0), f"{where}/offset"),
+        as_number(value.get("factor", 1.0), f"{where}/factor"),
+        as_number(value.get("offset", 0.0), f"{where}/offset"),
     )

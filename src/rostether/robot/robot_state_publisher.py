@@ -6,8 +6,9 @@ import asyncio
 from collections.abc import Callable
 from contextlib import aclosing
 
+from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.typed_graph import TypedGraph
-from rostether.robot.node_parameters import number, read_model
+from rostether.robot.robot_description import read_model
 from rostether.robot.robot_state import RobotState, RobotStateSettings
 from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.rostime import NS_PER_S
@@ -58,7 +59,7 @@ async def read_settings(graph: TypedGraph) -> RobotStateSettings:
     prefix_name = await graph.search_param("tf_prefix")
     prefix = await graph.get_param(prefix_name) if prefix_name else ""
     return RobotStateSettings(
-        publish_frequency_hz=number(await graph.get_param("~publish_frequency", 50.0), "publish_frequency"),
+        publish_frequency_hz=await NodeParameters(graph).number(50.0, "publish_frequency"),
         use_tf_static=bool(await graph.get_param("~use_tf_static", True)),
         ignore_timestamp=bool(await graph.get_param("~ignore_timestamp", False)),
         tf_prefix=str(prefix),

@@ -50,13 +50,13 @@ async def test_sources_and_parameters_are_used() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
-        ("rate", 0, "between 0 and"),
+        ("rate", 0, "above 0 and at most"),
         ("rate", "fast", "must be a number"),
         ("source_list", "topic", "list of topics"),
         ("zeros", [1], "map joints to positions"),
         ("zeros", {"j0": "x"}, "zeros/j0 must be a number"),
         ("dependent_joints", {"j0": 5}, "needs parent"),
-        ("dependent_joints", 5, "must map joints"),
+        ("dependent_joints", 5, "must map names"),
         ("use_mimic_tags", "maybe", "must be true or false"),
     ],
 )

@@ -13,10 +13,11 @@ from rostether.cli.platform.sensor_roles import sensor_node_name
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, reporter, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
+from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
-from rostether.platform.node_parameters import Parameters, SensorKind, default_platform, read_description
+from rostether.platform.sensor_parameters import SensorKind, default_platform, read_description
 
 if TYPE_CHECKING:
     from rostether.platform.sensors.cascade import CascadeDetector
@@ -54,7 +55,7 @@ def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
 async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
 
-    parameters = Parameters(graph, "camera")
+    parameters = NodeParameters(graph, "camera/")
     first = await _first_parameters(graph, parameters) if is_ros1 else {}
     source = await _source(parameters, bool(first.get("vflip")), bool(first.get("hflip")))
     description = await read_description(parameters, SensorKind("camera", "CAMERA", MESSAGE_TYPE, 10.0))
@@ -71,7 +72,7 @@ def _detector(file: str) -> CascadeDetector:
     return CascadeDetector(Path(file).expanduser())
 
 
-async def _first_parameters(graph: TypedGraph, parameters: Parameters) -> Mapping[str, ParamValue]:
+async def _first_parameters(graph: TypedGraph, parameters: NodeParameters) -> Mapping[str, ParamValue]:
     """Return the parameters of the platform's first camera node, such as Robot3-pi_camera/vflip."""
     key = f"{await parameters.text(default_platform(), 'platform_name')}-pi_camera"
     # The hyphen is not allowed in names, so only the whole tree can be requested.
@@ -82,7 +83,7 @@ async def _first_parameters(graph: TypedGraph, parameters: Parameters) -> Mappin
     return found if isinstance(found, dict) else {}
 
 
-async def _source(parameters: Parameters, vflip: bool, hflip: bool) -> PictureSource:
+async def _source(parameters: NodeParameters, vflip: bool, hflip: bool) -> PictureSource:
     from rostether.platform.sensors.jpeg import PictureChange
     from rostether.platform.sensors.picture_sources import DrawnPictures, PictureFolder
     from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
@@ -91,9 +92,9 @@ async def _source(parameters: Parameters, vflip: bool, hflip: bool) -> PictureSo
     change = PictureChange(
         vflip=await parameters.flag(vflip, "vflip"),
         hflip=await parameters.flag(hflip, "hflip"),
-        width=await parameters.whole(0, 0, _MAX_SIDE, "width"),
-        height=await parameters.whole(0, 0, _MAX_SIDE, "height"),
-        quality=await parameters.whole(0, 0, 95, "quality"),
+        width=await parameters.integer(0, 0, _MAX_SIDE, "width"),
+        height=await parameters.integer(0, 0, _MAX_SIDE, "height"),
+        quality=await parameters.integer(0, 0, 95, "quality"),
     )
     if bool(change.width) != bool(change.height):
         raise ConfigError("give both ~width and ~height")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from rostether.cli.platform.fleet_options import MAX_ROBOT, group_mask
 from rostether.cli.role.node import reporter, role
 from rostether.errors import ConfigError
+from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
-from rostether.platform.node_parameters import Parameters
 
 if TYPE_CHECKING:
     from rostether.platform.multicast_socket import GroupAddress
@@ -40,17 +40,17 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.multicast_bridge import BridgeSettings, send_topic
     from rostether.platform.multicast_socket import GroupAddress
 
-    parameters = Parameters(graph, "multicast_topic_bridge")
+    parameters = NodeParameters(graph, "multicast_topic_bridge/")
     framed = None
     if await parameters.flag(False, "framed"):
-        robot = await parameters.whole(0, 0, MAX_ROBOT, "robot")
+        robot = await parameters.integer(0, 0, MAX_ROBOT, "robot")
         groups = await _group_mask(parameters)
         if robot and groups:
             raise ConfigError("give ~robot or ~groups, not both")
         framed = SenderSettings(
             robot or groups or ALL_GROUPS,
             to_groups=not robot,
-            ttl_ms=await parameters.whole(DEFAULT_TTL_MS, 1, MAX_TTL_MS, "ttl_ms"),
+            ttl_ms=await parameters.integer(DEFAULT_TTL_MS, 1, MAX_TTL_MS, "ttl_ms"),
             key=await _key(parameters),
         )
     settings = BridgeSettings(
@@ -59,7 +59,7 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
         frequency_hz=await parameters.number(1000.0, "frequency"),
         framed=framed,
         input_timeout_s=await parameters.number(0.5, "input_timeout"),
-        unicast=await parameters.words("unicast"),
+        unicast=await parameters.texts("unicast"),
     )
     await send_topic(graph.raw, settings, reporter(graph))
 
@@ -83,20 +83,20 @@ async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
     from rostether.platform.multicast_socket import GroupAddress
 
-    parameters = Parameters(graph, "multicast_topic_receiver")
+    parameters = NodeParameters(graph, "multicast_topic_receiver/")
     type_name = await parameters.text("", "type")
     if not type_name:
         raise ConfigError("give the type of the messages, for instance _type:=arduino_control/ArduinoControl")
     framed = None
     if await parameters.flag(False, "framed"):
         kind = bytes.fromhex(graph.store.registry.message_type(type_name).md5sum[:8])
-        robot = await parameters.whole(1, 1, MAX_ROBOT, "robot")
+        robot = await parameters.integer(1, 1, MAX_ROBOT, "robot")
         framed = ReceiverSettings(robot, await _group_mask(parameters) or 1, kind, await _key(parameters))
     settings = ReceiverNodeSettings(
         type_name,
         topic=await parameters.text("multicast_topic", "topic"),
         address=await _address(parameters, GroupAddress(), "receiving_port", "sending_port"),
-        sources=await parameters.words("sources"),
+        sources=await parameters.texts("sources"),
         framed=framed,
         has_key=framed is not None and any(framed.key),
     )
@@ -122,32 +122,32 @@ async def fleet_monitor(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.fleet import FleetSettings
     from rostether.platform.fleet_monitor import FleetMonitor
 
-    parameters = Parameters(graph, "fleet_monitor")
+    parameters = NodeParameters(graph, "fleet_monitor/")
     settings = FleetSettings(
         SenderSettings(await _group_mask(parameters) or ALL_GROUPS, key=await _key(parameters)),
         await _address(parameters, FleetSettings().address, "sending_port"),
-        await parameters.words("unicast"),
+        await parameters.texts("unicast"),
     )
     await FleetMonitor(graph, settings, reporter(graph)).run()
 
 
-async def _address(parameters: Parameters, default: GroupAddress, *port_names: str) -> GroupAddress:
+async def _address(parameters: NodeParameters, default: GroupAddress, *port_names: str) -> GroupAddress:
     from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
     from rostether.platform.multicast_socket import GroupAddress
 
     return GroupAddress(
         await parameters.text(default.group, *_ADDRESS_NAMES),
-        await parameters.whole(default.port, 1, 65535, *port_names),
-        await parameters.words("interface") or tuple(os.environ.get(INTERFACE_VARIABLE, "").split()),
-        await parameters.whole(1, 0, 255, "ttl"),
+        await parameters.integer(default.port, 1, 65535, *port_names),
+        await parameters.texts("interface") or tuple(os.environ.get(INTERFACE_VARIABLE, "").split()),
+        await parameters.integer(1, 0, 255, "ttl"),
     )
 
 
-async def _group_mask(parameters: Parameters) -> int:
-    return group_mask(await parameters.words("groups"), "~groups")
+async def _group_mask(parameters: NodeParameters) -> int:
+    return group_mask(await parameters.texts("groups"), "~groups")
 
 
-async def _key(parameters: Parameters) -> bytes:
+async def _key(parameters: NodeParameters) -> bytes:
     from rostether.platform.command_frame import NO_KEY
     from rostether.platform.fleet_key import read_fleet_key
 

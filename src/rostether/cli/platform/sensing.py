@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 
 from rostether.cli.role.node import reporter, role
+from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
-from rostether.platform.node_parameters import Parameters
 
 
 @role(
@@ -29,7 +29,7 @@ async def sensing_manager(graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensor_files import read_sensors_toml
     from rostether.ports.config_paths import sensors_path
 
-    parameters = Parameters(graph, "sensing_manager")
+    parameters = NodeParameters(graph, "sensing_manager/")
     state_file = await parameters.text("", "state_file")
     sensors_file = await parameters.text("", "sensors_file")
     manager = SensingManager(
@@ -58,8 +58,8 @@ async def digital_tester(graph: TypedGraph, _: Arguments) -> None:
 
     default = os.environ.get("PLATFORM_NAME") or "DigitalTesterStation"
     # The reference's node reads the parameter node/platform_name.
-    fallback = await Parameters(graph, "node").text(default, "platform_name")
-    platform = await Parameters(graph, "digital_tester").text(fallback, "platform_name")
+    fallback = await NodeParameters(graph, "node/").text(default, "platform_name")
+    platform = await NodeParameters(graph, "digital_tester/").text(fallback, "platform_name")
     await publish_test_values(graph, platform, reporter(graph))
 
 
@@ -83,7 +83,7 @@ async def arduino_control(graph: TypedGraph, _: Arguments) -> None:
     """
     from rostether.platform.arduino_control import DEFAULT_DEADZONE, StickSettings, publish_commands
 
-    parameters = Parameters(graph, "arduino_control")
+    parameters = NodeParameters(graph, "arduino_control/")
     settings = StickSettings(
         await parameters.number(DEFAULT_DEADZONE, "deadzone"), await parameters.text("reference", "formula")
     )

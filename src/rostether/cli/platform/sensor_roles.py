@@ -8,15 +8,10 @@ from pathlib import Path
 
 from rostether.cli.role.node import reporter, role
 from rostether.errors import ConfigError
+from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
-from rostether.platform.node_parameters import (
-    Parameters,
-    SensorKind,
-    default_platform,
-    read_description,
-    read_rate,
-)
+from rostether.platform.sensor_parameters import SensorKind, default_platform, read_description, read_rate
 from rostether.platform.sensors.registered_sensor import platform_word
 
 
@@ -83,10 +78,10 @@ async def gps(graph: TypedGraph, _: Arguments) -> None:
     from rostether.transports.address import SerialAddress
     from rostether.transports.address_parser import parse_address
 
-    parameters = Parameters(graph, "gps")
+    parameters = NodeParameters(graph, "gps/")
     address = parse_address(await parameters.text("/dev/ttyACM0", "port"))
     if isinstance(address, SerialAddress) and "baud" not in address.given:
-        address = replace(address, baud=await parameters.whole(9600, 300, 4_000_000, "baud"))
+        address = replace(address, baud=await parameters.integer(9600, 300, 4_000_000, "baud"))
     description = await read_description(parameters, SensorKind("gps", "GPS", MESSAGE_TYPE, 1.0))
     description = replace(description, frame_id=description.frame_id or "gps")
     await publish_positions(graph, description, address, reporter(graph))
@@ -101,7 +96,7 @@ async def battery(graph: TypedGraph, _: Arguments) -> None:
     """
     from rostether.platform.sensors.battery import MESSAGE_TYPE, publish_battery
 
-    parameters = Parameters(graph, "battery")
+    parameters = NodeParameters(graph, "battery/")
     path = await parameters.text("", "path")
     description = await read_description(parameters, SensorKind("battery", "BATTERY", MESSAGE_TYPE, 0.5))
     alert_below = await parameters.number(0.15, "alert_below")
@@ -116,7 +111,7 @@ async def system_load(graph: TypedGraph, _: Arguments) -> None:
     """
     from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
 
-    parameters = Parameters(graph, "system_load")
+    parameters = NodeParameters(graph, "system_load/")
     platform = await parameters.text(default_platform(), "platform_name")
     files = SystemFiles(disk=Path(await parameters.text("/", "disk")))
     rate_hz = await read_rate(parameters, 0.5)
@@ -126,7 +121,7 @@ async def system_load(graph: TypedGraph, _: Arguments) -> None:
 async def _publish_value(word: str, graph: TypedGraph) -> None:
     from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
 
-    parameters = Parameters(graph, word)
+    parameters = NodeParameters(graph, f"{word}/")
     open_source, unit, silence = await _value_source(graph, parameters, word)
     kind = SensorKind(word, word.upper(), MESSAGE_TYPE, 10.0, unit)
     scaling = Scaling(
@@ -140,7 +135,7 @@ async def _publish_value(word: str, graph: TypedGraph) -> None:
 
 
 async def _value_source(
-    graph: TypedGraph, parameters: Parameters, word: str
+    graph: TypedGraph, parameters: NodeParameters, word: str
 ) -> tuple[Callable[[], AsyncGenerator[float, None]], str, str]:
     """Return a function that opens the source in the parameters, its unit, and why it may have no number.
 

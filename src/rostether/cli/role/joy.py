@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rostether.cli.role.node import reporter, role
-from rostether.errors import ConfigError
+from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
@@ -31,19 +31,13 @@ async def joy_node(graph: TypedGraph, _: Arguments) -> None:
         if found is None:
             report(Level.ERROR, f"no joystick has the name {name!r}; using {device}")
         device = found or device
+    parameters = NodeParameters(graph)
     settings = JoySettings(
         device=device,
-        deadzone=await _number(graph, "deadzone", 0.05),
-        autorepeat_rate_hz=await _number(graph, "autorepeat_rate", 0.0),
-        coalesce_interval_s=await _number(graph, "coalesce_interval", 0.001),
+        deadzone=await parameters.number(0.05, "deadzone"),
+        autorepeat_rate_hz=await parameters.number(0.0, "autorepeat_rate"),
+        coalesce_interval_s=await parameters.number(0.001, "coalesce_interval"),
         sticky_buttons=bool(await graph.get_param("~sticky_buttons", False)),
         default_trig_val=bool(await graph.get_param("~default_trig_val", False)),
     )
     await publish_joystick(graph, settings, report)
-
-
-async def _number(graph: TypedGraph, name: str, default: float) -> float:
-    value = await graph.get_param(f"~{name}", default)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigError(f"~{name} must be a number, not {value!r}")
-    return float(value)

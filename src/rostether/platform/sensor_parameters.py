@@ -1,0 +1,56 @@
+"""The parameters that all sensor nodes have."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+from dataclasses import dataclass
+
+from rostether.errors import ConfigError
+from rostether.graph.node_parameters import NodeParameters
+from rostether.platform.sensors.registered_sensor import SensorDescription, platform_word
+
+MAX_RATE_HZ = 1000.0
+
+
+@dataclass(frozen=True, slots=True)
+class SensorKind:
+    """A node's default sensor, before its parameters are read."""
+
+    word: str
+    sensor_type: str
+    message_type: str
+    rate_hz: float
+    unit: str = ""
+
+
+def default_platform() -> str:
+    """Return the robot's name: PLATFORM_NAME, else this machine's."""
+    return os.environ.get("PLATFORM_NAME") or socket.gethostname()
+
+
+async def read_description(parameters: NodeParameters, kind: SensorKind) -> SensorDescription:
+    """Return a sensor's description with the parameters of its node. Raises ConfigError."""
+    platform = await parameters.text(default_platform(), "platform_name")
+    word = await parameters.text(kind.word, "id")
+    if not re.fullmatch(r"[A-Za-z]\w*", word, re.ASCII):
+        raise ConfigError(f"~id is a word such as front, not {word!r:.100}")
+    return SensorDescription(
+        id=f"{platform_word(platform)}/{word}",
+        platform=platform,
+        sensor_type=kind.sensor_type,
+        message_type=kind.message_type,
+        name=await parameters.text(word, "name"),
+        unit=await parameters.text(kind.unit, "unit"),
+        frame_id=await parameters.text("", "frame_id"),
+        rate_hz=await read_rate(parameters, kind.rate_hz),
+    )
+
+
+async def read_rate(parameters: NodeParameters, default_hz: float) -> float:
+    """Return ~rate. Raises ConfigError."""
+    rate_hz = await parameters.number(default_hz, "rate")
+    if not 0 < rate_hz <= MAX_RATE_HZ:
+        raise ConfigError(f"~rate is above 0 and at most {MAX_RATE_HZ:g}, not {rate_hz:g}")
+    return rate_hz
