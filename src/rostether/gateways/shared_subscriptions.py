@@ -204,7 +204,7 @@ class _Source:
             self.topic,
             ANY_MESSAGE,
             self._deliver_from_last,
-            on_connection=self._add_connection,  # type: ignore[arg-type]
+            on_connection=self._add_connection,
         )
 
     def _add_connection(self, fields: Mapping[str, str]) -> OnMessages:

@@ -19,8 +19,10 @@ from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.rostime import Time
 
 ParamValue: TypeAlias = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
-OnConnection: TypeAlias = Callable[[Mapping[str, str]], None]
 OnMessages: TypeAlias = Callable[[Sequence[bytes]], None]
+# Called with the header fields of each publisher. It may return the receiver of that publisher's messages;
+# graphs that do not distinguish publishers ignore it.
+OnConnection: TypeAlias = Callable[[Mapping[str, str]], OnMessages | None]
 ServiceHandler: TypeAlias = Callable[[bytes], Awaitable[bytes]]
 
 # In the reason that `Graph.wait_closed` returns when another node has the name now; rosmaster's words.

@@ -159,7 +159,7 @@ class Recorder:
             topic,
             ANY_MESSAGE,
             write,
-            on_connection=connected,  # type: ignore[arg-type]
+            on_connection=connected,
         )
         self._report(f"Subscribing to {topic}")
 

@@ -92,7 +92,7 @@ async def tf_listener(
                     topic,
                     message_type,
                     listener.batch_handler(graph, codec, UNKNOWN_AUTHORITY, is_static=is_static),
-                    on_connection=name_publisher,  # type: ignore[arg-type]
+                    on_connection=name_publisher,
                 )
             )
         yield listener

@@ -50,6 +50,21 @@ class _Candidate:
     sent_bytes: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class Medium(Generic[PeerKey]):
+    """The medium that peers share: how to send to a peer, and what is known of it.
+
+    `show` returns its name for users, `host_of` its host, `write_buffer_bytes` the bytes that wait for it.
+    """
+
+    name: str
+    send: Callable[[PeerKey, bytes | bytearray | memoryview], None]
+    show: Callable[[PeerKey], str]
+    write_buffer_bytes: Callable[[PeerKey], int]
+    host_of: Callable[[PeerKey], str | None] = lambda _key: None
+    quality_of: Callable[[PeerKey], LinkQuality | None] = lambda _key: None
+
+
 class PeerTransport(Generic[PeerKey]):
     """One peer of a shared medium as a `Transport`; made by a `PeerTable`."""
 
@@ -60,7 +75,7 @@ class PeerTransport(Generic[PeerKey]):
     ) -> None:
         self.remote = remote
         self.key = key
-        self.quality = table.quality_of(key)
+        self.quality = table.medium.quality_of(key)
         self.expires = expires
         self.heard_at_s = table.now_s()
         # Whether it has answered. Until then, its address may be forged, and it gets no more bytes than it
@@ -91,7 +106,7 @@ class PeerTransport(Generic[PeerKey]):
     @property
     def write_buffer_bytes(self) -> int:
         """The number of written bytes that are still waiting."""
-        return 0 if self._lost else self._table.write_buffer_bytes(self.key)
+        return 0 if self._lost else self._table.medium.write_buffer_bytes(self.key)
 
     def is_replaceable(self, now_s: float) -> bool:
         """Return whether it was silent long enough for a new peer to replace it."""
@@ -116,7 +131,7 @@ class PeerTransport(Generic[PeerKey]):
                 return
             self.allowance_bytes -= len(data)
             self._was_written_to = True
-        self._table.send(self.key, data)
+        self._table.medium.send(self.key, data)
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading; data beyond 64 KiB is lost. Idempotent."""
@@ -194,16 +209,11 @@ class PeerTransport(Generic[PeerKey]):
 class PeerTable(Generic[PeerKey]):
     """The peers of one medium, limited in number; silent peers expire."""
 
-    def __init__(  # noqa: PLR0913 - each is an independent setting
+    def __init__(
         self,
-        medium: str,
+        medium: Medium[PeerKey],
         on_transport: Callable[[Transport], None],
         *,
-        send: Callable[[PeerKey, bytes | bytearray | memoryview], None],
-        show: Callable[[PeerKey], str],
-        host_of: Callable[[PeerKey], str | None] = lambda _key: None,
-        write_buffer_bytes: Callable[[PeerKey], int],
-        quality_of: Callable[[PeerKey], LinkQuality | None] = lambda _key: None,
         max_peers: int = MAX_PEERS,
         idle_limit_s: float = IDLE_LIMIT_S,
         clock: Callable[[], float] | None = None,
@@ -212,15 +222,11 @@ class PeerTable(Generic[PeerKey]):
     ) -> None:
         self.entry = entry
         self._candidates: dict[PeerKey, _Candidate] = {}
-        self.send = send
-        self.write_buffer_bytes = write_buffer_bytes
-        self.quality_of = quality_of
+        self.medium = medium
         self.now_s = clock if clock is not None else asyncio.get_running_loop().time
-        self.refusals = RefusalLog(medium, self.now_s)
+        self.refusals = RefusalLog(medium.name, self.now_s)
         self._on_transport = on_transport
         self._on_forget = on_forget
-        self._show = show
-        self._host_of = host_of
         self._max_peers = max_peers
         self._idle_limit_s = idle_limit_s
         self._peers: dict[PeerKey, PeerTransport[PeerKey]] = {}
@@ -247,7 +253,7 @@ class PeerTable(Generic[PeerKey]):
             if len(self._peers) >= self._max_peers:
                 self._make_place(self.now_s())
             if len(self._peers) >= self._max_peers:
-                self.refusals.refuse(self._show(key), f"{self._max_peers} boards are already connected")
+                self.refusals.refuse(self.medium.show(key), f"{self._max_peers} boards are already connected")
                 return
             peer = self.add(key)
             peer.allowance_bytes -= sent_bytes
@@ -266,7 +272,7 @@ class PeerTable(Generic[PeerKey]):
         if candidate.allowance_bytes >= len(entry.question):
             candidate.allowance_bytes = 0
             candidate.sent_bytes += len(entry.question)
-            self.send(key, entry.question)
+            self.medium.send(key, entry.question)
         if len(self._candidates) >= _MAX_CANDIDATES:
             del self._candidates[next(iter(self._candidates))]
         self._candidates[key] = candidate
@@ -287,7 +293,7 @@ class PeerTable(Generic[PeerKey]):
 
     def add(self, key: PeerKey, *, expires: bool = True) -> PeerTransport[PeerKey]:
         """Create a peer's transport and announce it; a peer of the link address does not expire."""
-        peer = PeerTransport(self, key, self._show(key), self._host_of(key), expires=expires)
+        peer = PeerTransport(self, key, self.medium.show(key), self.medium.host_of(key), expires=expires)
         self._peers[key] = peer
         if expires and self._sweep_timer is None:
             self._schedule_sweep()

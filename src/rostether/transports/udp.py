@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeAlias, cast
 from rostether.errors import TransportTimeoutError
 from rostether.transports.address import UdpAddress, show_endpoint
 from rostether.transports.allow_list import AllowList
-from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerEntry, PeerTable, PeerTransport
+from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerEntry, PeerTable, PeerTransport
 from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
 from rostether.transports.transport import Transport
 
@@ -82,6 +82,17 @@ class _DatagramSocket(asyncio.DatagramProtocol):
     def write_buffer_bytes(self) -> int:
         return self._wire.get_write_buffer_size() if self._wire is not None else 0
 
+    def _medium(
+        self, name: str, send: Callable[[_Peer, bytes | bytearray | memoryview], None]
+    ) -> Medium[_Peer]:
+        return Medium(
+            name,
+            send=send,
+            show=_show_peer,
+            write_buffer_bytes=lambda _peer: self.write_buffer_bytes(),
+            host_of=lambda peer: peer[0],
+        )
+
     def close_wire(self) -> None:
         if self._wire is not None:
             self._wire.close()
@@ -103,12 +114,8 @@ class UdpListener(_DatagramSocket):
         self._allow = allow
         self._address = ""
         self.peers = PeerTable(
-            "udp listener",
+            self._medium("udp listener", self.send),
             on_transport,
-            send=self.send,
-            show=_show_peer,
-            host_of=lambda peer: peer[0],
-            write_buffer_bytes=lambda _peer: self.write_buffer_bytes(),
             max_peers=max_peers,
             idle_limit_s=idle_limit_s,
             clock=clock,
@@ -169,12 +176,8 @@ class _UdpClient(_DatagramSocket):
     def __init__(self) -> None:
         super().__init__()
         self.peers = PeerTable(
-            "udp client",
+            self._medium("udp client", self._send_connected),
             lambda _transport: None,
-            send=self._send_connected,
-            show=_show_peer,
-            host_of=lambda peer: peer[0],
-            write_buffer_bytes=lambda _peer: self.write_buffer_bytes(),
             on_forget=lambda _peer: self.close_wire(),
         )
         self.only_peer: PeerTransport[_Peer] | None = None

@@ -5,12 +5,12 @@ import asyncio
 import pytest
 
 from rostether.errors import TransportClosedError
-from rostether.transports.peers import PeerEntry, PeerTable
+from rostether.transports.peers import Medium, PeerEntry, PeerTable
 from rostether.transports.transport import Transport
 from unit.transports.recorder import Arrivals, Recorder
 
 
-class Medium:
+class FakeMedium:
     """A table whose clock and write buffer the test sets."""
 
     def __init__(self, max_peers: int = 4) -> None:
@@ -19,11 +19,13 @@ class Medium:
         self.sent: list[tuple[str, bytes]] = []
         self.arrivals = Arrivals()
         self.table: PeerTable[str] = PeerTable(
-            "medium",
+            Medium(
+                "medium",
+                send=lambda key, data: self.sent.append((key, bytes(data))),
+                show=lambda key: f"peer {key}",
+                write_buffer_bytes=lambda _key: self.unsent_bytes,
+            ),
             self.arrivals,
-            send=lambda key, data: self.sent.append((key, bytes(data))),
-            show=lambda key: f"peer {key}",
-            write_buffer_bytes=lambda _key: self.unsent_bytes,
             max_peers=max_peers,
             idle_limit_s=10.0,
             clock=lambda: self.now_s,
@@ -35,11 +37,11 @@ class Medium:
 
 
 @pytest.fixture
-async def medium() -> Medium:
-    return Medium()
+async def medium() -> FakeMedium:
+    return FakeMedium()
 
 
-async def test_write_to_the_peer_it_came_from(medium: Medium) -> None:
+async def test_write_to_the_peer_it_came_from(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.write(b"hello")
     medium.table.receive("a", b"back")
@@ -50,7 +52,7 @@ async def test_write_to_the_peer_it_came_from(medium: Medium) -> None:
     medium.table.end_all(None)
 
 
-async def test_bytes_keep_their_order_around_pause_and_start(medium: Medium) -> None:
+async def test_bytes_keep_their_order_around_pause_and_start(medium: FakeMedium) -> None:
     medium.table.receive("a", b"1")
     peer = await medium.arrivals.next()
     seen = Recorder()
@@ -65,7 +67,7 @@ async def test_bytes_keep_their_order_around_pause_and_start(medium: Medium) -> 
     medium.table.end_all(None)
 
 
-async def test_pausing_again_before_the_held_bytes_are_delivered_holds_them(medium: Medium) -> None:
+async def test_pausing_again_before_the_held_bytes_are_delivered_holds_them(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.pause_reading()
     medium.table.receive("a", b"x")
@@ -78,7 +80,7 @@ async def test_pausing_again_before_the_held_bytes_are_delivered_holds_them(medi
     medium.table.end_all(None)
 
 
-async def test_the_held_bytes_come_before_the_loss(medium: Medium) -> None:
+async def test_the_held_bytes_come_before_the_loss(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.pause_reading()
     medium.table.receive("a", b"last words")
@@ -90,7 +92,7 @@ async def test_the_held_bytes_come_before_the_loss(medium: Medium) -> None:
     assert (medium.sent, peer.write_buffer_bytes) == ([], 0)
 
 
-async def test_after_our_own_close_nothing_comes(medium: Medium) -> None:
+async def test_after_our_own_close_nothing_comes(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.pause_reading()
     medium.table.receive("a", b"unread")
@@ -101,7 +103,7 @@ async def test_after_our_own_close_nothing_comes(medium: Medium) -> None:
     assert (bytes(seen.data), seen.losses) == (b"", [None])
 
 
-async def test_a_full_medium_pauses_every_writer_and_those_who_come_meanwhile(medium: Medium) -> None:
+async def test_a_full_medium_pauses_every_writer_and_those_who_come_meanwhile(medium: FakeMedium) -> None:
     _, first = await medium.peer("a")
     medium.table.pause_writing()
     late: list[Recorder] = []
@@ -117,7 +119,7 @@ async def test_a_full_medium_pauses_every_writer_and_those_who_come_meanwhile(me
     medium.table.end_all(None)
 
 
-async def test_only_the_silent_expire(medium: Medium) -> None:
+async def test_only_the_silent_expire(medium: FakeMedium) -> None:
     _, silent = await medium.peer("a")
     _, lively = await medium.peer("b")
     known = medium.table.add("c", expires=False)
@@ -133,7 +135,7 @@ async def test_only_the_silent_expire(medium: Medium) -> None:
 
 
 async def test_a_peer_too_many_is_refused() -> None:
-    medium = Medium(max_peers=2)
+    medium = FakeMedium(max_peers=2)
     for key in ("a", "b", "c"):
         medium.table.receive(key, b"x")
     assert (len(medium.table), medium.arrivals.count, medium.table.refusals.count) == (2, 2, 1)
@@ -141,7 +143,7 @@ async def test_a_peer_too_many_is_refused() -> None:
 
 
 async def test_a_radio_that_stopped_sending_gives_its_place_to_a_new_one() -> None:
-    medium = Medium(max_peers=2)
+    medium = FakeMedium(max_peers=2)
     for key in ("forged", "board"):
         medium.table.receive(key, b"x")
     _, forged = await medium.arrivals.next_started()
@@ -155,9 +157,9 @@ async def test_a_radio_that_stopped_sending_gives_its_place_to_a_new_one() -> No
     medium.table.end_all(None)
 
 
-def entering(max_peers: int = 4) -> Medium:
+def entering(max_peers: int = 4) -> FakeMedium:
     """A medium whose senders become peers by data with `F` in it, and are asked by `????`."""
-    medium = Medium(max_peers)
+    medium = FakeMedium(max_peers)
     medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????", lambda data: b"A" in data)
     return medium
 
@@ -173,7 +175,7 @@ async def test_a_sender_is_a_peer_after_its_first_frame() -> None:
 
 
 async def test_a_frame_in_two_datagrams_counts() -> None:
-    medium = Medium()
+    medium = FakeMedium()
     medium.table.entry = PeerEntry(lambda data: b"FRAME" in data, b"????", lambda data: b"ANSWER" in data)
     medium.table.receive("a", b"FR")
     medium.table.receive("a", b"AME")
@@ -202,7 +204,7 @@ async def test_who_has_not_answered_is_sent_no_more_than_came() -> None:
 
 
 async def test_an_answer_in_two_datagrams_counts() -> None:
-    medium = Medium()
+    medium = FakeMedium()
     medium.table.entry = PeerEntry(lambda data: b"F" in data, b"????", lambda data: b"ANSWER" in data)
     medium.table.receive("a", b"F")
     peer, _ = await medium.arrivals.next_started()

@@ -22,7 +22,7 @@ from rostether.ros1.node.registrations import UNREGISTER_TIMEOUT_S, Kind, Regist
 from rostether.ros1.node.service_server import ServiceConnection, ServiceServer
 from rostether.ros1.node.slave_api import slave_dispatch
 from rostether.ros1.node.subscriber_connection import SubscriberConnection
-from rostether.ros1.node.subscription import OnPublisher, Subscription
+from rostether.ros1.node.subscription import Subscription
 from rostether.ros1.node.tcpros_listener import TcprosListener
 from rostether.ros1.own_host import check_own_host
 from rostether.ros1.xmlrpc_server import XmlRpcServer
@@ -142,7 +142,6 @@ class Endpoints:
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        on_publisher: OnPublisher | None = None,
         **options: Unpack[SubscribeOptions],
     ) -> Subscription:
         """Subscribe to a topic. Raises GraphError."""
@@ -151,14 +150,11 @@ class Endpoints:
             message_type,
             on_messages,
             node_name=self.node_name,
+            own_uri=self.node_uri,
             report=self._report,
-            on_connection=on_publisher or options.get("on_connection"),
             on_close=self._release_subscription,
-            tcp_nodelay=options.get("tcp_nodelay", True),
-            skipped_uri=self.node_uri if options.get("skip_own") else "",
-            skip_nodes=options.get("skip_nodes", ()),
-            one_type=options.get("one_type", False),
             limits=self._environment.limits,
+            **options,
         )
         together = self._subscriptions.setdefault(topic, [])
         together.append(subscription)

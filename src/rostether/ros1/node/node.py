@@ -22,7 +22,7 @@ from rostether.ros1.node.publication import Publication, Publisher
 from rostether.ros1.node.registrations import DEFAULT_CHECK_INTERVAL_S
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import ServiceServer
-from rostether.ros1.node.subscription import OnPublisher, Subscription
+from rostether.ros1.node.subscription import Subscription
 from rostether.rostime import Time
 
 _log = logging.getLogger("rostether.ros1")
@@ -111,19 +111,14 @@ class Ros1Graph(NodeMembership):
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        on_publisher: OnPublisher | None = None,
         **options: Unpack[SubscribeOptions],
     ) -> Subscription:
-        """Subscribe. `ANY_MESSAGE` accepts every type.
-
-        `on_publisher` is an `on_connection` that may return a receiver for that publisher's messages.
-        """
+        """Subscribe. `ANY_MESSAGE` accepts every type."""
         self._check_open()
         return await self._endpoints.subscribe(
             self.resolve(topic),
             message_type,
             on_messages,
-            on_publisher=on_publisher,
             **options,
         )
 

@@ -4,57 +4,51 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
+from typing import Unpack
 
 from rostether.graph.callbacks import call_contained
-from rostether.graph.ports import Level, OnMessages
+from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE, MessageType
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.ros1.node.publisher_connection import PublisherConnection, PublisherLink
 from rostether.ros1.tcpros_connection import ConnectionRecord
 from rostether.tcpros.handshake import check_publisher, subscriber_fields, type_of
 
-# Gets a publisher's header fields. What it returns, if anything, takes that publisher's messages: rospy has a
-# thread for each.
-# Called with the header fields of each publisher; may return the receiver of that publisher's messages.
-OnPublisher = Callable[[Mapping[str, str]], OnMessages | None]
-
 
 class Subscription:
-    """A `graph.ports.Subscriber`.
+    """A `graph.ports.Subscriber`; `own_uri` is the URI of this node.
 
     Each has its own connections, even if one node subscribes to a topic twice: so each can pause, and each
     new one receives the latched message.
     """
 
-    def __init__(  # noqa: PLR0913 - the settings of Graph.subscribe
+    def __init__(
         self,
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
         *,
         node_name: str,
+        own_uri: str = "",
         report: Callable[[Level, str], None],
-        on_connection: OnPublisher | None,
         on_close: Callable[[Subscription], Awaitable[None]],
-        tcp_nodelay: bool,
-        skipped_uri: str = "",
-        skip_nodes: Container[str] = (),
-        one_type: bool = False,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
+        **options: Unpack[SubscribeOptions],
     ) -> None:
         self.topic = topic
         self.type = message_type
         self._node_name = node_name
         self._report = report
         self._on_messages = on_messages
-        self._on_connection = on_connection
+        self._on_connection = options.get("on_connection")
         self._on_close = on_close
         self._limits = limits
-        self._skipped_uri = skipped_uri
-        self._skip_nodes = skip_nodes
-        self._learns_type = one_type and message_type.name == ANY_TYPE
+        self._skipped_uri = own_uri if options.get("skip_own") else ""
+        self._skip_nodes: Container[str] = options.get("skip_nodes", ())
+        self._learns_type = options.get("one_type", False) and message_type.name == ANY_TYPE
         self._links: dict[str, PublisherLink] = {}
         self._closing_links: set[asyncio.Task[None]] = set()
+        tcp_nodelay = options.get("tcp_nodelay", True)
         self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
         self._what = f"on_messages of {topic}"
         self._is_paused = False

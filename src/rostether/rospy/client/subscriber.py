@@ -61,7 +61,7 @@ class SubscribedTopic(SharedTopic[Subscription]):
             self.resolved_name,
             message_type_of(self.data_class),
             _ignore,
-            on_publisher=self._handle_connection,
+            on_connection=self._handle_connection,
             tcp_nodelay=self.tcp_nodelay,
         )
 

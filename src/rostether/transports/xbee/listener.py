@@ -19,7 +19,7 @@ from typing import TypeAlias
 from rostether.errors import TransportClosedError, TransportError
 from rostether.mechanisms.backoff import Backoff
 from rostether.transports.address import SerialAddress, XbeeAddress
-from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, PeerTable
+from rostether.transports.peers import IDLE_LIMIT_S, MAX_PEERS, Medium, PeerTable
 from rostether.transports.transport import Transport
 from rostether.transports.xbee.frame import XbeeFrameDecoder
 from rostether.transports.xbee.host_radio import HostRadio
@@ -71,13 +71,16 @@ class XbeeListener:
         self._drained = asyncio.Event()
         self._closed = False
         self._forget_radio()
-        self.peers: PeerTable[int] = PeerTable(
+        medium = Medium(
             str(address),
-            on_transport,
             send=self._send,
             show=lambda source: f"xbee {show_radio_address(source)}",
             write_buffer_bytes=lambda key: self._queue.waiting_bytes(key),
             quality_of=self._quality,
+        )
+        self.peers: PeerTable[int] = PeerTable(
+            medium,
+            on_transport,
             max_peers=max_peers,
             idle_limit_s=idle_limit_s,
             on_forget=self._forget,
