@@ -41,7 +41,7 @@ class XmlRpcServer:
     `system.listMethods` are there.
     """
 
-    def __init__(  # noqa: PLR0913 - each is an independent setting
+    def __init__(
         self,
         dispatch: Dispatch,
         *,
@@ -49,8 +49,6 @@ class XmlRpcServer:
         port: int = 0,
         advertised_host: str = LOOPBACK,
         admission: Admission = EVERYBODY,
-        idle_timeout_s: float = IDLE_TIMEOUT_S,
-        first_byte_limit_s: float = FIRST_BYTE_LIMIT_S,
         limits: GraphLimits = DEFAULT_GRAPH_LIMITS,
         own_names: Iterable[str] = (),
     ) -> None:
@@ -58,9 +56,7 @@ class XmlRpcServer:
         self._methods = MethodTable(dispatch, limits.body_bytes)
         self._hosts = [connect_host(host) for host in hosts]
         self._advertised_host = advertised_host
-        self._idle_timeout_s = idle_timeout_s
         self._admission = admission
-        self._first_byte_limit_s = first_byte_limit_s
         self._limits = limits
         self._turns: deque[ServerConnection] = deque()
         self._connections: dict[ServerConnection, None] = {}
@@ -194,7 +190,7 @@ class XmlRpcServer:
             self._emptied.set()
 
     def _sweep_later(self) -> None:
-        shortest_s = min(self._idle_timeout_s, self._first_byte_limit_s, self._limits.xmlrpc_request_s)
+        shortest_s = min(IDLE_TIMEOUT_S, FIRST_BYTE_LIMIT_S, self._limits.xmlrpc_request_s)
         self._sweep = asyncio.get_running_loop().call_later(shortest_s / 4, self._sweep_idle)
 
     def _sweep_idle(self) -> None:
@@ -207,12 +203,12 @@ class XmlRpcServer:
             self._sweep_later()
 
     def _is_overdue(self, connection: ServerConnection, now_s: float) -> bool:
-        if now_s - connection.last_active_s > self._idle_timeout_s:
+        if now_s - connection.last_active_s > IDLE_TIMEOUT_S:
             return True
         waited_s = now_s - connection.waiting_since_s
         if connection.is_receiving:
             return waited_s > self._limits.xmlrpc_request_s
-        return not connection.has_spoken and waited_s > self._first_byte_limit_s
+        return not connection.has_spoken and waited_s > FIRST_BYTE_LIMIT_S
 
 
 def _least_useful(connections: Collection[ServerConnection]) -> ServerConnection:

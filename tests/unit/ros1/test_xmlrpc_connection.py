@@ -8,6 +8,7 @@ import socket
 
 import pytest
 
+from rostether.ros1 import xmlrpc_server
 from rostether.ros1.graph_limits import GraphLimits
 from rostether.xmlrpc.http_message import HttpClientSide
 from unit.ros1.xmlrpc_stage import RawClient, client_of, later, request, serving
@@ -104,8 +105,9 @@ async def test_many_large_requests_cannot_fill_the_memory(monkeypatch: pytest.Mo
         await second.close()
 
 
-async def test_idle_connections_are_closed_in_time() -> None:
-    async with serving({"ping": lambda: 1}, idle_timeout_s=0.1) as server:
+async def test_idle_connections_are_closed_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xmlrpc_server, "IDLE_TIMEOUT_S", 0.1)
+    async with serving({"ping": lambda: 1}) as server:
         raw = await RawClient.connect(server)
         half = await RawClient.connect(server)
         half.writer.write(b"POST / HTTP/1.1\r\n")
@@ -116,10 +118,11 @@ async def test_idle_connections_are_closed_in_time() -> None:
         await half.close()
 
 
-async def test_a_slow_method_is_not_idle() -> None:
+async def test_a_slow_method_is_not_idle(monkeypatch: pytest.MonkeyPatch) -> None:
     async def slow() -> int:
         await asyncio.sleep(1.0)
         return 7
 
-    async with serving({"slow": slow}, idle_timeout_s=0.5) as server, client_of(server) as client:
+    monkeypatch.setattr(xmlrpc_server, "IDLE_TIMEOUT_S", 0.5)
+    async with serving({"slow": slow}) as server, client_of(server) as client:
         assert await client.call("slow") == 7

@@ -12,15 +12,17 @@ from unit.ros1.xmlrpc_stage import RawClient, client_of, request, serving
 from unit.transports.strangers import is_hung_up, stranger
 
 
-async def test_a_silent_connection_is_closed() -> None:
-    async with serving({"ping": lambda: 1}, first_byte_limit_s=0.1) as server:
+async def test_a_silent_connection_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xmlrpc_server, "FIRST_BYTE_LIMIT_S", 0.1)
+    async with serving({"ping": lambda: 1}) as server:
         silent = await RawClient.connect(server)
         assert await is_hung_up(silent.reader)
         await silent.close()
 
 
-async def test_a_connection_that_has_spoken_may_rest() -> None:
-    async with serving({"ping": lambda: 1}, first_byte_limit_s=0.5) as server:
+async def test_a_connection_that_has_spoken_may_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xmlrpc_server, "FIRST_BYTE_LIMIT_S", 0.5)
+    async with serving({"ping": lambda: 1}) as server:
         resting = await RawClient.connect(server)
         resting.writer.write(request("ping"))
         assert await resting.answer() == 1
