@@ -19,7 +19,7 @@ from rostether.cli.platform.fleet_doctor import examine_fleet
 from rostether.platform.command_link import ReceiverSettings, SenderSettings
 from rostether.platform.fleet import FleetSettings
 from rostether.platform.host_state import read_host
-from rostether.platform.igmp_querier import hears_querier
+from rostether.platform.igmp_querier import has_querier
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.status_frame import HostState
@@ -68,7 +68,7 @@ async def main(full_disk: Path) -> None:
     # No robot reports or refuses anything.
     assert len(lines.texts) == len(robots), lines.texts
     sys.stdin.readline()
-    print(json.dumps({"hears_querier": await hears_querier(("net",), 60.0)}))
+    print(json.dumps({"has_querier": await has_querier(("net",), 60.0)}))
     for robot in robots:
         robot.cancel()
 

@@ -53,8 +53,8 @@ def test_faults_of_robots_and_of_their_network(tmp_path: Path) -> None:
         ("clocks", False, "the clock of robot 1 (10.77.0.2) is N s ahead of that of this machine"),
         ("IGMP querier", None, "none in 4 s"),
     ]
-    for (what, is_well, begin), found in zip(expected, findings[:-1], strict=True):
-        assert (found["what"], found["ok"]) == (what, is_well)
+    for (what, is_ok, begin), found in zip(expected, findings[:-1], strict=True):
+        assert (found["what"], found["ok"]) == (what, is_ok)
         text = str(found["text"])
         if what == "clocks":
             # As exactly as an answer takes to arrive, which is longer on a busy machine.
@@ -63,4 +63,4 @@ def test_faults_of_robots_and_of_their_network(tmp_path: Path) -> None:
             assert abs(float(ahead[0]) - 5.0) < 1.0
             text = text.replace(ahead[0], "N", 1)
         assert text.startswith(begin)
-    assert json.loads(later) == {"hears_querier": True}
+    assert json.loads(later) == {"has_querier": True}

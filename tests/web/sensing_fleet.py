@@ -15,7 +15,7 @@ from rostether.platform.fleet_monitor import FleetMonitor
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.sensing_manager import SensingManager
-from rostether.platform.sensors.jpeg import PictureChange, drawn_picture
+from rostether.platform.sensors.jpeg import PictureChange, draw_test_picture
 from rostether.platform.sensors.registered_sensor import (
     RegisteredSensor,
     SensorDescription,
@@ -94,7 +94,7 @@ async def _publish(node: TypedGraph, number: int, name: str, sensors: list[Regis
 
 def _fields(name: str, count: int, value: float) -> dict[str, Any]:
     if name == "camera":
-        return {"format": "jpeg", "data": drawn_picture(count % 20, _SIZE)}
+        return {"format": "jpeg", "data": draw_test_picture(count % 20, _SIZE)}
     if name == "distance":
         return {"range": value, "min_range": 0.02, "max_range": 40.0}
     return {name if name == "temperature" else "data": value}

@@ -135,7 +135,7 @@ class BoardTable:
         )
 
 
-def other_platform_board(name: str) -> str | None:
+def other_platform_fqbn(name: str) -> str | None:
     """Return the FQBN of a board that only arduino-cli builds for, by FQBN (`esp32:esp32:esp32`) or by name.
 
     None for Arduino's AVR boards and unknown names.
@@ -146,7 +146,7 @@ def other_platform_board(name: str) -> str | None:
     return _OTHER_PLATFORMS.get(_plain(name))
 
 
-def foreign_board(fqbn: str) -> Board:
+def arduino_cli_board(fqbn: str) -> Board:
     """Return a board that only arduino-cli knows."""
     return Board(name=fqbn, title=fqbn, fqbn=fqbn)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rostether.errors import FirmwareError, SketchError
-from rostether.firmware.boards import Board, foreign_board, other_platform_board
+from rostether.firmware.boards import Board, arduino_cli_board, other_platform_fqbn
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin
 from rostether.firmware.ros_library import RosLibrary
@@ -79,8 +79,8 @@ _CONTENT_VERSION = 1
 
 def find_board(name: str) -> Board:
     """Return a board by name. Raises ConfigError for an unknown one, FirmwareError without a core."""
-    if (fqbn := other_platform_board(name)) is not None:
-        return foreign_board(fqbn)
+    if (fqbn := other_platform_fqbn(name)) is not None:
+        return arduino_cli_board(fqbn)
     return find_avr_toolchain().boards.find(name)
 
 

@@ -112,12 +112,12 @@ class CallGraph:
         """Return the functions that a call through a kind of pointer may reach."""
         # The core and the libraries do not use node handles, their endpoints, or the functions that these
         # call.
-        is_of_library = self._is_of_library(caller)
-        plain = self._targets_outside_nodes if is_of_library else self._plain_targets
+        is_library_code = self._is_library_code(caller)
+        plain = self._targets_outside_nodes if is_library_code else self._plain_targets
         if kind == PLAIN:
             return plain
         # A node handle calls its own functions directly; its calls through a table go to the hardware class.
-        sees_nodes = not is_of_library and not self.name(caller).startswith(_NODE_HANDLE)
+        sees_nodes = not is_library_code and not self.name(caller).startswith(_NODE_HANDLE)
         virtual = {
             self._starts[word]
             for table in self._tables
@@ -127,7 +127,7 @@ class CallGraph:
         }
         return {*plain, *virtual} if kind == UNKNOWN else virtual
 
-    def _is_of_library(self, entry: int) -> bool:
+    def _is_library_code(self, entry: int) -> bool:
         # The sketch's functions are inlined into main.
         index = bisect.bisect_right(self._ranges, entry, key=lambda each: each.start) - 1
         file = self._ranges[index].file if index >= 0 and entry < self._ranges[index].end else ""

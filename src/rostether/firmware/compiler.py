@@ -22,7 +22,10 @@ _RECIPES = {".c": "c.o", ".S": "S.o"}
 _OUTPUT_FLAGS = frozenset(("-c", "-MMD", "-flto", "-o", "{object_file}", "{preprocessed_file_path}"))
 # With these flags the linker accepts programs that are too large, so that the report can show what needs the
 # space.
-_ROOMY = ("-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000", "-Wl,--defsym=__DATA_REGION_LENGTH__=0xfd00")
+_NO_SIZE_LIMITS = (
+    "-Wl,--defsym=__TEXT_REGION_LENGTH__=0x400000",
+    "-Wl,--defsym=__DATA_REGION_LENGTH__=0xfd00",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +138,7 @@ class Compiler:
 
     async def link(self, objects: Sequence[Path], archive: Path, name: str) -> tuple[Path, Path]:
         """Return the ELF and HEX files of a program. Raises SketchError with the linker's output."""
-        recipe = [*self._toolchain.recipe("c.combine", self._board), *_ROOMY]
+        recipe = [*self._toolchain.recipe("c.combine", self._board), *_NO_SIZE_LIMITS]
         key = digest("link", self._toolchain.identity, recipe, objects, archive, name)
         elf, image = (self._cache.find("programs", key, f"{name}.{suffix}") for suffix in ("elf", "hex"))
         if elf is not None and image is not None:

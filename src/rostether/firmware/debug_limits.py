@@ -30,8 +30,8 @@ _OPCODE_BASE = 17
 class Budget:
     """The maximum cost of reading one kind of information."""
 
-    def __init__(self, most: int) -> None:
-        self._left = most
+    def __init__(self, limit: int) -> None:
+        self._left = limit
 
     def spend(self, count: int) -> bool:
         """Return True. Raises FirmwareError if the budget is used up."""
@@ -50,7 +50,7 @@ def lines_are_bounded(lines: IO[bytes], offset: int) -> bool:
     try:
         cursor = _Cursor(header, _OPCODE_BASE + header[_OPCODE_BASE])
         # Folders, then files.
-        return cursor.pass_table() and cursor.pass_table()
+        return cursor.skip_table() and cursor.skip_table()
     except IndexError:
         return False
 
@@ -60,7 +60,7 @@ class _Cursor:
         self._data = data
         self._offset = offset
 
-    def pass_table(self) -> bool:
+    def skip_table(self) -> bool:
         """Skip a table; False if its entries have no bytes or an unknown size."""
         forms = []
         for _ in range(self._byte()):
@@ -71,11 +71,11 @@ class _Cursor:
             return False
         for _ in range(count):
             for form in forms:
-                if not self._pass_value(form):
+                if not self._skip_value(form):
                     return False
         return True
 
-    def _pass_value(self, form: int) -> bool:
+    def _skip_value(self, form: int) -> bool:
         if form == _STRING:
             self._offset = self._data.find(0, self._offset) + 1
             return self._offset > 0

@@ -14,7 +14,7 @@ from rostether.firmware.cpp_tokens import Token
 _OPENING = {"(": ")", "[": "]", "{": "}"}
 _CLASS_KEYS = frozenset(("class", "struct", "union", "enum"))
 # They are followed by parentheses, but are not function names.
-_NO_FUNCTION = frozenset(
+_NOT_FUNCTIONS = frozenset(
     (
         *("__attribute__", "__declspec", "alignas", "decltype", "noexcept", "throw", "sizeof", "asm"),
         *("if", "for", "while", "switch", "return", "operator"),
@@ -171,11 +171,11 @@ def _find_function(head: Sequence[Token], is_extern_c: bool, *, any_name: bool =
             continue
         closing = _closing(head, index)
         name = head[index - 1]
-        is_name = index > 0 and name.kind == "name" and name.text not in _NO_FUNCTION
-        if any_name and index > 0 and _fits_behind(head[closing + 1 :], allow_initialisers=True):
+        is_name = index > 0 and name.kind == "name" and name.text not in _NOT_FUNCTIONS
+        if any_name and index > 0 and _fits_after(head[closing + 1 :], allow_initializers=True):
             return Function(name.text, tuple(head), ())
         if is_name and index - 1 > first and _fits_before(head[first : index - 1]):
-            if not _fits_behind(head[closing + 1 :]):
+            if not _fits_after(head[closing + 1 :]):
                 return None
             return Function(name.text, tuple(head), tuple(head[index + 1 : closing]), is_extern_c)
         index = closing + 1
@@ -201,12 +201,12 @@ def _fits_before(tokens: Sequence[Token]) -> bool:
     return last.kind == "name" or last.text in _BEFORE_NAME or last.text == ")"
 
 
-def _fits_behind(tokens: Sequence[Token], *, allow_initialisers: bool = False) -> bool:
+def _fits_after(tokens: Sequence[Token], *, allow_initializers: bool = False) -> bool:
     """Return whether the tokens after the parameters can be the rest of a function's head."""
     index = 0
     while index < len(tokens):
         token = tokens[index]
-        if token.text == "->" or (allow_initialisers and token.text == ":"):
+        if token.text == "->" or (allow_initializers and token.text == ":"):
             return True
         if token.text in ("(", "[") and index:
             index = _closing(tokens, index)

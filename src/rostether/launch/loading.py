@@ -208,7 +208,7 @@ def _read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
     reader.check_attributes(element, _MACHINE_ATTRIBUTES)
     name, address = (reader.required(element, scope, each) for each in ("name", "address"))
     user = reader.optional(element, scope, "user")
-    if not _is_here(address) or (user and user != getpass.getuser()):
+    if not _is_this_machine(address) or (user and user != getpass.getuser()):
         raise LaunchError(
             f"machine {name!r} at {address} is another machine, but nodes are started only on this machine; "
             "remove <machine>, and run `rostether launch` there with the ROS_MASTER_URI of this machine"
@@ -216,7 +216,7 @@ def _read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
     return name
 
 
-def _is_here(address: str) -> bool:
+def _is_this_machine(address: str) -> bool:
     return address in ("localhost", "::1", socket.gethostname()) or bool(
         re.fullmatch(r"127(\.\d{1,3}){3}", address)
     )

@@ -106,7 +106,7 @@ class NodeProcess:
             self._process = await creating
             self._group = self._process.pid
 
-    async def keep(self) -> None:
+    async def supervise(self) -> None:
         """Wait for its end; with respawn=, restart it each time. Raises LaunchError."""
         while True:
             assert self._process is not None
@@ -120,7 +120,10 @@ class NodeProcess:
             await self.start()
 
     async def stop(self) -> None:
-        """End it and its child processes: SIGINT, then SIGTERM, then SIGKILL. `keep` must no longer run."""
+        """End it and its child processes: SIGINT, then SIGTERM, then SIGKILL.
+
+        `supervise` must no longer run.
+        """
         process = self._process
         if process is None:
             return

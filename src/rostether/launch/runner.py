@@ -84,7 +84,7 @@ class _Launch:
         self._options = options
         self._logs = logs
         self._processes: list[NodeProcess] = []
-        self._keepers: dict[asyncio.Task[None], NodeProcess] = {}
+        self._supervisors: dict[asyncio.Task[None], NodeProcess] = {}
 
     async def run(self, nodes: list[LaunchNode]) -> bool:
         failed = False
@@ -93,15 +93,15 @@ class _Launch:
                 failed = True
                 if node.required:
                     return False
-        if failed and not self._keepers:
+        if failed and not self._supervisors:
             return False
         if not nodes:
             self._report(Level.INFO, "the parameters are set; there is no node to start")
-        waiting = set(self._keepers)
+        waiting = set(self._supervisors)
         while waiting:
             ended, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
             for task in ended:
-                process = self._keepers[task]
+                process = self._supervisors[task]
                 if task.exception() is not None:
                     self._report(Level.ERROR, str(task.exception()))
                 if process.node.required:
@@ -131,15 +131,15 @@ class _Launch:
         except RostetherError as error:
             self._report(Level.ERROR, f"{node.file}:{node.line}: {error}")
             return False
-        self._keepers[asyncio.create_task(process.keep())] = process
+        self._supervisors[asyncio.create_task(process.supervise())] = process
         return True
 
     async def stop(self) -> None:
         """End all running processes at the same time."""
-        for task in self._keepers:
+        for task in self._supervisors:
             task.cancel()
-        if self._keepers:
-            await asyncio.wait(self._keepers)
+        if self._supervisors:
+            await asyncio.wait(self._supervisors)
         await asyncio.gather(*(process.stop() for process in self._processes))
 
 

@@ -42,16 +42,16 @@ class Mux:
         self._inputs: dict[str, Subscriber | None] = {graph.resolve(each): None for each in inputs}
         self._headers: dict[str, Mapping[str, str]] = {}
         self._lazy = lazy
-        self._announced: TypedPublisher[...] | None = None
+        self._selected_publisher: TypedPublisher[...] | None = None
         first = initial or next(iter(self._inputs), NO_INPUT)
         known = first != NO_INPUT and graph.resolve(first) in self._inputs
         self._selected = graph.resolve(first) if known else NO_INPUT
-        self._first_word = first if known else NO_INPUT
+        self._first_name = first if known else NO_INPUT
 
     async def run(self) -> None:
         """Serve until cancelled. Raises GraphError."""
-        self._announced = await self._graph.publisher("mux/selected", "std_msgs/String", latch=True)
-        self._announced.publish(data=self._first_word)
+        self._selected_publisher = await self._graph.publisher("mux/selected", "std_msgs/String", latch=True)
+        self._selected_publisher.publish(data=self._first_name)
         services: dict[str, tuple[str, Handler]] = {
             f"{self._output.topic}_select": ("MuxSelect", self._select),
             "mux/select": ("MuxSelect", self._select),
@@ -63,7 +63,7 @@ class Mux:
             await self._graph.service_server(name, f"topic_tools/{kind}", handler)
         try:
             while True:
-                await self._follow()
+                await self._update_subscriptions()
                 await asyncio.sleep(LAZY_POLL_S)
         finally:
             for subscriber in self._inputs.values():
@@ -71,7 +71,7 @@ class Mux:
                     await subscriber.close()
             await self._output.close()
 
-    async def _follow(self) -> None:
+    async def _update_subscriptions(self) -> None:
         """Keep exactly the needed subscriptions."""
         for topic, subscriber in list(self._inputs.items()):
             is_wanted = self._is_wanted(topic)
@@ -109,12 +109,12 @@ class Mux:
         if request.topic == NO_INPUT:
             self._selected = NO_INPUT
         else:
-            self._selected = self._known(request.topic)
+            self._selected = self._known_input(request.topic)
             if self._selected in self._headers:
                 self._output.advertise_as(self._headers[self._selected])
         self._graph.log(Level.INFO, f"mux selected input: [{self._selected}]")
-        assert self._announced is not None
-        self._announced.publish(data=request.topic)
+        assert self._selected_publisher is not None
+        self._selected_publisher.publish(data=request.topic)
         return {"prev_topic": previous}
 
     def _add(self, request: Message) -> dict[str, str]:
@@ -127,7 +127,7 @@ class Mux:
         return {}
 
     async def _delete(self, request: Message) -> dict[str, str]:
-        topic = self._known(request.topic)
+        topic = self._known_input(request.topic)
         if topic == self._selected:
             raise ServiceCallError(f"{topic} is selected; select another input before you delete it")
         subscriber = self._inputs.pop(topic)
@@ -139,7 +139,7 @@ class Mux:
     def _list(self, _request: Message) -> dict[str, list[str]]:
         return {"topics": list(self._inputs)}
 
-    def _known(self, name: str) -> str:
+    def _known_input(self, name: str) -> str:
         topic = self._resolve(name)
         if topic not in self._inputs:
             raise ServiceCallError(

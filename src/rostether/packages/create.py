@@ -18,7 +18,7 @@ from rostether.packages.package_xml import is_package_name
 from rostether.packages.search_path import PACKAGE_FILE
 
 CMAKE_FILE = "CMakeLists.txt"
-_CUSTOMARY_NAME = re.compile(r"[a-z][a-z0-9_-]*")
+_CONVENTIONAL_NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _VERSION = re.compile(r"\d+\.\d+\.\d+")
 _PERSON = re.compile(r"(.*?)\s*<([^<>\s]+@[^<>\s]+)>")
 
@@ -78,7 +78,7 @@ def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
     except OSError as error:
         raise ConfigError(f"{error.filename}: {error.strerror}") from error
     warnings = []
-    if not _CUSTOMARY_NAME.fullmatch(package.name):
+    if not _CONVENTIONAL_NAME.fullmatch(package.name):
         warnings.append(
             f"{package.name}: package names should have only lower case letters, digits, _ and -, and start "
             f"with a letter"

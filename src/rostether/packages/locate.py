@@ -17,7 +17,7 @@ from rostether.packages.search_path import (
     PACKAGE_FILE,
     ROSBUILD_FILE,
     Folder,
-    OnNamesake,
+    OnDuplicate,
     find_packages,
     package_name,
     ros_package_path,
@@ -29,18 +29,18 @@ SOURCE_FOLDER = "src"
 _MAX_PARENTS = 64
 
 # A folder with more entries is a download folder, not a collection of packages.
-_MAX_NEIGHBOURS = 1_000
+_MAX_NEIGHBORS = 1_000
 _WORKSPACE_MARKS = (".catkin_workspace", ".catkin_tools", "devel/.catkin", "src/CMakeLists.txt")
 
 
 def package_folders(
-    environ: Mapping[str, str], cwd: Path, *, on_namesake: OnNamesake | None = None
+    environ: Mapping[str, str], cwd: Path, *, on_duplicate: OnDuplicate | None = None
 ) -> dict[str, Path]:
     """Map the names of all packages that a command started in `cwd` sees to their folders.
 
     Nothing needs to be built. Folders that cannot be read and broken packages are skipped.
     """
-    found = find_packages(package_roots(environ, cwd), on_namesake=on_namesake)
+    found = find_packages(package_roots(environ, cwd), on_duplicate=on_duplicate)
     for folder in _around(cwd):
         if name := package_name(folder):
             found.setdefault(name, folder.path)
@@ -104,9 +104,9 @@ def _around(cwd: Path) -> Iterator[Folder]:
         return
     yield _as_folder(package)
     try:
-        for _, neighbour in zip(range(_MAX_NEIGHBOURS), sorted(package.parent.iterdir()), strict=False):
-            if neighbour != package and _is_package(neighbour):
-                yield _as_folder(neighbour)
+        for _, neighbor in zip(range(_MAX_NEIGHBORS), sorted(package.parent.iterdir()), strict=False):
+            if neighbor != package and _is_package(neighbor):
+                yield _as_folder(neighbor)
     except OSError:
         return
 

@@ -49,10 +49,10 @@ def ros_package_path(environ: Mapping[str, str]) -> list[Path]:
 
 
 # Called for two packages with the same name below one root: the name, the folder in use, and the other one.
-OnNamesake = Callable[[str, Path, Path], object]
+OnDuplicate = Callable[[str, Path, Path], object]
 
 
-def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = None) -> dict[str, Path]:
+def find_packages(roots: Iterable[Path], *, on_duplicate: OnDuplicate | None = None) -> dict[str, Path]:
     """Map the names of all packages below the roots to their folders; the first of a name is used.
 
     Folders that cannot be read and packages with a broken package.xml are skipped, so that one bad checkout
@@ -69,9 +69,9 @@ def find_packages(roots: Iterable[Path], *, on_namesake: OnNamesake | None = Non
             used = found.setdefault(name, folder.path)
             first = below.setdefault(name, folder.path)
             other = folder.path if used != folder.path else first
-            if on_namesake and other not in (used, *reported) and first != folder.path and _is_source(other):
+            if on_duplicate and other not in (used, *reported) and first != folder.path and _is_source(other):
                 reported.add(other)
-                on_namesake(name, used, other)
+                on_duplicate(name, used, other)
     return found
 
 

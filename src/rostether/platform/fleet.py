@@ -108,8 +108,8 @@ class FleetSender:
             count = len(self.robots)
             await self._repeat_stop()
             await self._wait_for_answers()
-            is_whole = not self._settings.sender.to_groups or len(self.robots) == count
-            if self.robots and is_whole and all(map(has_stopped, self.robots)):
+            is_complete = not self._settings.sender.to_groups or len(self.robots) == count
+            if self.robots and is_complete and all(map(has_stopped, self.robots)):
                 break
         return self.robots
 

@@ -16,9 +16,9 @@ from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.fleet import QUERY_S, FleetSettings
 from rostether.platform.fleet_survey import ClockOffset, Survey
 from rostether.platform.forwarding import encode_forward
-from rostether.platform.igmp_querier import hears_querier
+from rostether.platform.igmp_querier import has_querier
 from rostether.platform.multicast_socket import GroupAddress
-from rostether.platform.robot_table import Place, Robot
+from rostether.platform.robot_table import Robot, RobotKey
 
 # Enough for many queries and answers, of which few are lost on Wi-Fi that works.
 _UNICAST_S = 1.5
@@ -34,17 +34,17 @@ class Examination:
     """The measurements. Robots are identified by id and host.
 
     `asks_group` is False for a fleet without multicast. `silent_hosts` are addresses that were given and do
-    not answer. `pairs` are robots, and whether the first reaches the second. `hears_querier` is None if this
+    not answer. `pairs` are robots, and whether the first reaches the second. `has_querier` is None if this
     machine may not listen; `listened_s` is 0 if the fleet needs no querier.
     """
 
     asks_group: bool
-    by_multicast: dict[Place, Robot] = field(default_factory=dict)
-    by_unicast: dict[Place, Robot] = field(default_factory=dict)
+    by_multicast: dict[RobotKey, Robot] = field(default_factory=dict)
+    by_unicast: dict[RobotKey, Robot] = field(default_factory=dict)
     silent_hosts: list[str] = field(default_factory=list)
-    clocks: dict[Place, ClockOffset] = field(default_factory=dict)
-    pairs: list[tuple[Place, Place, bool]] = field(default_factory=list)
-    hears_querier: bool | None = None
+    clocks: dict[RobotKey, ClockOffset] = field(default_factory=dict)
+    pairs: list[tuple[RobotKey, RobotKey, bool]] = field(default_factory=list)
+    has_querier: bool | None = None
     listened_s: float = 0.0
 
 
@@ -60,7 +60,7 @@ async def examine(
     # IPv6 has another protocol for this, MLD.
     if address.is_multicast and address.family is socket.AF_INET:
         found.listened_s = max(listen_s, QUERY_S + _UNICAST_S)
-    querier = asyncio.create_task(hears_querier(address.interfaces, found.listened_s))
+    querier = asyncio.create_task(has_querier(address.interfaces, found.listened_s))
     try:
         group = Survey(settings.sender, address, report)
         await group.run(QUERY_S)
@@ -68,7 +68,7 @@ async def examine(
         await _ask_by_unicast(found, settings, group.robots, report)
         if settings.sender.key != NO_KEY:
             found.pairs = await _ask_neighbors(settings.sender, found.by_unicast, report)
-        found.hears_querier = await querier
+        found.has_querier = await querier
     finally:
         querier.cancel()
     return found
@@ -77,7 +77,7 @@ async def examine(
 async def _ask_by_unicast(
     found: Examination,
     settings: FleetSettings,
-    robots: dict[Place, Robot],
+    robots: dict[RobotKey, Robot],
     report: Callable[[Level, str], None],
 ) -> None:
     """Ask the robots that answered, and the addresses that were given."""
@@ -91,23 +91,23 @@ async def _ask_by_unicast(
     await asyncio.gather(*[survey.run(_UNICAST_S) for survey in surveys.values()])
     for (host, _), survey in surveys.items():
         found.by_unicast |= survey.robots
-        for place, clock in survey.clocks.items():
-            known = found.clocks.get(place)
+        for key, clock in survey.clocks.items():
+            known = found.clocks.get(key)
             if known is None or clock.error_s < known.error_s:
-                found.clocks[place] = clock
+                found.clocks[key] = clock
         if not survey.robots:
             found.silent_hosts.append(host)
 
 
 async def _ask_neighbors(
-    sender: SenderSettings, robots: dict[Place, Robot], report: Callable[[Level, str], None]
-) -> list[tuple[Place, Place, bool]]:
+    sender: SenderSettings, robots: dict[RobotKey, Robot], report: Callable[[Level, str], None]
+) -> list[tuple[RobotKey, RobotKey, bool]]:
     """Let each robot send to the next one, the last to the first. Boards cannot forward."""
     # A link-local IPv6 address (with %) has another scope on each machine.
-    able = [each for each in robots.values() if each.status.host is not None and "%" not in each.place.host]
+    able = [each for each in robots.values() if each.status.host is not None and "%" not in each.key.host]
     if len(able) < 2:
         return []
-    able.sort(key=lambda robot: robot.place)
+    able.sort(key=lambda robot: robot.key)
     ring = list(zip(able, [*able[1:], able[0]], strict=True))
     epoch_us = time.time_ns() // 1000
     # Each pair has its own epoch: a robot counts the frames of an epoch.
@@ -115,7 +115,7 @@ async def _ask_neighbors(
         *[_reaches(sender, *pair, epoch_us + index, report) for index, pair in enumerate(ring)]
     )
     return [
-        (first.place, second.place, is_reached)
+        (first.key, second.key, is_reached)
         for (first, second), is_reached in zip(ring, reached, strict=True)
         if is_reached is not None
     ]

@@ -9,13 +9,13 @@ from rostether.platform.command_channel import duplicate_text
 from rostether.platform.fleet_examination import Examination
 from rostether.platform.fleet_survey import ClockOffset
 from rostether.platform.igmp_querier import QUERY_INTERVAL_S
-from rostether.platform.robot_table import MAX_LOSS, Place, Robot, hosts_of_duplicate_ids
+from rostether.platform.robot_table import MAX_LOSS, Robot, RobotKey, hosts_of_duplicate_ids
 
 # With a weaker signal, Wi-Fi uses its slowest rates, and loses multicast first.
 WEAK_SIGNAL_DBM = -75
 
 # A recording of one camera fills this in a few minutes.
-_LEAST_FREE_BYTES = 500_000_000
+_MIN_FREE_BYTES = 500_000_000
 
 # In this time, a robot at 1 m/s moves 0.1 m: positions of two robots then no longer match.
 _MAX_CLOCK_DIFFERENCE_S = 0.1
@@ -26,9 +26,9 @@ _MAX_LISTED = 5
 
 @dataclass(frozen=True, slots=True)
 class FleetFinding:
-    """One line of the report; `what` is the examined part. `is_well` is None if it could not be checked."""
+    """One line of the report; `what` is the examined part. `is_ok` is None if it could not be checked."""
 
-    is_well: bool | None
+    is_ok: bool | None
     what: str
     text: str
 
@@ -36,13 +36,13 @@ class FleetFinding:
 def fleet_findings(found: Examination, silence_text: str) -> list[FleetFinding]:
     """Return the findings, robots first; `silence_text` is the finding if no robot answers."""
     robots = found.by_unicast | found.by_multicast
-    findings = [_robot_finding(place, robots[place], found) for place in sorted(robots)]
+    findings = [_robot_finding(key, robots[key], found) for key in sorted(robots)]
     if not robots:
         findings.append(FleetFinding(False, "fleet", silence_text))
     findings += [
         FleetFinding(False, "unicast", f"no robot answers at {host}; check its address and the key")
         for host in found.silent_hosts
-        if not any(place.host == host for place in robots)
+        if not any(key.host == host for key in robots)
     ]
     findings += [
         FleetFinding(False, "ids", duplicate_text(robot_id, hosts))
@@ -58,15 +58,15 @@ def fleet_findings(found: Examination, silence_text: str) -> list[FleetFinding]:
 def disk_finding(path: str, free_bytes: int, total_bytes: int) -> FleetFinding:
     """Return whether recordings fit on this machine's disk."""
     text = f"{free_bytes / 1e9:.1f} of {total_bytes / 1e9:.1f} GB are free at {path}"
-    if free_bytes < _LEAST_FREE_BYTES:
+    if free_bytes < _MIN_FREE_BYTES:
         return FleetFinding(False, "disk", f"{text}; delete old recordings")
     return FleetFinding(True, "disk", text)
 
 
-def _robot_finding(place: Place, robot: Robot, found: Examination) -> FleetFinding:
-    status, host, faults = robot.status, place.host, []
-    by_unicast = found.by_unicast.get(place)
-    if place not in found.by_multicast and found.asks_group:
+def _robot_finding(key: RobotKey, robot: Robot, found: Examination) -> FleetFinding:
+    status, host, faults = robot.status, key.host, []
+    by_unicast = found.by_unicast.get(key)
+    if key not in found.by_multicast and found.asks_group:
         faults.append(
             "unicast arrives, multicast does not; turn off multicast filtering (or IGMP snooping) in the "
             f"access point and the switches, or send to it by --unicast {host}"
@@ -80,7 +80,7 @@ def _robot_finding(place: Place, robot: Robot, found: Examination) -> FleetFindi
         )
     if status.signal_dbm is not None and status.signal_dbm < WEAK_SIGNAL_DBM:
         faults.append(f"the Wi-Fi signal of {status.signal_dbm} dBm is weak; move the access point closer")
-    if status.host is not None and status.host.free_bytes < _LEAST_FREE_BYTES:
+    if status.host is not None and status.host.free_bytes < _MIN_FREE_BYTES:
         faults.append(
             f"only {status.host.free_bytes / 1e9:.1f} GB are free on its disk; delete old recordings there"
         )
@@ -89,30 +89,30 @@ def _robot_finding(place: Place, robot: Robot, found: Examination) -> FleetFindi
     return FleetFinding(not faults, f"robot {status.robot_id}", text)
 
 
-def _pair_findings(pairs: Sequence[tuple[Place, Place, bool]]) -> list[FleetFinding]:
+def _pair_findings(pairs: Sequence[tuple[RobotKey, RobotKey, bool]]) -> list[FleetFinding]:
     """Return whether robots reach each other: a fault that the base station does not have itself."""
     if not pairs:
         return []
-    apart = [
+    unreachable = [
         f"robot {first.robot_id} does not reach robot {second.robot_id}"
         for first, second, is_ok in pairs
         if not is_ok
     ]
-    if not apart:
+    if not unreachable:
         return [FleetFinding(True, "robot to robot", "each robot reaches the next one")]
     text = (
-        f"{_listed(apart)}; turn off client isolation (AP isolation) in the access point, or the robots "
-        "cannot share topics without the base station"
+        f"{_listed(unreachable)}; turn off client isolation (AP isolation) in the access point, or the "
+        "robots cannot share topics without the base station"
     )
     return [FleetFinding(False, "robot to robot", text)]
 
 
-def _clock_findings(clocks: Mapping[Place, ClockOffset]) -> list[FleetFinding]:
+def _clock_findings(clocks: Mapping[RobotKey, ClockOffset]) -> list[FleetFinding]:
     """Compare the clocks of the robots and of this machine."""
     if not clocks:
         return []
     offsets = {"this machine": ClockOffset(0.0, 0.0)}
-    offsets |= {f"robot {place.robot_id} ({place.host})": clocks[place] for place in sorted(clocks)}
+    offsets |= {f"robot {key.robot_id} ({key.host})": clocks[key] for key in sorted(clocks)}
     # Rounded, so that among equal clocks this machine is named.
     ahead = max(offsets, key=lambda name: round(offsets[name].offset_s, 1))
     behind = min(offsets, key=lambda name: round(offsets[name].offset_s, 1))
@@ -131,11 +131,11 @@ def _clock_findings(clocks: Mapping[Place, ClockOffset]) -> list[FleetFinding]:
 
 
 def _querier_finding(found: Examination) -> FleetFinding:
-    if found.hears_querier is None:
+    if found.has_querier is None:
         return FleetFinding(
             None, "IGMP querier", "not listened for: it needs root (sudo) and an existing --interface"
         )
-    if found.hears_querier:
+    if found.has_querier:
         return FleetFinding(True, "IGMP querier", "switches and access points know who is in a group")
     if found.listened_s < QUERY_INTERVAL_S:
         return FleetFinding(

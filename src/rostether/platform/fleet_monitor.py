@@ -15,7 +15,7 @@ from dataclasses import replace
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped
-from rostether.platform.robot_table import Place, Robot
+from rostether.platform.robot_table import Robot, RobotKey
 from rostether.rostime import Time
 from rostether.serde.values import Message
 
@@ -35,7 +35,7 @@ class FleetMonitor:
         self._graph = graph
         self._settings = settings
         self._report = report
-        self._lost: set[Place] = set()
+        self._lost: set[RobotKey] = set()
         self._stopping = asyncio.Lock()
 
     async def run(self) -> None:
@@ -75,8 +75,8 @@ class FleetMonitor:
 
     def _states(self, robots: list[Robot], now_s: float) -> list[dict[str, object]]:
         """Return the robots; one that moved to another address is not lost at its old one."""
-        lost = {robot.place for robot in robots if now_s - robot.answered_s > LOST_S}
-        here = {robot.status.robot_id for robot in robots if robot.place not in lost}
+        lost = {robot.key for robot in robots if now_s - robot.answered_s > LOST_S}
+        here = {robot.status.robot_id for robot in robots if robot.key not in lost}
         for robot_id, host in sorted(lost - self._lost):
             if robot_id not in here:
                 self._report(Level.WARN, f"robot {robot_id} ({host}) has not answered for {LOST_S:g} s")
@@ -85,9 +85,9 @@ class FleetMonitor:
         self._lost = lost
         clock = self._graph.now().to_ns()
         return [
-            _state(robot, robot.place in lost, clock - int((now_s - robot.answered_s) * 1e9))
+            _state(robot, robot.key in lost, clock - int((now_s - robot.answered_s) * 1e9))
             for robot in robots
-            if robot.place not in lost or robot.status.robot_id not in here
+            if robot.key not in lost or robot.status.robot_id not in here
         ]
 
 

@@ -11,7 +11,7 @@ from rostether.graph.ports import Level
 from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import GroupAddress
-from rostether.platform.robot_table import Place, Robot, RobotTable, SocketAddress
+from rostether.platform.robot_table import Robot, RobotKey, RobotTable, SocketAddress
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +43,10 @@ class Survey:
         # When each query was sent, by its sequence.
         self._sent_us: dict[int, int] = {}
         self._answered = asyncio.Event()
-        self.clocks: dict[Place, ClockOffset] = {}
+        self.clocks: dict[RobotKey, ClockOffset] = {}
 
     @property
-    def robots(self) -> dict[Place, Robot]:
+    def robots(self) -> dict[RobotKey, Robot]:
         """The robots that have answered."""
         return self._table.robots
 
@@ -72,8 +72,8 @@ class Survey:
         if status.host is not None and sent_us is not None:
             offset_us = status.host.clock_us - (sent_us + received_us) / 2
             clock = ClockOffset(offset_us / 1e6, (received_us - sent_us) / 2e6)
-            place = Place(status.robot_id, address[0])
-            known = self.clocks.get(place)
+            key = RobotKey(status.robot_id, address[0])
+            known = self.clocks.get(key)
             # The shortest round trip gives the best value.
             if known is None or clock.error_s < known.error_s:
-                self.clocks[place] = clock
+                self.clocks[key] = clock

@@ -14,7 +14,7 @@ _MAX_BYTES = 2048
 _BURST = 100
 
 
-async def hears_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | None:
+async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | None:
     """Return whether an IGMP query arrives in this time, at one of the interfaces if there are any.
 
     None: it cannot listen. It needs root or CAP_NET_RAW, and an existing interface.

@@ -14,7 +14,7 @@ from rostether.platform.status_frame import RobotStatus, decode_status
 MAX_LOSS = 0.1
 
 # Fewer frames are not enough to compute the loss.
-_LEAST_FRAMES = 10
+_MIN_FRAMES = 10
 
 # A robot that does not answer for this time gets no more unicast.
 _FORGET_S = 10.0
@@ -27,7 +27,7 @@ _U32 = 1 << 32
 SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
 
 
-class Place(NamedTuple):
+class RobotKey(NamedTuple):
     """Identifies a robot, even if two have one id: the id, and the host that answers."""
 
     robot_id: int
@@ -48,15 +48,15 @@ class Robot:
     lost_count: int = 0
 
     @property
-    def place(self) -> Place:
+    def key(self) -> RobotKey:
         """Its id and host."""
-        return Place(self.status.robot_id, self.address[0])
+        return RobotKey(self.status.robot_id, self.address[0])
 
     def measure(self, status: RobotStatus) -> None:
         """Compare a status with the last measurement."""
         received = (status.received_count - self.received_count) % _U32
         lost = (status.lost_count - self.lost_count) % _U32
-        if received + lost < _LEAST_FRAMES:
+        if received + lost < _MIN_FRAMES:
             return
         self.loss = lost / (received + lost)
         self.received_count, self.lost_count = status.received_count, status.lost_count
@@ -69,7 +69,7 @@ class RobotTable:
 
     def __init__(self, key: bytes = NO_KEY) -> None:
         self._key = key
-        self.robots: dict[Place, Robot] = {}
+        self.robots: dict[RobotKey, Robot] = {}
 
     def receive(
         self, datagram: bytes, address: SocketAddress, epoch_us: int, now_s: float
@@ -81,12 +81,12 @@ class RobotTable:
             return None
         if status.epoch_us != epoch_us:
             return None
-        place = Place(status.robot_id, address[0])
-        robot = self.robots.get(place)
+        key = RobotKey(status.robot_id, address[0])
+        robot = self.robots.get(key)
         if robot is None:
             if len(self.robots) >= _MAX_ROBOTS:
                 return None
-            robot = self.robots[place] = Robot(status, address, now_s)
+            robot = self.robots[key] = Robot(status, address, now_s)
         elif robot.status.epoch_us == epoch_us and status.sequence <= robot.status.sequence:
             return None
         elif robot.status.epoch_us != epoch_us:
@@ -104,9 +104,9 @@ class RobotTable:
         ]
 
 
-def hosts_of_duplicate_ids(places: Iterable[Place]) -> dict[int, list[str]]:
+def hosts_of_duplicate_ids(keys: Iterable[RobotKey]) -> dict[int, list[str]]:
     """Return the ids that several hosts share, with the hosts."""
     hosts: dict[int, list[str]] = {}
-    for robot_id, host in sorted(places):
+    for robot_id, host in sorted(keys):
         hosts.setdefault(robot_id, []).append(host)
     return {robot_id: found for robot_id, found in hosts.items() if len(found) > 1}

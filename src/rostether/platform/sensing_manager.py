@@ -26,7 +26,7 @@ from rostether.rostime import Time
 from rostether.serde.values import Message
 
 # The interval between checks of the states; fast enough for a display.
-JUDGE_PERIOD_S = 0.5
+STATE_PERIOD_S = 0.5
 # When a fleet starts, many sensors register at once: registrations within this time cause one publication.
 GATHER_S = 0.05
 
@@ -65,7 +65,7 @@ class SensingManager:
             self._report(Level.INFO, f"sensors known from an earlier run: {len(restored)}")
         self._publisher = await self._graph.publisher("sensors", "sensing_platform/Sensors", latch=True)
         # Before the first registration, so that no sensor gets a topic in use.
-        self._note_publishers(await self._graph.snapshot())
+        self._record_publishers(await self._graph.snapshot())
         services = [
             await self._graph.service_server(
                 "sensors_register", "sensors/RegistrationService", self._register
@@ -79,7 +79,7 @@ class SensingManager:
         try:
             while True:
                 await self._subscribe_to_new()
-                self._registry.judge(time.monotonic())
+                self._registry.update_states(time.monotonic())
                 self._publish()
                 await self._save()
                 await self._wait(following)
@@ -99,10 +99,10 @@ class SensingManager:
             if following.done():
                 following.result()
             try:
-                async with asyncio.timeout(JUDGE_PERIOD_S):
+                async with asyncio.timeout(STATE_PERIOD_S):
                     await self._has_news.wait()
             except TimeoutError:
-                if self._registry.judge(time.monotonic()):
+                if self._registry.update_states(time.monotonic()):
                     return
             else:
                 await asyncio.sleep(GATHER_S)
@@ -111,18 +111,18 @@ class SensingManager:
 
     async def _follow_connections(self) -> None:
         async for snapshot in self._graph.changes():
-            self._note_publishers(snapshot)
-            if self._registry.judge(time.monotonic()):
+            self._record_publishers(snapshot)
+            if self._registry.update_states(time.monotonic()):
                 self._has_news.set()
 
-    def _note_publishers(self, snapshot: Snapshot) -> None:
+    def _record_publishers(self, snapshot: Snapshot) -> None:
         now_s = time.monotonic()
         self._adopt(snapshot, now_s)
         self._snapshot = snapshot
         for sensor in self._registry.sensors:
-            self._note_publisher(sensor, now_s)
+            self._record_publisher(sensor, now_s)
 
-    def _note_publisher(self, sensor: Sensor, now_s: float) -> None:
+    def _record_publisher(self, sensor: Sensor, now_s: float) -> None:
         topic = self._snapshot.topics.get(self._graph.resolve(sensor.topic))
         self._registry.connect(sensor.id, topic is not None and bool(topic.publishers), now_s)
 
@@ -145,21 +145,21 @@ class SensingManager:
                 continue
             if sensor.id not in self._subscribers:
                 self._subscribers[sensor.id] = await self._graph.raw.subscribe(
-                    sensor.topic, ANY_MESSAGE, partial(self._hear, sensor.id)
+                    sensor.topic, ANY_MESSAGE, partial(self._handle_messages, sensor.id)
                 )
         for sensor_id in self._subscribers.keys() - {each.id for each in self._registry.sensors}:
             await self._subscribers.pop(sensor_id).close()
 
-    def _hear(self, sensor_id: str, _: Sequence[bytes]) -> None:
+    def _handle_messages(self, sensor_id: str, _: Sequence[bytes]) -> None:
         now_s = time.monotonic()
-        self._registry.note_message(sensor_id, now_s)
-        if not self._registry.is_ready(sensor_id) and self._registry.judge(now_s):
+        self._registry.record_message(sensor_id, now_s)
+        if not self._registry.is_ready(sensor_id) and self._registry.update_states(now_s):
             self._has_news.set()
 
     def _register(self, request: Message) -> dict[str, str]:
         sensor = self._registry.register(request.platform_name, request.sensor_type, time.monotonic())
         self._report(Level.INFO, f"registered {sensor.platform} {sensor.sensor_type} on topic {sensor.topic}")
-        self._remember()
+        self._mark_changed()
         return {"topic": sensor.topic}
 
     def _register_by_id(self, request: Message) -> dict[str, str]:
@@ -178,21 +178,21 @@ class SensingManager:
         topic = self._graph.resolve(sensor.topic)
         if before is None:
             # A sensor that was registered with an earlier manager already publishes.
-            self._note_publisher(sensor, now_s)
+            self._record_publisher(sensor, now_s)
             self._report(Level.INFO, f"registered {sensor.id} on topic {topic}")
         if sensor != before:
-            self._remember()
-        elif self._registry.judge(now_s):
+            self._mark_changed()
+        elif self._registry.update_states(now_s):
             self._has_news.set()
         return {"topic": topic, "name": sensor.name, "refusal": refusal}
 
     def _rename(self, request: Message) -> dict[str, object]:
         sensor = self._registry.rename(request.id, request.name)
         self._report(Level.INFO, f"sensor {sensor.id} now has the name {sensor.name!r}")
-        self._remember()
+        self._mark_changed()
         return {"sensor": self._shown(sensor)}
 
-    def _remember(self) -> None:
+    def _mark_changed(self) -> None:
         self._is_unsaved = True
         self._has_news.set()
 

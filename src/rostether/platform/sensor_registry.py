@@ -237,7 +237,7 @@ class SensorRegistry:
 
     def add(self, sensor: Sensor, now_s: float) -> None:
         """Add a sensor. Raises ServiceCallError when there are too many."""
-        self._make_place()
+        self._make_room()
         self._conditions[sensor.id] = Condition(now_s, left_s=now_s)
         self._sensors[sensor.id] = sensor
 
@@ -255,17 +255,17 @@ class SensorRegistry:
         """Record whether the sensor's topic has a publisher now."""
         self._conditions[sensor_id].connect(is_connected, now_s)
 
-    def note_message(self, sensor_id: str, now_s: float) -> None:
+    def record_message(self, sensor_id: str, now_s: float) -> None:
         """Record a message of the sensor; ignores unknown sensors."""
         if (condition := self._conditions.get(sensor_id)) is not None:
             condition.is_connected = condition.was_connected = True
-            condition.heard_s = now_s
+            condition.last_message_s = now_s
 
-    def judge(self, now_s: float) -> bool:
+    def update_states(self, now_s: float) -> bool:
         """Update all states; True if a state or a text has changed."""
         has_changed = False
         for key, condition in self._conditions.items():
-            has_changed |= condition.judge(self._sensors[key].is_camera, now_s)
+            has_changed |= condition.update_state(self._sensors[key].is_camera, now_s)
         return has_changed
 
     def _add_counted(self, number: int, platform: str, sensor_type: str, now_s: float) -> Sensor:
@@ -285,7 +285,7 @@ class SensorRegistry:
                     return sensor
         return None
 
-    def _make_place(self) -> None:
+    def _make_room(self) -> None:
         if len(self._sensors) < MAX_SENSORS:
             return
         lost = [key for key, each in self._conditions.items() if each.state == "lost"]

@@ -35,7 +35,7 @@ class Condition:
     is_connected: bool = False
     was_connected: bool = False
     left_s: float = 0.0
-    heard_s: float | None = None
+    last_message_s: float | None = None
     lease_until_s: float | None = None
     instance: str = ""
     reported: str = "init"
@@ -46,7 +46,7 @@ class Condition:
         if self.is_connected and not is_connected:
             self.left_s = now_s
         if is_connected and not self.is_connected:
-            self.heard_s = None
+            self.last_message_s = None
         self.is_connected = is_connected
         self.was_connected |= is_connected
 
@@ -54,16 +54,16 @@ class Condition:
         """Return whether a node holds a valid lease for this sensor."""
         return self.is_connected and self.lease_until_s is not None and now_s < self.lease_until_s
 
-    def judge(self, is_camera: bool, now_s: float) -> bool:
+    def update_state(self, is_camera: bool, now_s: float) -> bool:
         """Update the state and the sensor's text about it; True if either has changed."""
         before = self.state, self.text
-        self.state = self._judged(is_camera, now_s)
+        self.state = self._next_state(is_camera, now_s)
         self.text = self.reported_text if self.state == self.reported else ""
         if self.state != before[0]:
             self.since_s = now_s
         return (self.state, self.text) != before
 
-    def _judged(self, is_camera: bool, now_s: float) -> str:
+    def _next_state(self, is_camera: bool, now_s: float) -> str:
         if self.lease_until_s is not None and now_s >= self.lease_until_s:
             return "lost"
         if not self.is_connected:
@@ -75,6 +75,6 @@ class Condition:
         # A camera publishes only while it has subscribers; the manager does not subscribe to pictures.
         if is_camera:
             return "ready"
-        if self.heard_s is None:
+        if self.last_message_s is None:
             return "init" if self.state in ("init", "disconnected", "lost") else "sleeping"
-        return "sleeping" if now_s - self.heard_s >= SILENT_S else "ready"
+        return "sleeping" if now_s - self.last_message_s >= SILENT_S else "ready"

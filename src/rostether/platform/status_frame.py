@@ -41,7 +41,7 @@ _HEADER = struct.Struct("<2sBBIQIIIBbH")
 _HOST = struct.Struct("<QQ")
 _EPOCH = struct.Struct("<Q")
 MAGIC = b"rS"
-_LEAST_BYTES = _HEADER.size + TAG_BYTES
+_MIN_BYTES = _HEADER.size + TAG_BYTES
 _VERSION = 1
 _MOVES = 1
 _IS_HELD = 2
@@ -113,7 +113,7 @@ class RobotStatus:
 
 def decode_status(datagram: bytes, key: bytes = NO_KEY) -> RobotStatus:
     """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
-    if not _LEAST_BYTES <= len(datagram) <= _LEAST_BYTES + MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
+    if not _MIN_BYTES <= len(datagram) <= _MIN_BYTES + MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
         raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")
     header = _HEADER.unpack_from(datagram)
     magic, version, state, robot_id, epoch_us, sequence, received, lost, refusal, signal, length = header

@@ -90,7 +90,7 @@ class ActionRelay:
         await action.open(native, session.types, session.registry)
         self._stack.push_async_callback(action.close)
 
-    async def follow_type(self) -> None:
+    async def wait_for_new_type(self) -> None:
         """Wait until the server has ended. Raises ServiceUnavailableError."""
         # The port does not report connections, and polling is cheap.
         while not self._to_ros2 or self._is_served():  # noqa: ASYNC110

@@ -61,22 +61,22 @@ class Relay:
         self,
         first: Side,
         second: Side,
-        choice: RelayFilter,
+        relay_filter: RelayFilter,
         report: Report,
         actions: BoardJoin | None = None,
     ) -> None:
         self._sides = (first, second)
         self._actions_join = actions
-        self._choice = choice
+        self._filter = relay_filter
         self._report = report
         self._mark = new_relay_mark()
-        self._seen: dict[str, Snapshot] = {}
+        self._snapshots: dict[str, Snapshot] = {}
         self._marked = MarkedNodes()
         # Nodes that need no relay, and killed relays, whose endpoints a graph may still list.
         self._skip_nodes: set[str] = set()
         self._gone: set[str] = set()
         self._left_out: dict[str, str] = {}
-        self._news = asyncio.Event()
+        self._has_changed = asyncio.Event()
         self._carrying: dict[RelayItem, asyncio.Task[None]] = {}
         self._ending: dict[RelayItem, asyncio.Task[None]] = {}
         self._relays: dict[RelayItem, TopicRelay | ServiceRelay | ActionRelay] = {}
@@ -95,7 +95,7 @@ class Relay:
             tasks += [asyncio.ensure_future(self._follow(side)) for side in self._sides]
             tasks += [asyncio.ensure_future(self._forget_gone(side)) for side in self._sides]
             leaving = [asyncio.ensure_future(self._leave(side)) for side in self._sides]
-            arranging: asyncio.Future[None] = asyncio.ensure_future(self._arrange_always())
+            arranging: asyncio.Future[None] = asyncio.ensure_future(self._arrange_on_changes())
             tasks += [*leaving, arranging]
             done, _ = await asyncio.wait((*leaving, arranging), return_when=asyncio.FIRST_COMPLETED)
             for ended in done:
@@ -115,9 +115,9 @@ class Relay:
         while True:
             try:
                 async for snapshot in side.graph.changes():
-                    self._seen[side.name] = snapshot
+                    self._snapshots[side.name] = snapshot
                     self._find_shared_nodes()
-                    self._news.set()
+                    self._has_changed.set()
             except GraphError as error:
                 self._report(Level.WARN, f"{side.name} cannot be seen: {error}; looking again")
             # Running relays continue: a graph that does not answer for a moment may still work.
@@ -126,8 +126,8 @@ class Relay:
     def _find_shared_nodes(self) -> None:
         """Find the other nodes that are in both graphs."""
         own = {side.graph.node_name for side in self._sides}
-        marked = MarkedNodes.find(self._seen.values())
-        self._gone &= {name for snapshot in self._seen.values() for name in snapshot.nodes}
+        marked = MarkedNodes.find(self._snapshots.values())
+        self._gone &= {name for snapshot in self._snapshots.values() for name in snapshot.nodes}
         relays = {name: mark for name, mark in marked.relays.items() if name not in own | self._gone}
         for name in sorted(relays.keys() - self._marked.relays.keys()):
             self._report(
@@ -143,10 +143,10 @@ class Relay:
         if side.forget_if_gone is None:
             return
         # The first check ends before anything is arranged: a killed relay is not a source.
-        while side.name not in self._seen:  # noqa: ASYNC110 - each side is seen after milliseconds
+        while side.name not in self._snapshots:  # noqa: ASYNC110 - each side is seen after milliseconds
             await asyncio.sleep(SEEN_POLL_S)
         while True:
-            known = relay_marks(self._seen.get(side.name, Snapshot()))
+            known = relay_marks(self._snapshots.get(side.name, Snapshot()))
             for name in known.keys() - self._gone - {side.graph.node_name}:
                 try:
                     is_gone = await side.forget_if_gone(name)
@@ -157,15 +157,15 @@ class Relay:
                     self._gone.add(name)
                     self._report(Level.INFO, f"the relay {name} has ended without leaving: it is forgotten")
                     self._find_shared_nodes()
-                    self._news.set()
+                    self._has_changed.set()
             await asyncio.sleep(CHECK_S if known else RETRY_S)
 
-    async def _arrange_always(self) -> None:
+    async def _arrange_on_changes(self) -> None:
         await asyncio.sleep(MEET_S)
         while True:
-            await self._news.wait()
-            self._news.clear()
-            if len(self._seen) == len(self._sides):
+            await self._has_changed.wait()
+            self._has_changed.clear()
+            if len(self._snapshots) == len(self._sides):
                 left_out: dict[str, str] = {}
                 self._arrange(set(self._items(left_out)))
                 for text, reason in left_out.items():
@@ -184,7 +184,7 @@ class Relay:
 
     def _forget(self, item: RelayItem, _: object) -> None:
         del self._ending[item]
-        self._news.set()
+        self._has_changed.set()
 
     def _items(self, left_out: dict[str, str]) -> Iterator[RelayItem]:
         """Yield the items to relay; `left_out` gets those of another relay, with the reason."""
@@ -206,12 +206,12 @@ class Relay:
         self, source: Side, target: Side, direction: Direction
     ) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the topics of one side to be carried, each with its publishers in the other one."""
-        there = self._seen[target.name].topics
+        there = self._snapshots[target.name].topics
         own = {source.graph.node_name, *self._skip_nodes}
-        for name, topic in self._seen[source.name].topics.items():
+        for name, topic in self._snapshots[source.name].topics.items():
             if is_mark(name) or own.issuperset(topic.publishers):
                 continue
-            if self._choice.carries_topic(name, direction):
+            if self._filter.carries_topic(name, direction):
                 yield (
                     RelayItem(Kind.TOPIC, name, source, target),
                     there[name].publishers if name in there else (),
@@ -219,11 +219,11 @@ class Relay:
 
     def _services(self, source: Side, target: Side) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
         """Yield the services of one side to be offered in the other one, each with its providers there."""
-        there = self._seen[target.name].services
+        there = self._snapshots[target.name].services
         own = {source.graph.node_name, *self._skip_nodes}
         relays = {target.graph.node_name, *self._marked.relays, *self._gone}
-        for name, service in self._seen[source.name].services.items():
-            chosen = self._choice.service(name)
+        for name, service in self._snapshots[source.name].services.items():
+            chosen = self._filter.service(name)
             if chosen is None or own.issuperset(service.providers):
                 continue
             # If both graphs have a service, each keeps its own.
@@ -235,14 +235,14 @@ class Relay:
         """Yield the actions of one side to be offered in the other one, each with its servers there."""
         if self._actions_join is None:
             return
-        entries = action_entries(*(self._seen[side.name] for side in self._sides))
+        entries = action_entries(*(self._snapshots[side.name] for side in self._sides))
         for number, (source, target) in enumerate((self._sides, self._sides[::-1])):
             own = {source.graph.node_name, *self._skip_nodes}
             relays = {target.graph.node_name, *self._marked.relays, *self._gone}
             for name, entry in entries[number].items():
                 there = entries[1 - number].get(name)
                 servers = () if there is None else there.servers
-                is_wanted = self._choice.carries_action(name) and not own.issuperset(entry.servers)
+                is_wanted = self._filter.carries_action(name) and not own.issuperset(entry.servers)
                 # If both graphs have an action, each keeps its own.
                 if is_wanted and relays.issuperset(servers):
                     yield RelayItem(Kind.ACTION, name, source, target, entry.type), servers
@@ -267,7 +267,7 @@ class Relay:
                 is_open = True
                 while True:
                     self._report(Level.INFO, f"relaying {item.text} ({relay.type_name})")
-                    await relay.follow_type()
+                    await relay.wait_for_new_type()
             except RostetherError as error:
                 if str(error) != reported:
                     reported = str(error)

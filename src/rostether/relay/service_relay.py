@@ -39,7 +39,7 @@ class ServiceRelay:
             return
         self._server = server
 
-    async def follow_type(self) -> None:
+    async def wait_for_new_type(self) -> None:
         """Wait until cancelled: a service keeps its type."""
         await asyncio.Event().wait()
 

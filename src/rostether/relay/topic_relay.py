@@ -40,7 +40,7 @@ class TopicRelay:
         self._skip_nodes = skip_nodes
         self._is_latched = False
         self._transforms: StaticTransforms | None = None
-        self._met = asyncio.Event()
+        self._type_changed = asyncio.Event()
         self._waiting: list[bytes] = []
         self._publisher: Publisher | None = None
         self._is_ready = False
@@ -68,12 +68,12 @@ class TopicRelay:
             await subscriber.close()
             return
         self._subscriber = subscriber
-        await self.follow_type()
+        await self.wait_for_new_type()
 
-    async def follow_type(self) -> None:
+    async def wait_for_new_type(self) -> None:
         """Wait for a publisher of a new type, and relay this type. Raises RostetherError."""
-        await self._met.wait()
-        self._met.clear()
+        await self._type_changed.wait()
+        self._type_changed.clear()
         assert self.type is not None
         old, self._publisher = self._publisher, None
         if old is not None:
@@ -84,7 +84,7 @@ class TopicRelay:
             return
         self._publisher = publisher
         await self._subscribers_connected(publisher)
-        self._is_ready = not self._met.is_set()
+        self._is_ready = not self._type_changed.is_set()
         if self._is_ready:
             waiting, self._waiting = self._waiting, []
             self._publish(waiting)
@@ -109,17 +109,17 @@ class TopicRelay:
     def _handle_connection(self, fields: Mapping[str, str]) -> None:
         if fields.get("callerid", "") in self._skip_nodes:
             return
-        met = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
+        found = MessageType(fields["type"], fields["md5sum"], fields.get("message_definition", ""))
         is_latched = fields.get("latching") == "1"
-        if self.type is None or (met.name, met.md5sum) != (self.type.name, self.type.md5sum):
+        if self.type is None or (found.name, found.md5sum) != (self.type.name, self.type.md5sum):
             # Messages of the old type cannot be published any more.
             self._waiting.clear()
         elif self._is_latched or not is_latched:
             return
-        self.type, self._is_latched = met, is_latched
-        self._transforms = StaticTransforms() if is_latched and met.name in TYPES else None
+        self.type, self._is_latched = found, is_latched
+        self._transforms = StaticTransforms() if is_latched and found.name in TYPES else None
         self._is_ready = False
-        self._met.set()
+        self._type_changed.set()
 
     async def _subscribers_connected(self, publisher: Publisher) -> None:
         """Wait until the subscribers that the other graph lists are connected, `CONNECT_S` at most."""

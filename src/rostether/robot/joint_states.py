@@ -10,7 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rostether.errors import RobotModelError
-from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, Mimic, RobotModel, mimic_chain
+from rostether.robot.robot_model import (
+    ONE_DEGREE_OF_FREEDOM,
+    Joint,
+    JointType,
+    Mimic,
+    RobotModel,
+    mimic_chain,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +67,7 @@ class JointStates:
         self._dependent = dict(settings.dependent_joints)
         self._order: list[str] = []
         for name, joint in model.joints.items():
-            if joint.type not in MOVED_BY_ONE_NUMBER:
+            if joint.type not in ONE_DEGREE_OF_FREEDOM:
                 continue
             self._order.append(name)
             if settings.use_mimic_tags and joint.mimic is not None:

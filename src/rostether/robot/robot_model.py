@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from rostether.errors import RobotModelError
-from rostether.robot.transform import NO_TRANSFORM, Transform, Vector
+from rostether.robot.transform import IDENTITY, Transform, Vector
 
 
 class JointType(StrEnum):
@@ -21,7 +21,7 @@ class JointType(StrEnum):
     PLANAR = "planar"
 
 
-MOVED_BY_ONE_NUMBER = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC})
+ONE_DEGREE_OF_FREEDOM = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC})
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Joint:
     type: JointType
     parent: str
     child: str
-    origin: Transform = NO_TRANSFORM
+    origin: Transform = IDENTITY
     axis: Vector = (1.0, 0.0, 0.0)
     limits: Limits | None = None
     mimic: Mimic | None = None
@@ -69,7 +69,7 @@ class Shape:
 
     kind: str
     size: tuple[float, ...]
-    origin: Transform = NO_TRANSFORM
+    origin: Transform = IDENTITY
     mesh: str = ""
     material: str = ""
     color: tuple[float, float, float, float] | None = None
@@ -80,7 +80,7 @@ class Inertial:
     """A link's mass in kg, about `origin` with the inertia ixx, ixy, ixz, iyy, iyz, izz in kg m²."""
 
     mass: float
-    origin: Transform = NO_TRANSFORM
+    origin: Transform = IDENTITY
     inertia: tuple[float, float, float, float, float, float] = (0.0,) * 6
 
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rostether.robot.robot_model import MOVED_BY_ONE_NUMBER, Joint, JointType, RobotModel, mimic_chain
+from rostether.robot.robot_model import ONE_DEGREE_OF_FREEDOM, Joint, JointType, RobotModel, mimic_chain
 from rostether.robot.transform import (
     StampedTransform,
     Transform,
@@ -55,7 +55,7 @@ class RobotState:
         self._fixed: list[Joint] = []
         self._moving: dict[str, Joint] = {}
         for name, joint in sorted(model.joints.items()):
-            if joint.type in MOVED_BY_ONE_NUMBER:
+            if joint.type in ONE_DEGREE_OF_FREEDOM:
                 self._moving[name] = joint
             elif joint.type is not JointType.FLOATING:
                 self._fixed.append(joint)

@@ -72,7 +72,7 @@ class Request:
             1 / min(rate_hz, MAX_RATE_HZ),
         )
 
-    def news(self, buffer: TransformBuffer) -> list[StampedTransform]:
+    def changed_transforms(self, buffer: TransformBuffer) -> list[StampedTransform]:
         """Return new frames, and those that have moved beyond the requested thresholds since last sent."""
         found = []
         for source in self.sources:
@@ -80,12 +80,12 @@ class Request:
                 stamped = buffer.lookup(self.target, source)
             except TransformError:
                 continue  # Not known yet, or no longer known.
-            if self._is_news(source, stamped.transform):
+            if self._has_moved(source, stamped.transform):
                 self.sent[source] = stamped.transform
                 found.append(stamped)
         return found
 
-    def _is_news(self, source: str, now: Transform) -> bool:
+    def _has_moved(self, source: str, now: Transform) -> bool:
         before = self.sent.get(source)
         if before is None or self.angle_rad <= 0 or self.distance_m <= 0:
             return True
@@ -208,14 +208,14 @@ class _Republisher:
     ) -> None:
         """Send changed transforms until there has been no subscriber for some time."""
         loop = asyncio.get_running_loop()
-        heard_s = loop.time()
-        while loop.time() - heard_s < timeout_s:
+        last_subscriber_s = loop.time()
+        while loop.time() - last_subscriber_s < timeout_s:
             if publisher.subscriber_count:
-                heard_s = loop.time()
+                last_subscriber_s = loop.time()
                 # Without a subscriber, sent transforms would be lost, and missing later.
-                news = request.news(self._buffer)
-                if news:
-                    send(to_message(news))
+                changed = request.changed_transforms(self._buffer)
+                if changed:
+                    send(to_message(changed))
             await asyncio.sleep(request.period_s)
 
     def _header(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 
-NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
+IDENTITY_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 # A smaller trace is zero except for rounding; KDL uses the same limit.
 _TRACE_EPSILON = 1e-12
@@ -26,7 +26,7 @@ class Transform:
     """Converts points from the child's frame to the parent's: first the rotation, then the translation."""
 
     translation: Vector = (0.0, 0.0, 0.0)
-    rotation: Quaternion = NO_ROTATION
+    rotation: Quaternion = IDENTITY_ROTATION
 
     def __matmul__(self, other: Transform) -> Transform:
         """Return the transform that applies `other` first, then this one."""
@@ -51,7 +51,7 @@ class Transform:
         return Transform(rotate(conjugate, (-x, -y, -z)), conjugate)
 
 
-NO_TRANSFORM = Transform()
+IDENTITY = Transform()
 
 
 @dataclass(frozen=True, slots=True)

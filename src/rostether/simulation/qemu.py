@@ -47,7 +47,7 @@ _TERMINAL = re.compile(rb"char device redirected to (\S+)")
 class QemuBoard:
     """One board.
 
-    It ends with `close`, and with this process. `last_words` is qemu's error message after it has ended by
+    It ends with `close`, and with this process. `exit_message` is qemu's error message after it has ended by
     itself.
     """
 
@@ -57,7 +57,7 @@ class QemuBoard:
         self._process = process
         self._terminal = terminal
         self._link = link
-        self.last_words = ""
+        self.exit_message = ""
         # The output must be read, because qemu blocks if the pipe is full.
         self._reading = asyncio.get_running_loop().create_task(self._read(output))
 
@@ -153,7 +153,7 @@ class QemuBoard:
         assert stdout is not None
         while chunk := await stdout.read(4096):
             output = (output + chunk)[-MAX_OUTPUT_BYTES:]
-        self.last_words = _complaint(output)
+        self.exit_message = _complaint(output)
 
 
 def is_arm_program(path: Path) -> bool:

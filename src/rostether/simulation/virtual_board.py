@@ -192,13 +192,13 @@ class VirtualBoard:
 
     def _publish_imu(self, now_s: float) -> None:
         time_s = now_s - self._booted_s
-        feeling = self._drive.imu_values(time_s)
+        values = self._drive.imu_values(time_s)
         imu = self._imu_message
         imu.header.stamp = self._device.now()
         imu.header.frame_id = self._frame_id
         _set_rotation(imu.orientation, self._drive.pose(time_s).orientation)
-        _set_vector(imu.angular_velocity, self._noisy(feeling.turn_rate, _TURN_RATE_NOISE))
-        _set_vector(imu.linear_acceleration, self._noisy(feeling.acceleration, _ACCELERATION_NOISE))
+        _set_vector(imu.angular_velocity, self._noisy(values.turn_rate, _TURN_RATE_NOISE))
+        _set_vector(imu.linear_acceleration, self._noisy(values.acceleration, _ACCELERATION_NOISE))
         self._imu.publish(imu)
 
     def _publish_tf(self, now_s: float) -> None:

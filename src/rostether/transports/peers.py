@@ -251,7 +251,7 @@ class PeerTable(Generic[PeerKey]):
                     return
                 data, sent_bytes = bytes(candidate.data), candidate.sent_bytes
             if len(self._peers) >= self._max_peers:
-                self._make_place(self.now_s())
+                self._make_room(self.now_s())
             if len(self._peers) >= self._max_peers:
                 self.refusals.refuse(self.medium.show(key), f"{self._max_peers} boards are already connected")
                 return
@@ -278,7 +278,7 @@ class PeerTable(Generic[PeerKey]):
         self._candidates[key] = candidate
         return False
 
-    def _make_place(self, now_s: float) -> None:
+    def _make_room(self, now_s: float) -> None:
         self.expire(now_s)
         if len(self._peers) < self._max_peers:
             return

@@ -13,7 +13,7 @@ from rostether.errors import BoardError
 from rostether.firmware.opencr_build import build_for_linux
 from rostether.simulation.opencr.board import BLUETOOTH, OpenCrBoard
 from rostether.simulation.opencr.commands import execute
-from rostether.simulation.opencr.shown_board import ShownOpenCr
+from rostether.simulation.opencr.node_board import OpenCrNodeBoard
 from waiting import until
 
 pytestmark = pytest.mark.gcc
@@ -210,7 +210,7 @@ TYPES = {
 }
 
 
-async def _look_at(shown: ShownOpenCr) -> None:
+async def _look_at(shown: OpenCrNodeBoard) -> None:
     """Use the board as its page does."""
     pins = await shown.pins()
     assert [pins[name] for name in ("DXL_PWR_EN", "LED_USER_1", "PUSH_SW_1")] == ["out1", "out1", "in0"]
@@ -250,7 +250,7 @@ async def test_a_sketch_with_the_same_api_works(tmp_path: Path) -> None:
                 publisher.publish(**fields)
             await until(lambda: last.keys() == TYPES.keys(), "each topic")
             await until(lambda: board.tones and board.pins.get(32), "the tone and the power")
-            await _look_at(ShownOpenCr(board))
+            await _look_at(OpenCrNodeBoard(board))
             await until(lambda: last["odom"].twist.twist.linear.x > 0.2, "the speed")
             await until(lambda: len(printed) == 2, "what the sketch prints")
             # The command may come before the parameter.

@@ -168,7 +168,7 @@ async def test_it_senses(program: Path) -> None:
         )
         held = asyncio.ensure_future(robot.message("/cmd_vel_rc100", TWIST, lambda each: each.angular.z == 1))
         while not (turning.done() and held.done()):
-            board.hold_remote(4)
+            board.send_remote_buttons(4)
             await asyncio.sleep(0.1)
         assert (await turning).angular_velocity.z == pytest.approx(1, abs=0.1)
         await robot.message("/odom", ODOM, stands)
@@ -200,11 +200,11 @@ async def test_each_lost_sender_stops_it(program: Path) -> None:
             return board.base.speed_m_s == 0
 
         # The remote control is lost, while a computer commands it to stand still.
-        await repeat(partial(board.hold_remote, 1), is_moving)
+        await repeat(partial(board.send_remote_buttons, 1), is_moving)
         await repeat(partial(command, 0.0), stands_still)
         # The computer is lost, while the remote control sends that no button is held.
         await repeat(partial(command, 0.1), is_moving)
-        await repeat(partial(board.hold_remote, 0), stands_still)
+        await repeat(partial(board.send_remote_buttons, 0), stands_still)
         # What is not a number is not a speed.
         await repeat(partial(command, 0.1), is_moving)
         await repeat(partial(command, math.nan), stands_still)

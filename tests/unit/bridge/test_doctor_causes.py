@@ -125,7 +125,7 @@ def talker(transport: Transport, **faults: object) -> SketchBoard:
 def test_a_healthy_board() -> None:
     diagnosis = diagnose(talker)
     assert diagnosis.findings == ()
-    assert diagnosis.is_well
+    assert diagnosis.is_ok
     assert diagnosis.board is not None
     assert diagnosis.rates_hz["publisher chatter"] == pytest.approx(10, abs=1)
 
@@ -286,13 +286,13 @@ def test_a_slow_loop(loop_s: float) -> None:
 
 
 def test_a_loop_that_sleeps_a_second_matters_only_to_boards_that_listen() -> None:
-    assert diagnose(lambda transport: talker(transport, loop_s=1.0)).is_well
+    assert diagnose(lambda transport: talker(transport, loop_s=1.0)).is_ok
     diagnosis = diagnose(lambda transport: talker(transport, loop_s=1.0).subscriber("led"))
     assert codes(diagnosis) == [Code.SLOW_LOOP]
 
 
 def test_a_quick_loop_is_not_blamed() -> None:
-    assert diagnose(lambda transport: talker(transport, loop_s=0.05)).is_well
+    assert diagnose(lambda transport: talker(transport, loop_s=0.05)).is_ok
 
 
 def test_an_output_buffer_too_small_for_a_topic() -> None:
@@ -415,7 +415,7 @@ def test_messages_that_have_another_layout() -> None:
     def misfit(transport: Transport) -> SketchBoard:
         return talker(transport, turn=every(0.2, publish("chatter", lambda _: b"\x09\x00\x00\x00short")))
 
-    assert diagnose(board).is_well
+    assert diagnose(board).is_ok
     assert codes(diagnose(misfit)) == [Code.MESSAGES_MISFIT]
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.firmware.boards import BoardTable, other_platform_board
+from rostether.firmware.boards import BoardTable, other_platform_fqbn
 from rostether.firmware.build import find_board
 
 BOARDS_TXT = """
@@ -74,11 +74,11 @@ def test_an_unknown_processor_names_those_that_there_are(table: BoardTable) -> N
 
 
 def test_other_platforms_are_left_to_arduino_cli() -> None:
-    assert other_platform_board("esp32:esp32:esp32") == "esp32:esp32:esp32"
-    assert other_platform_board("OpenCR") == "OpenCR:OpenCR:OpenCR"
-    assert other_platform_board("Uno R4 WiFi") == "arduino:renesas_uno:unor4wifi"
-    assert other_platform_board("arduino:avr:uno") is None
-    assert other_platform_board("nano:atmega328old") is None
+    assert other_platform_fqbn("esp32:esp32:esp32") == "esp32:esp32:esp32"
+    assert other_platform_fqbn("OpenCR") == "OpenCR:OpenCR:OpenCR"
+    assert other_platform_fqbn("Uno R4 WiFi") == "arduino:renesas_uno:unor4wifi"
+    assert other_platform_fqbn("arduino:avr:uno") is None
+    assert other_platform_fqbn("nano:atmega328old") is None
     assert not find_board("esp32:esp32:esp32").is_avr
     assert find_board("opencr").fqbn == "OpenCR:OpenCR:OpenCR"
 

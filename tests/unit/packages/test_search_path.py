@@ -46,9 +46,9 @@ def test_duplicate_names_are_reported_unless_overlays_or_copies(tmp_path: Path) 
     copy = make_package(tmp_path / "ws" / "install" / "share" / "robot")
     (copy.parents[1] / ".catkin").touch()
     make_package(tmp_path / "overlay" / "robot")
-    find_packages([tmp_path / "overlay", tmp_path / "ws" / "src"], on_namesake=note)
+    find_packages([tmp_path / "overlay", tmp_path / "ws" / "src"], on_duplicate=note)
     assert told == []
-    found = find_packages([tmp_path / "ws" / "src", tmp_path / "ws"], on_namesake=note)
+    found = find_packages([tmp_path / "ws" / "src", tmp_path / "ws"], on_duplicate=note)
     assert found == {"robot": used}
     assert told == [("robot", used, other)]
 

@@ -43,7 +43,7 @@ async def register(node: TypedGraph, sensor_type: str) -> str:
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sensing_manager, "JUDGE_PERIOD_S", 0.01)
+    monkeypatch.setattr(sensing_manager, "STATE_PERIOD_S", 0.01)
     monkeypatch.setattr(sensing_manager, "GATHER_S", 0.001)
 
 

@@ -27,7 +27,7 @@ def registry() -> SensorRegistry:
 
 
 def state(registry: SensorRegistry, sensor_id: str, now_s: float) -> str:
-    registry.judge(now_s)
+    registry.update_states(now_s)
     return registry.state(sensor_id)[0]
 
 
@@ -46,7 +46,7 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     assert state(registry, key, 60.0) == "lost"
     registry.connect(key, True, 61.0)
     assert state(registry, key, 61.0) == "init"
-    registry.note_message(key, 62.0)
+    registry.record_message(key, 62.0)
     assert state(registry, key, 64.9) == "ready"
     assert state(registry, key, 65.0) == "sleeping"
     registry.connect(key, False, 70.0)
@@ -54,7 +54,7 @@ def test_states_by_age(registry: SensorRegistry) -> None:
     assert state(registry, key, 129.9) == "disconnected"
     assert state(registry, key, 130.0) == "lost"
     assert registry.state(key) == ("lost", "", 130.0)
-    registry.note_message(key, 131.0)
+    registry.record_message(key, 131.0)
     assert state(registry, key, 131.0) == "ready"
 
 
@@ -69,7 +69,7 @@ def test_a_sensor_that_comes_back_is_itself(registry: SensorRegistry) -> None:
     registry.rename(first.id, "Front distance")
     # Two of a kind that start together are two sensors.
     assert registry.register("Robot", "ANALOG", 0.1).topic == "sensor_node1"
-    registry.note_message(first.id, 1.0)
+    registry.record_message(first.id, 1.0)
     registry.connect(first.id, False, 2.0)
     assert registry.register("Robot", "DIGITAL", 3.0).topic == "sensor_node2"
     again = registry.register("Robot", "ANALOG", 3.0)
@@ -115,11 +115,11 @@ def test_the_number_of_sensors_is_limited(registry: SensorRegistry, monkeypatch:
     registry.register("B", "ANALOG", 1.0)
     with pytest.raises(ServiceCallError, match="there are already 2 sensors, and none of them is lost"):
         registry.register("C", "ANALOG", 2.0)
-    registry.judge(60.0)
+    registry.update_states(60.0)
     assert registry.register("C", "ANALOG", 60.0).topic == "sensor_node2"
     assert [each.platform for each in registry.sensors] == ["B", "C"]
     # A message of the one that was replaced.
-    registry.note_message("sensor_node0", 61.0)
+    registry.record_message("sensor_node0", 61.0)
     assert not registry.is_ready("sensor_node0")
 
 
@@ -130,10 +130,10 @@ def test_a_sensor_with_an_id_reports_its_state(registry: SensorRegistry) -> None
     registry.connect(sensor.id, True, 1.0)
     assert state(registry, sensor.id, 1.0) == "ready"
     registry.register_by_id(replace(CAMERA, state="alert", state_text="no camera"), 4.0)
-    assert registry.judge(4.0)
+    assert registry.update_states(4.0)
     assert registry.state(sensor.id) == ("alert", "no camera", 4.0)
     registry.register_by_id(replace(CAMERA, state="alert", state_text="no light"), 8.0)
-    assert registry.judge(8.0)
+    assert registry.update_states(8.0)
     assert registry.state(sensor.id) == ("alert", "no light", 4.0)
     # The robot is switched off: the graph still lists its publisher.
     assert state(registry, sensor.id, 19.9) == "alert"

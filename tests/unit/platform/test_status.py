@@ -13,7 +13,7 @@ from rostether.platform.command_link import (
     SenderSettings,
 )
 from rostether.platform.host_state import read_signal_dbm
-from rostether.platform.robot_table import Place, RobotTable, hosts_of_duplicate_ids
+from rostether.platform.robot_table import RobotKey, RobotTable, hosts_of_duplicate_ids
 from rostether.platform.status_frame import HostState, Refusal, RobotStatus, decode_status
 from rostether.platform.status_reporter import StatusReporter
 
@@ -111,7 +111,7 @@ def test_old_foreign_and_forged_statuses_are_ignored() -> None:
     assert table.receive(STATUS.encode(KEY), place, 1_000, 0.0) is None
     assert table.receive(replace(STATUS, sequence=8).encode(), place, 1_000, 0.0) is None
     assert table.receive(replace(STATUS, sequence=8).encode(KEY), place, 2_000, 0.0) is None
-    assert table.robots[Place(3, "10.0.0.3")].status == STATUS
+    assert table.robots[RobotKey(3, "10.0.0.3")].status == STATUS
 
 
 def test_the_signal_of_wireless_interfaces(tmp_path: Path) -> None:

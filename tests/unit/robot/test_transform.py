@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rostether.robot.transform import (
-    NO_ROTATION,
+    IDENTITY_ROTATION,
     Transform,
     interpolate,
     matrix_from_axis_angle,
@@ -78,7 +78,7 @@ def test_turns_about_an_axis_add_up() -> None:
 
 
 def test_halfway_is_half_the_way_and_half_the_turn() -> None:
-    start = Transform((0.0, 0.0, 0.0), NO_ROTATION)
+    start = Transform((0.0, 0.0, 0.0), IDENTITY_ROTATION)
     end = Transform((2.0, 4.0, 6.0), quaternion_from_rpy(0, 0, 1.0))
     middle = interpolate(start, end, 0.5)
     assert middle.translation == (1.0, 2.0, 3.0)
@@ -86,8 +86,8 @@ def test_halfway_is_half_the_way_and_half_the_turn() -> None:
 
 
 def test_the_same_rotation_twice_interpolates_to_itself() -> None:
-    assert slerp(NO_ROTATION, NO_ROTATION, 0.3) == NO_ROTATION
+    assert slerp(IDENTITY_ROTATION, IDENTITY_ROTATION, 0.3) == IDENTITY_ROTATION
 
 
 def test_a_long_quaternion_is_brought_to_length_one() -> None:
-    assert Transform(rotation=(0.0, 0.0, 0.0, 2.0)).normalized().rotation == NO_ROTATION
+    assert Transform(rotation=(0.0, 0.0, 0.0, 2.0)).normalized().rotation == IDENTITY_ROTATION

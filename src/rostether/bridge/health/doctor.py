@@ -60,7 +60,7 @@ class Diagnosis:
     clock_drift_ppm: float | None = None
 
     @property
-    def is_well(self) -> bool:
+    def is_ok(self) -> bool:
         """Whether there is no problem."""
         return not self.findings
 

@@ -81,4 +81,4 @@ async def run_opencr(
         show_start(title, OPENCR, sketch, board.address, link_path)
         async with handling_commands(execute_line):
             await board.wait_end()
-    raise BoardError(f"the simulated board has ended: {board.last_words or 'no reason given'}")
+    raise BoardError(f"the simulated board has ended: {board.exit_message or 'no reason given'}")

@@ -57,7 +57,7 @@ async def run_in_qemu(
 
         async with handling_commands(execute):
             await board.wait_end()
-    raise BoardError(f"qemu has ended: {board.last_words or 'no reason given'}")
+    raise BoardError(f"qemu has ended: {board.exit_message or 'no reason given'}")
 
 
 async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -> Path:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rostether.simulation.qemu import QemuBoard
     from rostether.simulation.simavr.board_events import BoardEvent
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
-    from rostether.simulation.simavr.simulation_node import ShownBoard
+    from rostether.simulation.simavr.simulation_node import NodeBoard
 
 _KNOWN_FROM_ITS_START = ("ready", "reset")
 # A change that the board's node requested is not reported.
@@ -56,7 +56,7 @@ async def simulated(
 
     Raises BoardError, ConfigError for unknown boards, FirmwareError for sketches that cannot be built.
     """
-    from rostether.simulation.opencr.shown_board import ShownOpenCr
+    from rostether.simulation.opencr.node_board import OpenCrNodeBoard
 
     async with AsyncExitStack() as stack:
         names: list[str] = []
@@ -69,14 +69,14 @@ async def simulated(
             name = link.name or _name(Path(link.program), names)
             names.append(name)
             size: ProgramSize | None = None
-            shown: ShownBoard | None = None
+            shown: NodeBoard | None = None
             if link.board in MACHINES:
                 qemu = await _start_qemu(link, reporter, stack)
                 place, report = qemu.address, _report_end(qemu, link, reporter)
             elif link.board == OPENCR:
                 opencr = await _start_opencr(link, reporter, stack, msg_paths)
                 place, report = opencr.address, _report_end(opencr, link, reporter)
-                shown = ShownOpenCr(opencr)
+                shown = OpenCrNodeBoard(opencr)
             else:
                 board, size = await _start_avr(link, reporter, stack, msg_paths)
                 place, report = board.address, _report_events(board, link, reporter)
@@ -116,7 +116,7 @@ async def _start_avr(
 
 
 async def _run_node(
-    board: ShownBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
+    board: NodeBoard, link: SimAddress, join: Callable[[], Awaitable[Graph]], reporter: Reporter
 ) -> None:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.simulation.opencr.board import PIN_FULL_SCALE_V
@@ -129,7 +129,7 @@ async def _run_node(
             if link.board == OPENCR:
                 # Its robot always has wheels.
                 words = ("wheels", *link.words)
-                node = SimulationNode(board, typed, words, most_volts=PIN_FULL_SCALE_V, has_servo_pins=False)
+                node = SimulationNode(board, typed, words, max_volts=PIN_FULL_SCALE_V, has_servo_pins=False)
             else:
                 node = SimulationNode(board, typed, link.words)
             await node.run()
@@ -177,7 +177,7 @@ def _name(program: Path, taken: Sequence[str]) -> str:
 
 async def _report_end(board: QemuBoard | OpenCrBoard, link: SimAddress, reporter: Reporter) -> None:
     await board.wait_end()
-    reason = f": {board.last_words}" if board.last_words else ""
+    reason = f": {board.exit_message}" if board.exit_message else ""
     reporter.line(Level.ERROR, f"{link}: the simulated board has ended{reason}")
 
 

@@ -115,14 +115,14 @@ async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[P
         report_step=(lambda _: None) if as_json else warn,
         list_ports=list_ports,
     )
-    is_well = True
+    is_ok = True
     links = [parse_address(address) for address in addresses]
     async with simulated(links, SilentReporter(), msg_paths) as opened:
         for link in opened:
             diagnosis = await examiner.examine(link)
-            is_well = is_well and diagnosis.is_well
+            is_ok = is_ok and diagnosis.is_ok
             _write(diagnosis, as_json)
-    return EXIT_DONE if is_well else EXIT_FAILED
+    return EXIT_DONE if is_ok else EXIT_FAILED
 
 
 def _plugged_in(ports: Sequence[SerialPort]) -> list[str]:

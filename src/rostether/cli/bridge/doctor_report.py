@@ -25,7 +25,7 @@ def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"  board: {_describe(diagnosis, board)}"
         for endpoint in board.endpoints:
             yield f"    {_describe_endpoint(diagnosis, endpoint)}"
-    if diagnosis.is_well:
+    if diagnosis.is_ok:
         yield "  no problem found"
 
 
@@ -64,7 +64,7 @@ def board_record(diagnosis: Diagnosis) -> dict[str, object]:
     """Return the last record of a diagnosis: whether the board is healthy, and its details."""
     record: dict[str, object] = {
         "address": diagnosis.address,
-        "is_well": diagnosis.is_well,
+        "is_well": diagnosis.is_ok,
         "findings": [str(finding.code) for finding in diagnosis.findings],
         "baud": diagnosis.baud,
         "board": None,

@@ -14,7 +14,7 @@ from rostether.ros2.environment import Ros2Environment
 
 
 class _Finding(NamedTuple):
-    is_well: bool
+    is_ok: bool
     what: str
     text: str
 
@@ -22,11 +22,11 @@ class _Finding(NamedTuple):
 async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
     """Print the findings; return whether there are none. Raises ConfigError."""
     middleware = chosen_middleware(ros2=ros2) or Middleware.ZENOH
-    is_well = True
+    is_ok = True
     async for finding in _examine(middleware):
-        is_well = is_well and finding.is_well
-        write_finding(finding.what, finding.text, is_well=finding.is_well, as_json=as_json)
-    return is_well
+        is_ok = is_ok and finding.is_ok
+        write_finding(finding.what, finding.text, is_ok=finding.is_ok, as_json=as_json)
+    return is_ok
 
 
 async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:

@@ -18,7 +18,7 @@ from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import bundled_names, bundled_packages
 from rostether.packages.locate import package_folders
-from rostether.packages.search_path import OnNamesake
+from rostether.packages.search_path import OnDuplicate
 
 VERBS = verb_entries(
     "rostether.cli.launch",
@@ -64,12 +64,12 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
 
 def packages_here() -> dict[str, Path]:
     """Return the folders of all packages that this command finds; warns about duplicate names."""
-    with warned_namesakes() as on_namesake:
-        return package_folders(os.environ, Path.cwd(), on_namesake=on_namesake)
+    with warned_duplicates() as on_duplicate:
+        return package_folders(os.environ, Path.cwd(), on_duplicate=on_duplicate)
 
 
 @contextmanager
-def warned_namesakes() -> Iterator[OnNamesake]:
+def warned_duplicates() -> Iterator[OnDuplicate]:
     """Yield a callback for packages with the same name, and print a warning for each at the end."""
     lines: list[str] = []
 

@@ -85,7 +85,7 @@ async def _first_parameters(graph: TypedGraph, parameters: NodeParameters) -> Ma
 
 async def _source(parameters: NodeParameters, vflip: bool, hflip: bool) -> PictureSource:
     from rostether.platform.sensors.jpeg import PictureChange
-    from rostether.platform.sensors.picture_sources import DrawnPictures, PictureFolder
+    from rostether.platform.sensors.picture_sources import DrawnTestPictures, PictureFolder
     from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
     from rostether.platform.sensors.v4l2_camera import V4l2Camera
 
@@ -100,7 +100,7 @@ async def _source(parameters: NodeParameters, vflip: bool, hflip: bool) -> Pictu
         raise ConfigError("give both ~width and ~height")
     name = await parameters.text("picamera2" if has_picamera2() else "/dev/video0", "source")
     if name == "test":
-        return DrawnPictures(change)
+        return DrawnTestPictures(change)
     if name == "picamera2":
         return RaspberryCamera(change)
     path = await asyncio.to_thread(Path(name).expanduser)

@@ -52,5 +52,5 @@ async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bo
     disk = shutil.disk_usage(".")
     findings.append(disk_finding("this folder", disk.free, disk.total))
     for finding in findings:
-        write_finding(finding.what, finding.text, is_well=finding.is_well, as_json=as_json)
-    return EXIT_FAILED if any(each.is_well is False for each in findings) else EXIT_DONE
+        write_finding(finding.what, finding.text, is_ok=finding.is_ok, as_json=as_json)
+    return EXIT_FAILED if any(each.is_ok is False for each in findings) else EXIT_DONE

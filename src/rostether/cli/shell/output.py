@@ -91,12 +91,12 @@ def write_result(record: Mapping[str, object], text: str, *, as_json: bool) -> N
         write_line(text)
 
 
-def write_finding(what: str, text: str, *, is_well: bool | None, as_json: bool) -> None:
-    """Write one result of an examination; `is_well` is None for what could not be checked."""
+def write_finding(what: str, text: str, *, is_ok: bool | None, as_json: bool) -> None:
+    """Write one result of an examination; `is_ok` is None for what could not be checked."""
     if as_json:
-        write_json({"ok": is_well, "what": what, "text": text})
+        write_json({"ok": is_ok, "what": what, "text": text})
     else:
-        word = {True: "ok", False: "PROBLEM", None: "not checked"}[is_well]
+        word = {True: "ok", False: "PROBLEM", None: "not checked"}[is_ok]
         write_line(f"{word}: {what}: {text}", paint_finding)
 
 

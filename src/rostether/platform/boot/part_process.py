@@ -48,7 +48,7 @@ class PartProcess:
         self._report = report
         self._backoff = backoff if backoff is not None else Backoff(first_s=1.0, limit_s=30.0)
         self._watchdog_s = watchdog_s
-        self._last_sign_s: float | None = None
+        self._last_notification_s: float | None = None
 
     async def run(self) -> None:
         """Keep the part running until cancelled; then end it. Returns if its arguments are wrong."""
@@ -73,10 +73,10 @@ class PartProcess:
         guard = [program, "--pdeathsig", "INT"] if (program := shutil.which("setpriv")) else []
         folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="rostether-up-")
         address = str(Path(folder) / f"{next(_NUMBERS)}")
-        self._last_sign_s = None
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as signs:
-            signs.setblocking(False)
-            signs.bind(address)
+        self._last_notification_s = None
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notifications:
+            notifications.setblocking(False)
+            notifications.bind(address)
             process = await asyncio.create_subprocess_exec(
                 *guard,
                 *self._command,
@@ -94,14 +94,14 @@ class PartProcess:
                 start_new_session=True,
             )
             loop = asyncio.get_running_loop()
-            loop.add_reader(signs, self._note_sign, signs)
+            loop.add_reader(notifications, self._record_notifications, notifications)
             watching = asyncio.create_task(self._watch(process))
             try:
                 await self._pass_lines(process)
                 return await process.wait()
             finally:
                 watching.cancel()
-                loop.remove_reader(signs)
+                loop.remove_reader(notifications)
                 await asyncio.shield(_end(process))
                 shutil.rmtree(folder, ignore_errors=True)
 
@@ -118,18 +118,19 @@ class PartProcess:
                 line = await process.stdout.read(error.consumed)
             self._report(self.part.name, line.decode("utf-8", "replace").rstrip("\n"))
 
-    def _note_sign(self, signs: socket.socket) -> None:
+    def _record_notifications(self, notifications: socket.socket) -> None:
         with suppress(BlockingIOError):
             while True:
-                signs.recv(256)
-                self._last_sign_s = asyncio.get_running_loop().time()
+                notifications.recv(256)
+                self._last_notification_s = asyncio.get_running_loop().time()
 
     async def _watch(self, process: asyncio.subprocess.Process) -> None:
         loop = asyncio.get_running_loop()
         while True:
             await asyncio.sleep(self._watchdog_s / 4)
             # A part without watchdog reports, such as a command that only prints, is not watched.
-            if self._last_sign_s is not None and loop.time() - self._last_sign_s > self._watchdog_s:
+            last_s = self._last_notification_s
+            if last_s is not None and loop.time() - last_s > self._watchdog_s:
                 self._report(self.part.name, f"has not responded for {self._watchdog_s:.0f} s; ending it")
                 _signal(process, signal.SIGKILL)
                 return

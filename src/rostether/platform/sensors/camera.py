@@ -91,10 +91,10 @@ class _Camera:
         """Yield pictures while a program receives them, and None every second while none does."""
         loop = asyncio.get_running_loop()
         while True:
-            looked_s = float("-inf")
+            checked_s = float("-inf")
             while not self._is_wanted():
-                if loop.time() >= looked_s + 1.0:
-                    looked_s = loop.time()
+                if loop.time() >= checked_s + 1.0:
+                    checked_s = loop.time()
                     await asyncio.to_thread(self._source.check)
                     yield None
                 await asyncio.sleep(_POLL_S)

@@ -70,7 +70,7 @@ def jpeg_of_yuyv(data: bytes, width: int, height: int, change: PictureChange) ->
     return _encoded(image_module.merge("YCbCr", [luma, *chroma]).convert("RGB"), change)
 
 
-def drawn_picture(count: int, change: PictureChange) -> bytes:
+def draw_test_picture(count: int, change: PictureChange) -> bytes:
     """Return a JPEG picture with color bars, a moving square, a counter and the time."""
     image_module = pillow()
     from PIL import ImageDraw

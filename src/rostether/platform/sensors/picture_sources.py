@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from rostether.errors import BoardError
-from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, drawn_picture, pillow
+from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, draw_test_picture, pillow
 from rostether.platform.sensors.readings import Pace
 
 # Larger than the picture of any camera.
@@ -31,7 +31,7 @@ class PictureSource(Protocol):
         """
 
 
-class DrawnPictures:
+class DrawnTestPictures:
     """Test pictures."""
 
     def __init__(self, change: PictureChange) -> None:
@@ -45,7 +45,7 @@ class DrawnPictures:
         """Yield pictures with a moving square and a counter."""
         pace = Pace(rate_hz)
         for count in itertools.count():
-            yield await asyncio.to_thread(drawn_picture, count, self._change)
+            yield await asyncio.to_thread(draw_test_picture, count, self._change)
             await pace.wait()
 
 

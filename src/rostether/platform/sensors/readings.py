@@ -69,14 +69,14 @@ async def publish_readings(
     limiter = RepeatLimiter()
     is_first = True
 
-    def note_silence() -> None:
+    def report_silence() -> None:
         if is_first and silence:
             report(Level.WARN, f"{sensor.description.id}: {silence}")
         # A sensor that has never had a reading is not one that has become silent.
         sensor.set_state("init" if is_first else "sleeping", silence)
 
     while True:
-        silent = loop.call_later(silence_s, note_silence)
+        silent = loop.call_later(silence_s, report_silence)
         try:
             # A generator that is not closed would keep its device open.
             async with aclosing(open_source()) as readings:
@@ -87,7 +87,7 @@ async def publish_readings(
                     is_first = False
                     publish(reading)
                     silent.cancel()
-                    silent = loop.call_later(silence_s, note_silence)
+                    silent = loop.call_later(silence_s, report_silence)
         except ConfigError:
             # A retry would not help.
             raise

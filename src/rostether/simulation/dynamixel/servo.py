@@ -39,7 +39,7 @@ class Servo:
             self._set(register, register.initial)
         self._set(BY_NAME["id"], servo_id)
         self._registered: bytes | None = None
-        self._heard_s = now_s
+        self._last_packet_s = now_s
         self._restarting_until_s = now_s
         self._now_s = now_s
 
@@ -74,16 +74,16 @@ class Servo:
     def advance(self, now_s: float) -> None:
         """Move until `now_s`, and measure."""
         watchdog = self["bus_watchdog"]
-        stop_s = self._heard_s + watchdog * WATCHDOG_UNIT_S
+        stop_s = self._last_packet_s + watchdog * WATCHDOG_UNIT_S
         if watchdog > 0 and self["torque_enable"] and now_s > stop_s:
             self._move(max(self._now_s, stop_s))
             self._set(BY_NAME["bus_watchdog"], -1)
             self._set(BY_NAME["goal_velocity"], 0)
         self._move(now_s)
 
-    def heard(self, now_s: float) -> None:
+    def restart_watchdog(self, now_s: float) -> None:
         """Restart the watchdog: a packet arrived."""
-        self._heard_s = now_s
+        self._last_packet_s = now_s
 
     def handle(self, instruction: int, parameters: bytes, now_s: float) -> tuple[int, bytes]:
         """Execute an instruction to this servo alone; return error and data of the status packet."""
@@ -217,7 +217,7 @@ class WheelMotor:
         self._time_s = now_s
 
     @property
-    def acceleration_now_rad_s2(self) -> float:
+    def current_acceleration_rad_s2(self) -> float:
         """How fast its speed changes; 0 at the goal."""
         missing = self.goal_rad_s - self.speed_rad_s
         return math.copysign(self.acceleration_rad_s2, missing) if missing else 0.0
@@ -233,7 +233,7 @@ class WheelMotor:
         self._time_s = max(self._time_s, now_s)
         missing = self.goal_rad_s - self.speed_rad_s
         ramp_s = min(step_s, abs(missing) / self.acceleration_rad_s2)
-        reached = self.speed_rad_s + self.acceleration_now_rad_s2 * ramp_s
+        reached = self.speed_rad_s + self.current_acceleration_rad_s2 * ramp_s
         if ramp_s < step_s:
             reached = self.goal_rad_s
         self.angle_rad += (self.speed_rad_s + reached) / 2 * ramp_s + reached * (step_s - ramp_s)

@@ -48,19 +48,19 @@ class ServoBus:
                 continue
             self.requests += 1
             self.advance()
-            for reply in self._do(packet, self._clock()):
+            for reply in self._handle_packet(packet, self._clock()):
                 answer += reply if self.damage is None else self.damage(reply)
         return answer
 
-    def _do(self, packet: Packet, now_s: float) -> list[bytes]:
+    def _handle_packet(self, packet: Packet, now_s: float) -> list[bytes]:
         listening = [servo for servo in self._in_id_order() if not servo.is_restarting(now_s)]
         if packet.id == BROADCAST_ID:
             for servo in listening:
-                servo.heard(now_s)
+                servo.restart_watchdog(now_s)
             return self._broadcast(packet, listening, now_s)
         for servo in listening:
             if servo.id == packet.id:
-                servo.heard(now_s)
+                servo.restart_watchdog(now_s)
                 level = servo["status_return_level"]
                 error, data = servo.handle(packet.instruction, packet.parameters, now_s)
                 if packet.instruction == Instruction.PING or level == 2:

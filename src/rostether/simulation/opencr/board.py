@@ -53,7 +53,7 @@ class OpenCrBoard:
 
     `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
     `watched`: the outputs whose changes `on_event` gets in addition to the tones, and BLUETOOTH for the lines
-    that the sketch prints to SerialBT2. `last_words`: what the program reported before it ended.
+    that the sketch prints to SerialBT2. `exit_message`: what the program reported before it ended.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class OpenCrBoard:
         self.tones: deque[Tone] = deque(maxlen=_MAX_TONES)
         self.watched: set[int | str] = set()
         self.on_event: Callable[[BoardEvent], None] | None = None
-        self.last_words = ""
+        self.exit_message = ""
         self._process = process
         self._lines = lines
         self._terminal = terminal
@@ -79,7 +79,7 @@ class OpenCrBoard:
         self._sent_motion_line = ""
         self._loop = asyncio.get_running_loop()
         self._started_s = self._loop.time()
-        self._read_lines("OPENCR_DXL", self._ask_servos)
+        self._read_lines("OPENCR_DXL", self._handle_servo_requests)
         self._read_lines("OPENCR_PINS", self._receive_pins)
         self._read_lines("OPENCR_BLUETOOTH", self._receive_text)
         self._ending = self._loop.create_task(self._wait())
@@ -95,21 +95,21 @@ class OpenCrBoard:
         """
         link = PtyLink(link_path)
         base = DriveBase(clock if clock is not None else asyncio.get_running_loop().time)
-        with contextlib.ExitStack() as theirs:
+        with contextlib.ExitStack() as child_ends:
             master, slave = os.openpty()
-            theirs.callback(os.close, master)
-            theirs.callback(os.close, slave)
+            child_ends.callback(os.close, master)
+            child_ends.callback(os.close, slave)
             tty.setraw(slave)
             terminal = os.ttyname(slave)
             descriptors = {"OPENCR_USB": master}
-            ours: dict[str, socket.socket] = {}
+            own_ends: dict[str, socket.socket] = {}
             for name in ("OPENCR_DXL", "OPENCR_PINS", "OPENCR_BLUETOOTH"):
-                ours[name], other = socket.socketpair()
-                theirs.callback(other.close)
-                ours[name].setblocking(False)
+                own_ends[name], other = socket.socketpair()
+                child_ends.callback(other.close)
+                own_ends[name].setblocking(False)
                 descriptors[name] = other.fileno()
             # These lines wait for the program when it starts.
-            _send(ours["OPENCR_PINS"], _battery_line(12.0) + _motion_line(base))
+            _send(own_ends["OPENCR_PINS"], _battery_line(12.0) + _motion_line(base))
             try:
                 process = await asyncio.create_subprocess_exec(
                     str(program),
@@ -122,11 +122,11 @@ class OpenCrBoard:
                     start_new_session=True,
                 )
             except OSError as error:
-                for line in ours.values():
+                for line in own_ends.values():
                     line.close()
                 raise BoardError(f"cannot run {program}: {error.strerror}; build the sketch again") from error
         link.place(terminal)
-        return cls(process, base, ours, terminal, link)
+        return cls(process, base, own_ends, terminal, link)
 
     @property
     def address(self) -> str:
@@ -169,7 +169,7 @@ class OpenCrBoard:
         """Put an obstacle in front of the sonar, or none."""
         self._send_to_sketch(f"sonar {0 if metres is None else round(metres * _ECHO_US_PER_M)}\n")
 
-    def hold_remote(self, buttons: int) -> None:
+    def send_remote_buttons(self, buttons: int) -> None:
         """Send a packet of the remote control RC-100. `buttons`: bits up 1, down 2, left 4, right 8."""
         low, high = buttons & 0xFF, buttons >> 8 & 0xFF
         _send(self._lines["OPENCR_BLUETOOTH"], bytes((0xFF, 0x55, low, low ^ 0xFF, high, high ^ 0xFF)))
@@ -219,7 +219,7 @@ class OpenCrBoard:
 
         self._loop.add_reader(line, read)
 
-    def _ask_servos(self, data: bytes) -> None:
+    def _handle_servo_requests(self, data: bytes) -> None:
         answer = self.base.receive(data)
         if answer:
             _send(self._lines["OPENCR_DXL"], answer)
@@ -264,7 +264,7 @@ class OpenCrBoard:
         while chunk := await stderr.read(4096):
             output = (output + chunk)[-_MAX_OUTPUT_BYTES:]
         await self._process.wait()
-        self.last_words = output.decode(errors="replace").strip().rpartition("\n")[2]
+        self.exit_message = output.decode(errors="replace").strip().rpartition("\n")[2]
 
 
 def _send(line: socket.socket, data: str | bytes) -> None:

@@ -68,10 +68,10 @@ def _remote(board: OpenCrBoard, arguments: list[str]) -> None:
         if name not in _BUTTONS:
             raise ConfigError(f"remote {name}: the remote control has the buttons {', '.join(_BUTTONS)}")
         buttons |= _BUTTONS[name]
-    board.hold_remote(buttons)
+    board.send_remote_buttons(buttons)
 
 
-def _fail(board: OpenCrBoard, arguments: list[str]) -> None:
+def _overload(board: OpenCrBoard, arguments: list[str]) -> None:
     """Overload a servo, so that it switches its torque off."""
     (name,) = _some(arguments, "overload left", count=1)
     if name not in _SERVOS:
@@ -103,7 +103,7 @@ def _watch(board: OpenCrBoard, arguments: list[str]) -> None:
 _ACTIONS: dict[str, Callable[[OpenCrBoard, list[str]], BoardEvent | None]] = {
     "adc": _adc,
     "battery": _battery,
-    "overload": _fail,
+    "overload": _overload,
     "pin": _pin,
     "pose": _pose,
     "range": _range,

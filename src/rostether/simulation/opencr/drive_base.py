@@ -55,7 +55,7 @@ class DriveBase(ServoBus):
     def imu_values(self) -> tuple[Vector, Vector, Vector]:
         """Return turn rate (rad/s), acceleration (m/s²) and magnetic field (T), in the robot's axes."""
         turn_rate, speed = self.turn_rate_rad_s, self.speed_m_s
-        rising = sum(motor.acceleration_now_rad_s2 for motor in self._motors()) / 2 * WHEEL_RADIUS_M
+        rising = sum(motor.current_acceleration_rad_s2 for motor in self._motors()) / 2 * WHEEL_RADIUS_M
         return (
             Vector(0.0, 0.0, turn_rate),
             Vector(rising, speed * turn_rate, GRAVITY),

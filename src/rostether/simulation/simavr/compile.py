@@ -48,14 +48,14 @@ async def build_runner() -> Path:
             f"cannot write to {program.parent}: {error.strerror}; set XDG_CACHE_HOME to a writable folder"
         ) from None
     with folder as fresh:
-        async with _only_builder(program.parent):
+        async with _build_lock(program.parent):
             if not program.exists():
                 await _compile(compiler, sources, fresh, program)
     return program
 
 
 @asynccontextmanager
-async def _only_builder(folder: Path) -> AsyncIterator[None]:
+async def _build_lock(folder: Path) -> AsyncIterator[None]:
     """Wait until no other process builds in a folder; on a file system without locks, do not wait."""
     import fcntl  # Windows has none
 

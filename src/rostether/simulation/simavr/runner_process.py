@@ -85,13 +85,13 @@ class RunnerProcess:
             with contextlib.suppress(ConnectionError):
                 stdin.write(f"#{number} {line}\n".encode())
                 await stdin.drain()
-            event = await self.before_end(answer, f"answer to {line!r}", ANSWER_LIMIT_S)
+            event = await self.wait_before_end(answer, f"answer to {line!r}", ANSWER_LIMIT_S)
         finally:
             del self._answers[number]
         if event.name == "error":
             raise BoardError(f"{line}: {event['text']}")
 
-    async def before_end(self, found: asyncio.Future[T], what: str, timeout_s: float) -> T:
+    async def wait_before_end(self, found: asyncio.Future[T], what: str, timeout_s: float) -> T:
         """Await a future, but no longer than the process lives. Raises BoardError."""
         reading = self._reading
         waited = {found} if reading is None else {found, reading}

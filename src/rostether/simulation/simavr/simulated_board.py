@@ -32,7 +32,7 @@ MAX_RECENT_EVENTS = 20_000
 MAX_SERIAL_BYTES = 1 << 20
 
 LinkKind = Literal["pty", "tcp", "none"]
-Settled = Callable[[BoardEvent], bool]
+Matches = Callable[[BoardEvent], bool]
 
 
 class SimulatedBoard:
@@ -117,7 +117,7 @@ class SimulatedBoard:
         return self._process.has_ended
 
     @property
-    def was_to_end(self) -> bool:
+    def ended_as_requested(self) -> bool:
         """Whether it has ended as requested: by `quit`, or after `for`."""
         return self._process.exit_code == 0
 
@@ -135,38 +135,38 @@ class SimulatedBoard:
         return answers[-1]
 
     async def wait_for(
-        self, name: str, settled: Settled = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
+        self, name: str, matches: Matches = lambda _event: True, *, timeout_s: float = DEFAULT_TIMEOUT_S
     ) -> BoardEvent:
         """Wait for the next event with a name. Raises BoardError if it does not occur in time."""
         found: asyncio.Future[BoardEvent] = asyncio.get_running_loop().create_future()
 
-        def look(event: BoardEvent) -> None:
-            if event.name == name and not found.done() and settled(event):
+        def check(event: BoardEvent) -> None:
+            if event.name == name and not found.done() and matches(event):
                 found.set_result(event)
 
-        with self._listening(look):
-            return await self._process.before_end(found, f"event {name!r}", timeout_s)
+        with self._listening(check):
+            return await self._process.wait_before_end(found, f"event {name!r}", timeout_s)
 
     async def events(self) -> AsyncIterator[BoardEvent]:
         """Yield the events from now on until the board ends; a slow reader misses the oldest."""
         waiting: deque[BoardEvent] = deque(maxlen=MAX_RECENT_EVENTS)
-        came = asyncio.Event()
+        arrived = asyncio.Event()
 
         def keep(event: BoardEvent) -> None:
             waiting.append(event)
-            came.set()
+            arrived.set()
 
         ended = asyncio.ensure_future(self._process.wait_end())
-        ended.add_done_callback(lambda _ended: came.set())
+        ended.add_done_callback(lambda _ended: arrived.set())
         try:
             with self._listening(keep):
                 while not (ended.done() and not waiting):
-                    await came.wait()
-                    came.clear()
+                    await arrived.wait()
+                    arrived.clear()
                     while waiting:
                         yield waiting.popleft()
                     if ended.done():
-                        came.set()
+                        arrived.set()
         finally:
             ended.cancel()
 

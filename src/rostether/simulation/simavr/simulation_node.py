@@ -28,7 +28,7 @@ MAX_COMMAND_CHARS = 200
 PERIOD_S = 0.1
 
 
-class ShownBoard(Protocol):
+class NodeBoard(Protocol):
     """A board as the node uses it. Its methods raise BoardError.
 
     `words`: the commands that every node may use; others read memory, open connections or end the board.
@@ -58,22 +58,22 @@ class ShownBoard(Protocol):
 class SimulationNode:
     """The node of one board; `words` are the commands that it was started with.
 
-    `most_volts`: of an analog input. `has_servo_pins`: whether each output may have a servo. `on_command` is
+    `max_volts`: of an analog input. `has_servo_pins`: whether each output may have a servo. `on_command` is
     called with each command from the graph that the board has executed.
     """
 
     def __init__(
         self,
-        board: ShownBoard,
+        board: NodeBoard,
         graph: TypedGraph,
         words: Iterable[str] = (),
         *,
-        most_volts: float = 5.0,
+        max_volts: float = 5.0,
         has_servo_pins: bool = True,
         on_command: Callable[[str], None] | None = None,
     ) -> None:
         self._board = board
-        self._most_volts = most_volts
+        self._max_volts = max_volts
         self._has_servo_pins = has_servo_pins
         self._on_command = on_command
         self._graph = graph
@@ -83,14 +83,14 @@ class SimulationNode:
         self._error = ""
         self._has_wheels = asyncio.Event()
         for line in words:
-            self._note(line)
+            self._record_command(line)
 
     async def run(self) -> None:
         """Publish the state and execute commands until the board ends or the task is cancelled.
 
         Raises GraphError.
         """
-        works = (self._publish(), self._publish_odometry(), self._obey(), self._follow_servos())
+        works = (self._publish(), self._publish_odometry(), self._execute_commands(), self._follow_servos())
         parts = [asyncio.create_task(each) for each in works]
         try:
             done, _ = await asyncio.wait(parts, return_when=asyncio.FIRST_COMPLETED)
@@ -127,7 +127,7 @@ class SimulationNode:
                 "servos": self._servos,
                 "words": self._words,
                 "commands": sorted(self._board.words),
-                "most_volts": self._most_volts,
+                "most_volts": self._max_volts,
                 "error": self._error,
             }
         )
@@ -168,24 +168,24 @@ class SimulationNode:
 
     async def _follow_servos(self) -> None:
         async for event in self._board.events():
-            self._note_event(event)
+            self._record_event(event)
 
-    def _note_event(self, event: BoardEvent) -> None:
+    def _record_event(self, event: BoardEvent) -> None:
         if event.name == "servo":
             self._servos[event["pin"]] = round(float(event["angle_deg"]), 1)
         elif event.name == "reset":
             self._servos.clear()
 
-    async def _obey(self) -> None:
+    async def _execute_commands(self) -> None:
         async with aclosing(aiter(self._graph.messages("~command", STRING))) as messages:
             async for message in messages:
                 try:
-                    await self._do(message.data)
+                    await self._execute_checked(message.data)
                     self._error = ""
                 except BoardError as error:
                     self._error = escape_line(str(error), MAX_COMMAND_CHARS)
 
-    async def _do(self, line: str) -> None:
+    async def _execute_checked(self, line: str) -> None:
         word = line.split(maxsplit=1)[0] if line.strip() else ""
         if word not in self._board.words:
             raise BoardError(f"{word[:20]!r} is not one of {', '.join(sorted(self._board.words))}")
@@ -198,9 +198,9 @@ class SimulationNode:
     async def execute(self, line: str) -> None:
         """Execute a command, and show it in the state. Raises BoardError."""
         await self._board.send_command(line)
-        self._note(line)
+        self._record_command(line)
 
-    def _note(self, line: str) -> None:
+    def _record_command(self, line: str) -> None:
         word, _, rest = line.strip().partition(" ")
         if word == "wheels":
             self._has_wheels.set()

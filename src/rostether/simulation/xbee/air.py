@@ -94,7 +94,7 @@ class Air:
         self._loop.call_at(end_s, self._arrive, radio, packet, attempt, was_received)
 
     def _arrive(self, radio: SimulatedRadio, packet: Transmission, attempt: int, was_received: bool) -> None:
-        receivers = [each for each in self._radios if each is not radio and _hears(each, radio, packet)]
+        receivers = [each for each in self._radios if each is not radio and _is_receiver(each, radio, packet)]
         arrives = bool(receivers) and not self._is_lost()
         if arrives:
             for receiver in receivers:
@@ -121,9 +121,9 @@ class Air:
         is_repeated = self._random.random() < self.conditions.repeat
         self.counts.repeated_packets += is_repeated
         for _ in range(1 + is_repeated):
-            self._loop.call_later(self.conditions.delay_s, self._hand_over, receiver, sender, packet)
+            self._loop.call_later(self.conditions.delay_s, self._receive, receiver, sender, packet)
 
-    def _hand_over(self, receiver: SimulatedRadio, sender: SimulatedRadio, packet: Transmission) -> None:
+    def _receive(self, receiver: SimulatedRadio, sender: SimulatedRadio, packet: Transmission) -> None:
         source = sender.short_address, sender.serial_number
         if packet.remote is not None:
             receiver.remote_received(*source, packet.remote)
@@ -135,7 +135,7 @@ class Air:
         return self._random.random() < self.conditions.loss
 
 
-def _hears(receiver: SimulatedRadio, sender: SimulatedRadio, packet: Transmission) -> bool:
+def _is_receiver(receiver: SimulatedRadio, sender: SimulatedRadio, packet: Transmission) -> bool:
     """Return whether two radios are in one network, and the packet is for the receiver."""
     if receiver.model.is_mesh != sender.model.is_mesh:
         return False

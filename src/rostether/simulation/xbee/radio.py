@@ -70,7 +70,7 @@ class SimulatedRadio:
         self._text = bytearray()
         self._is_due = False
         self._due_s: float | None = None
-        self._heard_s = float("-inf")
+        self._last_byte_s = float("-inf")
         self._pluses = 0
         self._command_mode: CommandMode | None = None
         self._decoder = XbeeFrameDecoder()
@@ -104,7 +104,7 @@ class SimulatedRadio:
             self._receive_frames(data)
         else:
             self._receive_text(data, now_s)
-        self._heard_s = now_s
+        self._last_byte_s = now_s
 
     def handle_timer(self, now_s: float) -> None:
         """End a silence: send a packet, or enter or leave command mode."""
@@ -171,7 +171,7 @@ class SimulatedRadio:
             self._report(bytes((0x89, packet.frame_id, status)))
 
     def _receive_text(self, data: bytes, now_s: float) -> None:
-        is_after_silence = now_s - self._heard_s >= self._guard_s()
+        is_after_silence = now_s - self._last_byte_s >= self._guard_s()
         may_be_command = set(data) == {ord("+")} and (is_after_silence or self._pluses)
         if may_be_command and not self._text and self._pluses + len(data) <= 3:
             self._pluses += len(data)

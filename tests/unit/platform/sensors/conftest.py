@@ -8,7 +8,7 @@ from rostether.platform.sensors import camera, readings, registered_sensor
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sensing_manager, "JUDGE_PERIOD_S", 0.01)
+    monkeypatch.setattr(sensing_manager, "STATE_PERIOD_S", 0.01)
     monkeypatch.setattr(sensing_manager, "GATHER_S", 0.001)
     monkeypatch.setattr(registered_sensor, "RENEWAL_S", 0.1)
     monkeypatch.setattr(registered_sensor, "RETRY_S", 0.02)

@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw, ImageFilter
 from rostether.errors import BoardError, ConfigError
 from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
 from rostether.platform.sensors.cascade import CascadeDetector
-from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, drawn_picture, jpeg_of_yuyv
-from rostether.platform.sensors.picture_sources import DrawnPictures, PictureFolder
+from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, draw_test_picture, jpeg_of_yuyv
+from rostether.platform.sensors.picture_sources import DrawnTestPictures, PictureFolder
 from rostether.platform.sensors.v4l2_camera import V4l2Camera
 from unit.platform.datagrams import running
 from unit.platform.sensors.shown_sensors import described, shown_sensors
@@ -102,11 +102,11 @@ def test_a_raw_picture_is_encoded() -> None:
 
 async def test_test_pictures_differ() -> None:
     small = PictureChange(width=64, height=48)
-    pictures = DrawnPictures(small).pictures(1000.0)
+    pictures = DrawnTestPictures(small).pictures(1000.0)
     first, second = [await anext(pictures) for _ in range(2)]
     await pictures.aclose()
     assert first != second
-    with Image.open(io.BytesIO(drawn_picture(1, small))) as image:
+    with Image.open(io.BytesIO(draw_test_picture(1, small))) as image:
         assert image.size == (64, 48)
 
 

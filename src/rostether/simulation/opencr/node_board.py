@@ -19,7 +19,7 @@ _OUTPUTS = {
 }
 
 
-class ShownOpenCr:
+class OpenCrNodeBoard:
     """The board of a `SimulationNode`."""
 
     kind = "opencr"
