@@ -120,7 +120,7 @@ async def sides(peer: RclpyPeer, tmp_path_factory: pytest.TempPathFactory) -> As
             await relay.wait_for("Joining ROS 2", PATIENCE_S)
             relays.append(relay)
         for relay in relays:
-            await relay.wait_for("is between the same graphs", PATIENCE_S)
+            await relay.wait_for("connects the same graphs", PATIENCE_S)
         yield Sides(ros1, peer, relays, folder)
 
 

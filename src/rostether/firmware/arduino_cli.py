@@ -90,7 +90,7 @@ def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:
 
 def _find(folder: Path, suffixes: tuple[str, ...]) -> Path:
     for suffix in suffixes:
-        # There may also be files with the boot loader.
+        # Other files may contain the boot loader.
         found = [
             each
             for each in sorted(folder.glob(f"*{suffix}"))

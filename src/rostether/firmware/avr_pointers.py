@@ -11,7 +11,7 @@ from rostether.firmware.avr_code import immediate
 PLAIN = -1
 UNKNOWN = -2
 
-# The number of instructions between loading a pointer and the call, which load the arguments.
+# The largest number of instructions between loading a pointer and the call: they load the arguments.
 _MAX_DISTANCE = 24
 
 # The same between computing a table's address and the jump.
@@ -24,7 +24,7 @@ _TABLE_HEADER_BYTES = 4
 
 
 def pointer_kind(flash: bytes, call: int) -> int:
-    """Return the slot's offset of a virtual call, PLAIN, or UNKNOWN, for the call at an address."""
+    """Return the offset of the slot that the call at an address uses, PLAIN, or UNKNOWN."""
     slot: int | None = None
     address = call
     for _ in range(_MAX_DISTANCE):

@@ -52,7 +52,7 @@ class BuildCache:
         self._digests: dict[str, str] = {}
 
     def path(self, kind: str, key: str, name: str) -> Path:
-        """Return the path of a file of a kind for a key."""
+        """Return the path of a file in the entry of a kind and key."""
         return self.folder / kind / key[:2] / key[2:] / name
 
     def find(self, kind: str, key: str, name: str) -> Path | None:

@@ -140,7 +140,7 @@ class CallGraph:
 
     @cached_property
     def _targets_outside_nodes(self) -> list[int]:
-        """The plain targets that not only endpoints point to."""
+        """The plain targets that are also reached without endpoints."""
         sizes = {each.address: each.size for each in self._elf.symbols if each.size}
         hidden = [
             (each.address, sizes.get(each.address, 0))

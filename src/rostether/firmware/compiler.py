@@ -202,6 +202,8 @@ def _dependencies(rules: str) -> list[str]:
     """Return the prerequisites in make rules."""
     names = []
     for rule in rules.replace("\\\n", " ").splitlines():
-        _, _, behind = rule.partition(": ")
-        names += [re.sub(r"\\(.)", r"\1", each).replace("$$", "$") for each in _DEPENDENCY.findall(behind)]
+        _, _, prerequisites = rule.partition(": ")
+        names += [
+            re.sub(r"\\(.)", r"\1", each).replace("$$", "$") for each in _DEPENDENCY.findall(prerequisites)
+        ]
     return names

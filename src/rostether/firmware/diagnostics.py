@@ -130,7 +130,7 @@ class Typographic:
     plain: str
 
     def explain(self, path: str) -> str:
-        """Return an error in the compiler's format, with the character to type."""
+        """Return an error in the compiler's format that names the character to type."""
         name = unicodedata.name(self.character, "").lower() or f"character U+{ord(self.character):04X}"
         shown = f"{self.character} " if self.character.isprintable() and not self.character.isspace() else ""
         return (

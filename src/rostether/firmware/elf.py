@@ -158,7 +158,7 @@ class ElfFile:
             raise self._broken() from error
 
     def read_at(self, address: int, size: int) -> bytes:
-        """Return the file's bytes at an address; fewer if it has fewer."""
+        """Return the bytes at an address; fewer if the section ends before."""
         for section in self.sections:
             if self.in_memory(section) and section.address <= address < section.address + section.size:
                 start = address - section.address

@@ -1,4 +1,4 @@
-"""Finds the prototypes that an Arduino sketch may omit: its functions may be used before their definition.
+"""Finds the prototypes that an Arduino sketch omits: it may use functions before their definition.
 
 The IDE puts all prototypes before the first function. Here each one comes as late as possible: before the
 first statement that uses the function. So parameters may have types of the sketch, and a global object can
@@ -91,8 +91,8 @@ def _names_used(statement: Statement, macros: dict[str, set[str]]) -> set[str]:
 def _name_token(function: Function) -> Token:
     return next(
         token
-        for token, behind in zip(function.head, function.head[1:], strict=False)
-        if token.text == function.name and behind.text == "("
+        for token, following in zip(function.head, function.head[1:], strict=False)
+        if token.text == function.name and following.text == "("
     )
 
 

@@ -62,7 +62,7 @@ class Code:
         return _SHARED_REGISTERS - (target - start) // 2
 
     def labels(self, entry: int, jump: int) -> list[int]:
-        """Return the addresses inside a function that its jump at `jump` may continue at."""
+        """Return the possible targets of the table jump at `jump`, all inside its function."""
         inside = range(entry + 2, entry + self.sizes.get(entry, 0), 2)
         table = table_of_jump(self.flash, jump)
         labels = [] if table is None else list(takewhile(inside.__contains__, self._words(table)))

@@ -67,7 +67,7 @@ def choose_port(board: Board, list_ports: ListPorts = list_serial_ports) -> str:
         others = ", ".join(each.path for each in ports)
         raise FirmwareError(f"no board found on USB; plug it in, or give its port with --port ({others})")
     names = ", ".join(f"{each.path} ({each.description})" for each in usb)
-    raise FirmwareError(f"several serial ports: {names}; choose one with --port")
+    raise FirmwareError(f"there are several serial ports: {names}; choose one with --port")
 
 
 async def prepare_upload(

@@ -49,7 +49,9 @@ class NodeParameters:
         """Return an integer from `lowest` to `highest`."""
         value = await self.value(default, *names)
         if isinstance(value, bool) or not isinstance(value, int) or not lowest <= value <= highest:
-            raise ConfigError(f"~{names[0]} is a whole number from {lowest} to {highest}, not {value!r:.200}")
+            raise ConfigError(
+                f"~{names[0]} must be a whole number from {lowest} to {highest}, not {value!r:.200}"
+            )
         return value
 
     async def texts(self, *names: str) -> tuple[str, ...]:

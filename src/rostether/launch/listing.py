@@ -19,7 +19,7 @@ _MAX_VALUE_CHARS = 20
 
 
 def parameter_lines(plan: LaunchPlan) -> str:
-    """Return the parameters as YAML, full names to values."""
+    """Return the parameters as YAML, by full name."""
     return dump(plan.parameters)
 
 

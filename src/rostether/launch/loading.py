@@ -24,7 +24,7 @@ from rostether.mechanisms.xml_tree import XmlElement
 
 _MACHINE_ATTRIBUTES = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
-# Some files include themselves to count down; this limit stops endless recursion.
+# Some files include themselves to count down; the limit stops endless recursion.
 MAX_INCLUDE_DEPTH = 50
 
 # The depth alone is not enough: 50 levels with two includes each are 2^50 files.

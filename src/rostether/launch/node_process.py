@@ -82,7 +82,7 @@ class NodeProcess:
         except OSError as error:
             raise LaunchError(
                 f"cannot run {words[0]}: {error.strerror or error}; check the first line of the script and "
-                f"launch-prefix=",
+                "launch-prefix=",
                 file=self.node.file,
                 line=self.node.line,
             ) from None

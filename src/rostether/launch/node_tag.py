@@ -71,7 +71,7 @@ class NodeTags:
         for name in ("time-limit", "retry"):
             reader.number(element, scope, name)
         if "time-limit" in element.attributes and reader.number(element, scope, "time-limit") <= 0:
-            raise LaunchError("time-limit= is a number of seconds above 0")
+            raise LaunchError("time-limit= must be a number of seconds above 0")
         for name in ("pkg", "type"):
             self._filled(element, scope, name)
         self._inside(element, scope, reader.optional(element, scope, "name") or test_name)

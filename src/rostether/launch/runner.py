@@ -1,4 +1,4 @@
-"""Runs a plan: sets parameters, starts the nodes in order, and waits until all or a required one end."""
+"""Runs a plan: sets parameters, starts the nodes in order, and waits for the end of all or a required one."""
 
 from __future__ import annotations
 

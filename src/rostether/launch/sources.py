@@ -19,14 +19,13 @@ _LAUNCH_SUFFIXES = (".launch", ".xml", ".test")
 # The longest readable list in an error line.
 _MAX_LISTED = 8
 
-
 # Packages that come with rostether: their launch files work under the usual names.
 _BUNDLED = Path(__file__).with_name("share")
 
 
 @dataclass(frozen=True, slots=True)
 class LaunchSources:
-    """Files in order, whether standard input is also read, and the arguments; the last of a name is used."""
+    """The launch files, whether to read standard input too, and the arguments (the last one of each name)."""
 
     files: list[Path] = field(default_factory=list)
     reads_stdin: bool = False
@@ -82,7 +81,7 @@ def in_package(package: str, name: str, folder: Path) -> Path | None:
     found = [each.path / name for each in walk(folder, below_packages=True) if name in each.files]
     if len(found) > 1:
         places = ", ".join(str(each.relative_to(folder)) for each in found)
-        raise ConfigError(f"package {package} has several files {name}; give one of {places}")
+        raise ConfigError(f"package {package} has several files named {name}; give one of {places}")
     return found[0] if found else None
 
 

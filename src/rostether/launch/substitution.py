@@ -1,5 +1,4 @@
-"""Substitution arguments: `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)`,
-`$(dirname)`.
+"""Substitutes `$(find pkg)`, `$(arg x)`, `$(env V)`, `$(optenv V words)`, `$(anon x)` and `$(dirname)`.
 
 A text that is one `$(eval ...)` is computed. All others are substituted twice, so that a value may contain a
 `$(find ...)`; they cannot be nested.

@@ -39,7 +39,7 @@ class TagReader:
             if self._substituted_chars > MAX_SUBSTITUTED_CHARS:
                 raise LaunchError(
                     f"all $(...) together have more than {MAX_SUBSTITUTED_CHARS} characters; shorten the "
-                    f"arguments"
+                    "arguments"
                 )
         return result
 

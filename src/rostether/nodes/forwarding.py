@@ -18,7 +18,7 @@ LAZY_POLL_S = 0.05
 
 Select: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
-# The limit of stored messages, because empty messages do not count in the byte limit.
+# Limits the memory for messages: empty ones do not count in the byte limit.
 MAX_SENT_MESSAGES = 100_000
 
 
@@ -80,8 +80,8 @@ async def forward(
 ) -> None:
     """Publish a topic's messages under another name until cancelled.
 
-    `lazy` subscribes only while there is a subscriber, once the type is known. Raises ConfigError if input
-    and output are the same topic, InvalidNameError, GraphError.
+    With `lazy`, it subscribes only while there is a subscriber, once the type is known. Raises ConfigError if
+    input and output are the same topic, InvalidNameError, GraphError.
     """
     if graph.resolve(source) == graph.resolve(target):
         raise ConfigError(f"{graph.resolve(source)} would receive its own output; give the copy another name")

@@ -57,8 +57,10 @@ async def publish_joystick(
             descriptor = os.open(settings.device, os.O_RDONLY | os.O_NONBLOCK)
         except OSError as error:
             if not reported:
-                why = f"{settings.device}: {error.strerror}"
-                report(Level.ERROR, f"no joystick at {why}; trying again every second")
+                report(
+                    Level.ERROR,
+                    f"no joystick at {settings.device}: {error.strerror}; trying again every second",
+                )
                 reported = True
             await asyncio.sleep(_RETRY_S)
             continue

@@ -25,7 +25,7 @@ MAX_INPUTS = 1_000
 
 
 class Mux:
-    """The node; `run` until cancelled."""
+    """The node mux; `run` serves until cancelled."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Mux:
             await self._output.close()
 
     async def _update_subscriptions(self) -> None:
-        """Keep exactly the needed subscriptions."""
+        """Open the subscriptions that are needed, and close the others."""
         for topic, subscriber in list(self._inputs.items()):
             is_wanted = self._is_wanted(topic)
             if is_wanted and subscriber is None:

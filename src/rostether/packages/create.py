@@ -1,4 +1,4 @@
-"""A new package's files, as from catkin_create_pkg, so that the package also builds with a real ROS.
+"""Creates a package like catkin_create_pkg, so that it also builds with a real ROS.
 
     NAME/package.xml   NAME/CMakeLists.txt   and, for roscpp: include/NAME/, for roscpp or rospy: src/
 
@@ -45,7 +45,7 @@ class NewPackage:
 
 @dataclass(frozen=True, slots=True)
 class CreatedPackage:
-    """The written files, in order, and the hints."""
+    """The files that were written, in order, and warnings."""
 
     folder: Path
     files: list[Path]
@@ -81,7 +81,7 @@ def create_package(parent: Path, package: NewPackage) -> CreatedPackage:
     if not _CONVENTIONAL_NAME.fullmatch(package.name):
         warnings.append(
             f"{package.name}: package names should have only lower case letters, digits, _ and -, and start "
-            f"with a letter"
+            "with a letter"
         )
     return CreatedPackage(folder, list(texts), folders, warnings)
 
@@ -117,7 +117,7 @@ def package_xml(package: NewPackage) -> str:
 
 
 def cmake_lists(package: NewPackage) -> str:
-    """Return the text of a CMakeLists.txt with which catkin builds the package as it is created."""
+    """Return the text of a CMakeLists.txt for catkin."""
     lines = ["cmake_minimum_required(VERSION 3.0.2)", f"project({package.name})", ""]
     if package.is_metapackage:
         return "\n".join([*lines, "find_package(catkin REQUIRED)", "catkin_metapackage()", ""])

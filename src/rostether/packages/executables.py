@@ -33,10 +33,11 @@ _PYTHON_SUFFIX = ".py"
 
 
 def find_program(package: str, name: str, folder: Path | None, environ: Mapping[str, str]) -> Path:
-    """Return the program of a package; `folder` is the package's own, None where only programs are installed.
+    """Return the program of a package.
 
-    A name with a slash is a path below the folder. A Python file need not be marked executable.
-    Raises ConfigError when there is none, or more than one.
+    `folder` is the package's folder, None if only its programs are installed. A name with a slash is a path
+    below the folder. A Python file need not be marked executable. Raises ConfigError if there is none, or
+    more than one.
     """
     if "/" in name:
         return _given_path(package, name, folder)
@@ -53,7 +54,7 @@ def find_program(package: str, name: str, folder: Path | None, environ: Mapping[
     ]
     if len(runnable) > 1:
         choices = ", ".join(str(each.relative_to(folder)) for each in runnable)
-        raise ConfigError(f"package {package} has several files {name}; give one of {choices}")
+        raise ConfigError(f"package {package} has several files named {name}; give one of {choices}")
     if runnable:
         return runnable[0]
     if found:
@@ -97,7 +98,7 @@ def library_folders(package: str, folder: Path | None, environ: Mapping[str, str
 
 
 def is_python(file: Path) -> bool:
-    """Return whether a file is a Python script, by its first line, or by its suffix where it has none."""
+    """Return whether a file is a Python script, by its first line, or else by its suffix."""
     line = shebang(file)
     return "python" in line if line else file.suffix == _PYTHON_SUFFIX
 
@@ -163,7 +164,7 @@ def _explain_missing(package: str, name: str, folder: Path) -> str:
     if source := compiled_source(folder, name):
         return (
             f"package {package} has no program {name} yet: it is compiled from {source}; build the workspace "
-            "with catkin_make of a ROS 1 installation, then programs in its devel folder are used"
+            "with catkin_make of a ROS 1 installation; rostether then uses the programs in its devel folder"
         )
     names = [each.name for each in programs(folder)]
     if hint := did_you_mean(name, names):

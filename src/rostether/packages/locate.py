@@ -1,6 +1,6 @@
-"""Which package folders a command sees: ROS_PACKAGE_PATH, the workspace around it, and the folders below.
+"""Finds the package folders of a command: in ROS_PACKAGE_PATH, in the workspace around it, and below.
 
-The first of two packages with one name is used, as in a catkin overlay. The order is:
+The first of two packages with the same name is used, as in a catkin overlay. The order is:
 
 1. the folders of ROS_PACKAGE_PATH,
 2. `src` of the catkin workspace around the current folder, and `./src`,
@@ -25,7 +25,7 @@ from rostether.packages.search_path import (
 
 SOURCE_FOLDER = "src"
 
-# No real path is deeper; limits file systems that contain themselves.
+# No real path is deeper; a file system may contain itself.
 _MAX_PARENTS = 64
 
 # A folder with more entries is a download folder, not a collection of packages.
@@ -67,7 +67,7 @@ def workspace_roots(cwd: Path) -> list[Path]:
 def workspace_of(cwd: Path) -> Path | None:
     """Return the catkin workspace around (or at) a folder: the nearest with a `src` that is marked as one.
 
-    Without marks, a folder around `cwd` is one if it holds the path in its `src`, outside of any package.
+    Without marks, it is the folder whose `src` contains `cwd`, outside of any package.
     """
     parents = _upward(cwd)
     for folder in parents:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import ast
 
-# A longer script is generated; parsing it would delay its start.
+# A longer script was generated; parsing it would delay its start.
 _MAX_BYTES = 1 << 20
 
 # The errors of Python 3 for statements and literals that only Python 2 has.
@@ -32,7 +32,7 @@ _PYTHON_2_MODULES = re.compile(
     "cStringIO|httplib|tkMessageBox|urllib2|urlparse|xmlrpclib"
 )
 
-# More modules beside a script than this are not examined: its start must not wait.
+# More modules next to a script are not examined, because that would delay its start.
 _MAX_FILES = 50
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from rostether.errors import ConfigError
 from rostether.packages.package_xml import MAX_PACKAGE_XML_BYTES, parse_package_xml
 
-# A large workspace has a few thousand folders; a home directory must not be searched whole.
+# A large workspace has a few thousand folders; a home directory must not be searched completely.
 MAX_FOLDERS = 20_000
 
 # workspace/src/repository/stack/package has depth 4; deeper than 12 is not a workspace.
@@ -53,7 +53,7 @@ OnDuplicate = Callable[[str, Path, Path], object]
 
 
 def find_packages(roots: Iterable[Path], *, on_duplicate: OnDuplicate | None = None) -> dict[str, Path]:
-    """Map the names of all packages below the roots to their folders; the first of a name is used.
+    """Map the names of all packages below the roots to their folders; the first one of a name is used.
 
     Folders that cannot be read and packages with a broken package.xml are skipped, so that one bad checkout
     does not hide the others.

@@ -46,7 +46,7 @@ class PackageContents:
 
 
 def init_workspace(source: Path) -> Path:
-    """Make a folder the `src` of a workspace, and return the file that marks it. Raises ConfigError."""
+    """Mark a folder as the `src` of a workspace, and return the file that marks it. Raises ConfigError."""
     file = source / "CMakeLists.txt"
     if file.exists() or file.is_symlink():
         raise ConfigError(f"{file} already exists: this is a workspace or a package")

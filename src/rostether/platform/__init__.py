@@ -1,1 +1,1 @@
-"""The sensing platform: command and sensors of several robots, compatible with the nodes of its reference."""
+"""The sensing platform: commands and sensors of several robots, compatible with the reference platform."""

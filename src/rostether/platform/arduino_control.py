@@ -32,7 +32,7 @@ async def publish_commands(
     """Publish one command for each message of the joystick. Raises ConfigError, GraphError."""
     formula = FORMULAS.get(settings.formula)
     if formula is None:
-        raise ConfigError(f"~formula is {' or '.join(FORMULAS)}, not {settings.formula!r:.200}")
+        raise ConfigError(f"~formula must be {' or '.join(FORMULAS)}, not {settings.formula!r:.200}")
     if not math.isfinite(settings.deadzone):
         raise ConfigError(f"~deadzone must be a finite number, not {settings.deadzone}")
     deadzone = abs(settings.deadzone)

@@ -16,7 +16,7 @@ from rostether.platform.status_frame import Refusal, RobotStatus
 
 # Unicast to a large fleet overloads the Wi-Fi channel: 20 robots need about 400 datagrams a second.
 MAX_UNICAST = 100
-# Later epochs are not adopted: they would leave no room for later senders.
+# Later epochs are ignored: they would leave no epochs for later senders.
 _LAST_EPOCH_US = 1 << 62
 
 
@@ -57,7 +57,7 @@ class CommandChannel:
         return self._sender.send(datagram)
 
     def refusing(self) -> dict[int, Refusal]:
-        """Return the robots that refuse this sender."""
+        """Return the robots that refuse this sender, with the reasons."""
         return dict(self._refused)
 
     @property
@@ -100,7 +100,7 @@ class CommandChannel:
 
 
 def refusal_text(status: RobotStatus) -> str:
-    """Return why a robot does not obey, and how to solve it."""
+    """Return why a robot does not obey, and what to do."""
     robot = f"robot {status.robot_id}"
     by = f"{status.holder} commands it" if status.holder else "another sender commanded it"
     if status.refusal is Refusal.HELD:
@@ -111,5 +111,5 @@ def refusal_text(status: RobotStatus) -> str:
 
 
 def duplicate_text(robot_id: int, hosts: list[str]) -> str:
-    """Return a warning about robots with the same id, and how to solve it."""
+    """Return a warning about robots with the same id, and what to do."""
     return f"{len(hosts)} robots have the id {robot_id}: {', '.join(hosts)}; give one of them another ~robot"

@@ -1,4 +1,4 @@
-"""Both ends of framed commands, without sockets or clocks: `CommandSender` and `CommandReceiver`.
+"""The sender and the receiver of framed commands, without sockets or clocks.
 
 A sender repeats its state, so that a lost datagram costs only 50 ms. A receiver obeys one sender at
 a time, and stops when the time to live of the last command has passed since its receipt.
@@ -28,13 +28,13 @@ RELEASE_FRAMES = 3
 CHANGE_FRAMES = 3
 
 _LAST_SEQUENCE = 0xFFFF_FFFF
-# Only a frame with the first of them alone moves a robot.
+# A frame moves a robot only if it has ARMED alone of these flags.
 _MOTION = Flags.ARMED | Flags.STOP | Flags.RELEASE
 
 
 @dataclass(frozen=True, slots=True)
 class SenderSettings:
-    """The target and the form of commands: `target` is a robot's id, or with `to_groups` a mask of groups."""
+    """The target and the type of commands: `target` is a robot's id, or with `to_groups` a mask of groups."""
 
     target: int = ALL_GROUPS
     to_groups: bool = True
@@ -196,7 +196,7 @@ class CommandReceiver:
         self.last_frame = frame
         if Flags.QUERY in frame.flags:
             return None
-        if reason := self._objection(frame):
+        if reason := self._refusal_reason(frame):
             self._refuse(reason)
             return None
         if frame.epoch_us == self._epoch_us:
@@ -207,7 +207,7 @@ class CommandReceiver:
         return frame
 
     def expired(self, now_s: float) -> bool:
-        """Return whether the robot must stop now because its sender is silent: True once for each silence."""
+        """End the sender's control if it was silent too long; return whether the robot must stop now."""
         if self._deadline_s is None or now_s < self._deadline_s:
             return False
         self._deadline_s = None
@@ -219,7 +219,7 @@ class CommandReceiver:
             return bool(frame.target & self._settings.groups)
         return frame.target == self._settings.robot_id
 
-    def _objection(self, frame: CommandFrame) -> str:
+    def _refusal_reason(self, frame: CommandFrame) -> str:
         is_stop = Flags.STOP in frame.flags
         if frame.epoch_us < self._epoch_us:
             self.refusal = Refusal.OLDER

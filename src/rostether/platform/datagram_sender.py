@@ -89,7 +89,7 @@ class DatagramSender:
         except BlockingIOError:
             return False
         except OSError as error:
-            # The socket belongs to an interface that may be gone: one of the same name is another.
+            # The interface may be gone. A new interface with the same name needs a new socket.
             self._close(interface)
             if interface not in self._reported:
                 self._reported.add(interface)

@@ -1,4 +1,4 @@
-"""The node digital_tester: a sensor without hardware, to test the system from a sensor to the screen."""
+"""The node digital_tester: a sensor without hardware, to test a system from the sensor to the screen."""
 
 from __future__ import annotations
 

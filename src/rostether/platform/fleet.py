@@ -19,14 +19,14 @@ from rostether.platform.status_frame import Refusal
 FLEET_GROUP = "239.255.82.83"
 FLEET_PORT = 11412
 
-# Every robot answers ten times in this time, so a few lost answers do not matter.
+# Every robot answers ten times within this time, so a few lost answers do not matter.
 QUERY_S = 2.5
 # A robot in range confirms a stop within this time.
 _CONFIRM_S = 0.3
 _STOP_ROUNDS = 3
 # Without an answer after this time, the user is informed.
 _ANSWER_S = 1.5
-# After a longer pause the robots have been still for a while, and must not start again unexpectedly.
+# After a longer pause, the robots have stood still for a while, and must not start again unexpectedly.
 _MAX_PAUSE_S = 2.0
 
 
@@ -73,7 +73,7 @@ class FleetSender:
         Raises TransportError if a single target robot refuses it, or after a pause of this process.
         """
         self._has_commanded = True
-        await self._overtake()
+        await self._start_later_epoch()
         began_s = time.monotonic()
         end_s, reported = began_s + duration_s, False
         sent_s = _now_with_suspend_s()
@@ -101,7 +101,7 @@ class FleetSender:
     async def stop(self) -> list[Robot]:
         """Stop, and return the robots that answer; `has_stopped` is true for those that confirm it.
 
-        There are more rounds until the target robot confirms, or no other robot of a group answers.
+        It sends more rounds until the target robot confirms, or until no new robot of a group answers.
         """
         self._has_commanded = True
         for _ in range(_STOP_ROUNDS):
@@ -114,7 +114,7 @@ class FleetSender:
         return self.robots
 
     def close(self) -> None:
-        """Let other senders command the robots, and close the sockets."""
+        """Release the robots, so that other senders may command them, and close the sockets."""
         # After queries alone, robots would obey a release as one of a later sender, and then refuse earlier
         # senders.
         if self._has_commanded:
@@ -127,7 +127,7 @@ class FleetSender:
         # Their refusals are those of the earlier epoch.
         self._channel.table.robots.clear()
 
-    async def _overtake(self) -> None:
+    async def _start_later_epoch(self) -> None:
         """Before the first command, start a later epoch if the clock of an earlier sender was ahead.
 
         A stop that another sender sends after that still ends the drive.
@@ -164,7 +164,7 @@ class FleetSender:
                 return
 
     def _check_refusals(self) -> None:
-        """One robot that refuses is a failure; some of a group are reported by the channel."""
+        """Raise TransportError if the only target refuses; the channel reports robots of a group."""
         if self._settings.sender.to_groups:
             return
         for robot in self.robots:
@@ -177,7 +177,7 @@ class FleetSender:
 
 
 def _now_with_suspend_s() -> float:
-    """Return a clock that goes on while the machine sleeps, where the system has one."""
+    """Return the time of a clock that continues while the machine sleeps, if the system has one."""
     return time.clock_gettime(time.CLOCK_BOOTTIME) if sys.platform == "linux" else time.monotonic()
 
 

@@ -22,7 +22,7 @@ from rostether.platform.robot_table import Robot, RobotKey
 
 # Enough for many queries and answers, of which few are lost on Wi-Fi that works.
 _UNICAST_S = 1.5
-# A query that a robot forwards is sent as often, and at these intervals.
+# How often a query for forwarding is sent, and the interval.
 _FORWARDED = 5
 _FORWARD_PERIOD_S = 0.05
 # Statuses come every 250 ms, and the first one ends the wait.
@@ -33,8 +33,8 @@ _CONFIRM_S = 3.0
 class Examination:
     """The measurements. Robots are identified by id and host.
 
-    `asks_group` is False for a fleet without multicast. `silent_hosts` are addresses that were given and do
-    not answer. `pairs` are robots, and whether the first reaches the second. `has_querier` is None if this
+    `asks_group` is False for a fleet without multicast. `silent_hosts` are given addresses that do not
+    answer. `pairs` are robots, and whether the first reaches the second. `has_querier` is None if this
     machine may not listen; `listened_s` is 0 if the fleet needs no querier.
     """
 
@@ -102,13 +102,15 @@ async def _ask_by_unicast(
 async def _ask_neighbors(
     sender: SenderSettings, robots: dict[RobotKey, Robot], report: Callable[[Level, str], None]
 ) -> list[tuple[RobotKey, RobotKey, bool]]:
-    """Let each robot send to the next one, the last to the first. Boards cannot forward."""
+    """Let each robot send a query to the next one, the last one to the first. Boards cannot forward."""
     # A link-local IPv6 address (with %) has another scope on each machine.
-    able = [each for each in robots.values() if each.status.host is not None and "%" not in each.key.host]
-    if len(able) < 2:
+    forwarders = [
+        each for each in robots.values() if each.status.host is not None and "%" not in each.key.host
+    ]
+    if len(forwarders) < 2:
         return []
-    able.sort(key=lambda robot: robot.key)
-    ring = list(zip(able, [*able[1:], able[0]], strict=True))
+    forwarders.sort(key=lambda robot: robot.key)
+    ring = list(zip(forwarders, [*forwarders[1:], forwarders[0]], strict=True))
     epoch_us = time.time_ns() // 1000
     # Each pair has its own epoch: a robot counts the frames of an epoch.
     reached = await asyncio.gather(
@@ -128,7 +130,7 @@ async def _reaches(
     epoch_us: int,
     report: Callable[[Level, str], None],
 ) -> bool | None:
-    """Return whether the first robot reaches the second one; None if the second does not answer us now."""
+    """Return whether the first robot reaches the second one; None if the second does not answer now."""
     host, port = second.address[:2]
     to_first = replace(sender, target=first.status.robot_id, to_groups=False)
     to_second = replace(sender, target=second.status.robot_id, to_groups=False)

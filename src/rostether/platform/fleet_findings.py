@@ -20,7 +20,7 @@ _MIN_FREE_BYTES = 500_000_000
 # In this time, a robot at 1 m/s moves 0.1 m: positions of two robots then no longer match.
 _MAX_CLOCK_DIFFERENCE_S = 0.1
 
-# Lines stay readable; the others have the same fault.
+# A longer line is hard to read; the other pairs have the same fault.
 _MAX_LISTED = 5
 
 
@@ -113,7 +113,7 @@ def _clock_findings(clocks: Mapping[RobotKey, ClockOffset]) -> list[FleetFinding
         return []
     offsets = {"this machine": ClockOffset(0.0, 0.0)}
     offsets |= {f"robot {key.robot_id} ({key.host})": clocks[key] for key in sorted(clocks)}
-    # Rounded, so that among equal clocks this machine is named.
+    # Rounded, so that this machine is named if clocks are equal.
     ahead = max(offsets, key=lambda name: round(offsets[name].offset_s, 1))
     behind = min(offsets, key=lambda name: round(offsets[name].offset_s, 1))
     difference_s = offsets[ahead].offset_s - offsets[behind].offset_s
@@ -133,10 +133,10 @@ def _clock_findings(clocks: Mapping[RobotKey, ClockOffset]) -> list[FleetFinding
 def _querier_finding(found: Examination) -> FleetFinding:
     if found.has_querier is None:
         return FleetFinding(
-            None, "IGMP querier", "not listened for: it needs root (sudo) and an existing --interface"
+            None, "IGMP querier", "not checked: listening needs root (sudo) and an existing --interface"
         )
     if found.has_querier:
-        return FleetFinding(True, "IGMP querier", "switches and access points know who is in a group")
+        return FleetFinding(True, "IGMP querier", "switches and access points know the members of a group")
     if found.listened_s < QUERY_INTERVAL_S:
         return FleetFinding(
             None,

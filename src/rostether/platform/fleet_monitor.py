@@ -27,7 +27,7 @@ LOST_S = 3.0
 
 
 class FleetMonitor:
-    """The node; `run` until cancelled. Its queries command nothing."""
+    """The node fleet_monitor; `run` serves until cancelled. Its queries command nothing."""
 
     def __init__(
         self, graph: TypedGraph, settings: FleetSettings, report: Callable[[Level, str], None]
@@ -74,7 +74,7 @@ class FleetMonitor:
         return {"confirmed": confirmed}
 
     def _states(self, robots: list[Robot], now_s: float) -> list[dict[str, object]]:
-        """Return the robots; one that moved to another address is not lost at its old one."""
+        """Return the robots; a robot that changed its address is not reported as lost at the old one."""
         lost = {robot.key for robot in robots if now_s - robot.answered_s > LOST_S}
         here = {robot.status.robot_id for robot in robots if robot.key not in lost}
         for robot_id, host in sorted(lost - self._lost):

@@ -1,4 +1,4 @@
-"""Asks the robots at one address for their status, and measures loss and clocks. Commands nothing."""
+"""Asks the robots at one address for their status, and measures loss and clocks. It sends no commands."""
 
 from __future__ import annotations
 

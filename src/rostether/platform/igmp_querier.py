@@ -1,4 +1,4 @@
-"""Listens for an IGMP querier (RFC 3376): without one, switches forget who is in a group."""
+"""Listens for an IGMP querier (RFC 3376): without one, switches forget the members of a group."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _BURST = 100
 async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | None:
     """Return whether an IGMP query arrives in this time, at one of the interfaces if there are any.
 
-    None: it cannot listen. It needs root or CAP_NET_RAW, and an existing interface.
+    Returns None if it cannot listen: it needs root or CAP_NET_RAW, and an existing interface.
     """
     heard = asyncio.Event()
     sockets: list[socket.socket] = []

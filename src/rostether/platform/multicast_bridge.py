@@ -1,6 +1,6 @@
 """The node multicast_topic_bridge: the newest message of a topic, of any type, sent to a multicast group.
 
-A bare datagram is one message in ROS 1 serialization and nothing else. A framed one can be checked by the
+A bare datagram is only the message in ROS 1 serialization. A framed one can be checked by the
 robot (`command_frame`), is repeated, and is followed by a stop at the end.
 """
 
@@ -49,7 +49,7 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
     """Send the topic's messages until cancelled. Raises ConfigError, InvalidNameError, GraphError."""
     if not 0 <= settings.frequency_hz <= MAX_FREQUENCY_HZ:
         raise ConfigError(
-            f"~frequency is from 0 (at once) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
+            f"~frequency must be from 0 (at once) to {MAX_FREQUENCY_HZ:g} Hz, not {settings.frequency_hz:g}"
         )
     if not 0 <= settings.input_timeout_s < float("inf"):
         raise ConfigError(f"~input_timeout must not be {settings.input_timeout_s:g} seconds; use 0 for never")
@@ -68,7 +68,7 @@ async def send_topic(graph: Graph, settings: BridgeSettings, report: Callable[[L
             reported = True
             report(
                 Level.ERROR,
-                f"a message of {len(newest)} bytes is not sent: a datagram carries {limit_bytes} at most",
+                f"a message of {len(newest)} bytes is not sent: a datagram can contain at most {limit_bytes}",
             )
 
     subscriber = await graph.subscribe(settings.topic, ANY_MESSAGE, receive, on_connection=bridge.set_type)
@@ -105,7 +105,7 @@ class _Bridge:
             if now_s < next_s:
                 await asyncio.sleep(next_s - now_s)
                 now_s = time.monotonic()
-            # Due times are fixed while messages keep coming: a late timer does not lower the frequency.
+            # While messages arrive, due times keep a fixed grid: a late timer does not lower the frequency.
             next_s = max(next_s, now_s - self._period_s) + self._period_s
             if self._sender.send(self._newest):
                 self._has_news.clear()
@@ -113,7 +113,7 @@ class _Bridge:
                 await asyncio.sleep(_RETRY_S)
 
     def end(self) -> None:
-        """Close the sockets; nothing is left to send."""
+        """Close the sockets; bare datagrams need no stop."""
         self._sender.close()
 
 

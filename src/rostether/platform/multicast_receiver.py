@@ -1,4 +1,4 @@
-"""The node multicast_topic_receiver: messages from a multicast group published on a topic."""
+"""The node multicast_topic_receiver: publishes the messages from a multicast group on a topic."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from rostether.transports.own_names import is_own_address
 # Joins are repeated if no datagram arrives, and once a minute: without a querier, switches forget a group.
 SILENCE_S = 2.0
 REJOIN_S = 60.0
-# The time for datagrams before other tasks run: checking the tag of the longest takes 0.3 ms.
+# How long datagrams are handled before other tasks run: checking the tag of the longest takes 0.3 ms.
 _TURN_S = 0.005
 _MAX_BYTES = 65_536
 # The socket for statuses has no group; the address only selects the family.
@@ -253,7 +253,7 @@ class _Receiver:
 
     def _refuse(self, reason: str) -> None:
         suppressed = self._limiter.admit(reason, self._last_s)
-        # A reason contains what a sender chose, so each datagram could have its own.
+        # A reason contains text from the sender, so each datagram could have another one.
         if suppressed is not None and self._budget.admit(self._last_s) is not None:
             also = f" ({suppressed} more since the last report)" if suppressed else ""
             self._report(Level.WARN, f"ignored {reason}{also}")

@@ -101,9 +101,10 @@ def open_receiver(address: GroupAddress) -> socket.socket:
 
 
 def open_unicast(address: GroupAddress) -> socket.socket | None:
-    """Return a socket that receives unicast at the group's port, None where that is not possible or needed.
+    """Return a socket that receives unicast at the group's port, None if that is not possible or not needed.
 
-    Of several robots on one machine, the last one receives it. On Windows, the group's socket receives it.
+    If several robots run on one machine, only the last one receives unicast. On Windows, the group's socket
+    receives it.
     """
     if not address.is_multicast or sys.platform == "win32":
         return None

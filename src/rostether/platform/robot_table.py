@@ -28,7 +28,7 @@ SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
 
 
 class RobotKey(NamedTuple):
-    """Identifies a robot, even if two have one id: the id, and the host that answers."""
+    """Identifies a robot, even if two have the same id: the id, and the host that answers."""
 
     robot_id: int
     host: str
@@ -36,7 +36,7 @@ class RobotKey(NamedTuple):
 
 @dataclass(slots=True)
 class Robot:
-    """One robot: its last status with its time, and its address. `loss` is from 0 to 1."""
+    """One robot: its last status with its time, and its address. `loss` is a fraction, 0 to 1."""
 
     status: RobotStatus
     address: SocketAddress
@@ -65,7 +65,7 @@ class Robot:
 
 
 class RobotTable:
-    """Robots by id and host. Two hosts with one id are two entries."""
+    """Robots by id and host. Two hosts with the same id are two entries."""
 
     def __init__(self, key: bytes = NO_KEY) -> None:
         self._key = key

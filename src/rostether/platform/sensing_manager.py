@@ -32,7 +32,10 @@ GATHER_S = 0.05
 
 
 class SensingManager:
-    """The node; `run` until cancelled. `state_path` None keeps the sensors in memory only."""
+    """The node sensing_manager; `run` serves until cancelled.
+
+    Without `state_path`, the sensors are only in memory.
+    """
 
     def __init__(
         self,
@@ -132,7 +135,7 @@ class SensingManager:
         for name, entry in snapshot.topics.items():
             if name.startswith(prefix) and entry.publishers:
                 platform = entry.publishers[0].lstrip("/") or "Platform"
-                # The list is full.
+                # The list may be full.
                 with suppress(ServiceCallError):
                     self._is_unsaved |= self._registry.adopt(
                         f"sensor_node{name.removeprefix(prefix)}", entry.type, platform, now_s
@@ -203,7 +206,7 @@ class SensingManager:
         self._is_unsaved = False
         kept = [each for each in self._registry.sensors if each.origin is not Origin.FILE]
         try:
-            # The memory card of a small computer can be slow.
+            # In a thread: the memory card of a small computer can be slow.
             await asyncio.to_thread(write_state, self._state_path, kept)
         except OSError as error:
             if not self._reported:

@@ -15,8 +15,8 @@ from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
 
-# The saved state of a thousand sensors has about 400 KB, and 12 MB with the longest texts, of which each
-# character may need 12 bytes: a larger limit than that, or a restart would forget all sensors.
+# The saved state of a thousand sensors has about 400 KB, and 12 MB with the longest texts, whose characters
+# need up to 12 bytes each. With a lower limit, a restart could forget all sensors.
 _MAX_STATE_BYTES = 16 << 20
 
 _REGISTERED_TOPIC = re.compile(r"/sensor_node\d+")
@@ -24,7 +24,7 @@ _KEYS = ("name", "platform", "type", "unit")
 
 
 def read_sensors_toml(path: Path) -> list[Sensor]:
-    """Return the sensors in a file, which has one line per topic. Raises ConfigError.
+    """Return the sensors in a file, which has one line for each topic. Raises ConfigError.
 
     "/arm/ultrasound" = { name = "Distance", unit = "m" }
     """
@@ -54,10 +54,14 @@ def _sensor(path: Path, topic: str, entry: Any) -> Sensor:
         if key not in _KEYS:
             raise ConfigError(f"{path}: {topic} has an unknown key {key!r:.100}; known: {', '.join(_KEYS)}")
         if not isinstance(value, str) or not value.isprintable() or len(value) > MAX_TEXT_CHARACTERS:
-            raise ConfigError(f"{path}: {key} of {topic} is a text of up to {MAX_TEXT_CHARACTERS} characters")
+            raise ConfigError(
+                f"{path}: {key} of {topic} must be a text of up to {MAX_TEXT_CHARACTERS} characters"
+            )
     sensor_type = entry.get("type", "ANALOG")
     if sensor_type not in MESSAGE_TYPES:
-        raise ConfigError(f"{path}: type of {topic} is {', '.join(MESSAGE_TYPES)}, not {sensor_type!r}")
+        raise ConfigError(
+            f"{path}: type of {topic} must be one of {', '.join(MESSAGE_TYPES)}, not {sensor_type!r}"
+        )
     first, _, rest = topic[1:].partition("/")
     platform = entry.get("platform") or (first if rest else os.environ.get("PLATFORM_NAME", "")) or "Platform"
     name = entry.get("name") or topic

@@ -26,7 +26,7 @@ class SensorKind:
 
 
 def default_platform() -> str:
-    """Return the robot's name: PLATFORM_NAME, else this machine's."""
+    """Return the robot's name: PLATFORM_NAME, else the host name."""
     return os.environ.get("PLATFORM_NAME") or socket.gethostname()
 
 
@@ -35,7 +35,7 @@ async def read_description(parameters: NodeParameters, kind: SensorKind) -> Sens
     platform = await parameters.text(default_platform(), "platform_name")
     word = await parameters.text(kind.word, "id")
     if not re.fullmatch(r"[A-Za-z]\w*", word, re.ASCII):
-        raise ConfigError(f"~id is a word such as front, not {word!r:.100}")
+        raise ConfigError(f"~id must be a word such as front, not {word!r:.100}")
     return SensorDescription(
         id=f"{platform_word(platform)}/{word}",
         platform=platform,
@@ -52,5 +52,5 @@ async def read_rate(parameters: NodeParameters, default_hz: float) -> float:
     """Return ~rate. Raises ConfigError."""
     rate_hz = await parameters.number(default_hz, "rate")
     if not 0 < rate_hz <= MAX_RATE_HZ:
-        raise ConfigError(f"~rate is above 0 and at most {MAX_RATE_HZ:g}, not {rate_hz:g}")
+        raise ConfigError(f"~rate must be above 0 and at most {MAX_RATE_HZ:g}, not {rate_hz:g}")
     return rate_hz

@@ -22,12 +22,12 @@ MESSAGE_TYPES = {
     "DIGITAL": "std_msgs/Float64",
 }
 
-# Each costs a subscription; a new sensor replaces the one that is lost longest.
+# Each sensor costs a subscription; a new one replaces the one that has been lost for the longest time.
 MAX_SENSORS = 1000
 
 MAX_TEXT_CHARACTERS = 100
 
-# Shorter leases load the manager with renewals; with longer ones, a robot without power looks alive too long.
+# Shorter leases load the manager with renewals; with longer ones, a robot without power is listed too long.
 MIN_LEASE_S = 1.0
 MAX_LEASE_S = 3600.0
 MAX_RATE_HZ = 1e6
@@ -38,7 +38,7 @@ _MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 _COUNTED_TOPIC = re.compile(r"sensor_node(0|[1-9][0-9]{0,8})")
 
 
-# The fields with one name in a sensor, a registration and the messages of both.
+# The fields that have the same name in a sensor, a registration and their messages.
 _SHARED_FIELDS = ("sensor_type", "message_type", "unit", "frame_id", "rate_hz", "lease_s")
 
 
@@ -48,7 +48,7 @@ def fields_of(described: object) -> dict[str, Any]:
 
 
 class Origin(Enum):
-    """How the manager learned of a sensor."""
+    """How a sensor became known to the manager."""
 
     # The reference's service: the topic is `sensor_node` and a number.
     COUNTED = "counted"
@@ -81,7 +81,7 @@ class Sensor:
 
     @property
     def origin(self) -> Origin:
-        """How the manager learned of it."""
+        """How it became known to the manager."""
         if self.number >= 0:
             return Origin.COUNTED
         return Origin.ID if self.lease_s else Origin.FILE
@@ -115,19 +115,23 @@ class Registration:
     def check(self) -> None:
         """Raise ServiceCallError for a field that cannot be used."""
         if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(f"id is a name such as robot3/front, not {self.id!r:.100}")
+            raise ServiceCallError(f"id must be a name such as robot3/front, not {self.id!r:.100}")
         if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(f"sensor_type is a word such as ANALOG, not {self.sensor_type!r:.100}")
+            raise ServiceCallError(
+                f"sensor_type must be a word such as ANALOG, not {self.sensor_type!r:.100}"
+            )
         if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
             raise ServiceCallError(
-                f"message_type is a type such as std_msgs/Float64, not {self.message_type!r:.100}"
+                f"message_type must be a type such as std_msgs/Float64, not {self.message_type!r:.100}"
             )
         if not MIN_LEASE_S <= self.lease_s <= MAX_LEASE_S:
-            raise ServiceCallError(f"lease_s is {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s!r}")
+            raise ServiceCallError(
+                f"lease_s must be {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s!r}"
+            )
         if not 0 <= self.rate_hz <= MAX_RATE_HZ:
-            raise ServiceCallError(f"rate_hz is 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz!r}")
+            raise ServiceCallError(f"rate_hz must be 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz!r}")
         if self.state not in REPORTED:
-            raise ServiceCallError(f"state is {', '.join(REPORTED)}, not {self.state!r:.100}")
+            raise ServiceCallError(f"state must be one of {', '.join(REPORTED)}, not {self.state!r:.100}")
         _check_text("platform_name", self.platform)
         for what in ("instance", "name", "unit", "frame_id"):
             if text := getattr(self, what):
@@ -180,7 +184,9 @@ class SensorRegistry:
         """
         _check_text("platform_name", platform)
         if sensor_type not in MESSAGE_TYPES:
-            raise ServiceCallError(f"sensor_type is {', '.join(MESSAGE_TYPES)}, not {sensor_type!r:.100}")
+            raise ServiceCallError(
+                f"sensor_type must be one of {', '.join(MESSAGE_TYPES)}, not {sensor_type!r:.100}"
+            )
         found = self._find_gone(platform, sensor_type)
         if found is None:
             found = self._add_counted(self._next_number, platform, sensor_type, now_s)
@@ -189,9 +195,10 @@ class SensorRegistry:
         return found
 
     def register_by_id(self, wanted: Registration, now_s: float) -> tuple[Sensor, str]:
-        """Register a sensor or renew its lease; returns it, and why it must wait (another holder), else "".
+        """Register a sensor or renew its lease; returns it, and why it must wait, or an empty string.
 
-        Raises ServiceCallError for a field that cannot be used.
+        It must wait while another process holds the lease. Raises ServiceCallError for a field that cannot be
+        used.
         """
         wanted.check()
         before = self._sensors.get(wanted.id)
@@ -262,7 +269,7 @@ class SensorRegistry:
             condition.last_message_s = now_s
 
     def update_states(self, now_s: float) -> bool:
-        """Update all states; True if a state or a text has changed."""
+        """Update all states; return whether a state or a text has changed."""
         has_changed = False
         for key, condition in self._conditions.items():
             has_changed |= condition.update_state(self._sensors[key].is_camera, now_s)
@@ -297,4 +304,4 @@ class SensorRegistry:
 
 def _check_text(what: str, text: str, most: int = MAX_TEXT_CHARACTERS) -> None:
     if not text.strip() or len(text) > most or not text.isprintable():
-        raise ServiceCallError(f"{what} is 1 to {most} printable characters, not {text!r:.100}")
+        raise ServiceCallError(f"{what} must be 1 to {most} printable characters, not {text!r:.100}")

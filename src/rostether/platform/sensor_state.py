@@ -55,7 +55,7 @@ class Condition:
         return self.is_connected and self.lease_until_s is not None and now_s < self.lease_until_s
 
     def update_state(self, is_camera: bool, now_s: float) -> bool:
-        """Update the state and the sensor's text about it; True if either has changed."""
+        """Update the state and its text; return whether either has changed."""
         before = self.state, self.text
         self.state = self._next_state(is_camera, now_s)
         self.text = self.reported_text if self.state == self.reported else ""

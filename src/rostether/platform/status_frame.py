@@ -10,7 +10,7 @@ Numbers are little-endian:
     8-15    epoch of the sender that this answers
     16-19   the last sequence received from that sender
     20-23   frames received from that sender, each counted once
-    24-27   frames of that sender that are lost or came too late
+    24-27   frames of that sender that were lost or arrived too late
     28      refusal: 0 none, 1 another sender commands, 2 the sender is older, 3 another type
     29      signal strength in dBm, signed; 0 is unknown
     30-31   length of the holder's address in bytes

@@ -24,7 +24,6 @@ _ENTRY_BYTES = 220
 # Time in ns, start and end of the payload in the uncompressed chunk, and the connection's number.
 Entry = tuple[int, int, int, int]
 
-
 # A chunk's data, and an iterator over its messages in file order.
 Unpacked = tuple[bytes | memoryview, Callable[[], Iterator[Entry]]]
 
@@ -81,7 +80,7 @@ def in_order(
                 opened[following] = chunk
                 open_bytes += chunk.held_bytes
                 if open_bytes > MAX_OPEN_BYTES:
-                    open_bytes -= _put_aside(opened, heap[0][1])
+                    open_bytes -= _close_except(opened, heap[0][1])
             following += 1
         if not heap:
             return
@@ -90,7 +89,7 @@ def in_order(
             opened[rank] = chunk
             open_bytes += chunk.held_bytes
             if open_bytes > MAX_OPEN_BYTES:
-                open_bytes -= _put_aside(opened, rank)
+                open_bytes -= _close_except(opened, rank)
         until_ns = heap[0][0] if heap else 1 << 64
         if following < len(chunks):
             until_ns = min(until_ns, chunks[following].start_ns)
@@ -106,12 +105,12 @@ def in_order(
             open_bytes -= chunk.held_bytes
 
 
-def _put_aside(opened: dict[int, _Open], kept: int) -> int:
+def _close_except(opened: dict[int, _Open], kept: int) -> int:
     """Close all chunks except one; returns the number of bytes freed."""
     freed = 0
     for rank in [each for each in opened if each != kept]:
         chunk = opened.pop(rank)
-        chunk.put_aside()
+        chunk.close()
         freed += chunk.held_bytes
     return freed
 
@@ -156,7 +155,7 @@ class _Open:
         assert self._items is not None
         entry = next(self._items, None)
         if entry is None:
-            self.put_aside()
+            self.close()
             return False
         self._entry = entry
         self._passed += 1
@@ -170,8 +169,8 @@ class _Open:
         time_ns, start, end, number = self._entry
         return number, time_ns, bytes(self._plain[start:end])
 
-    def put_aside(self) -> None:
-        """Release the chunk until the next access."""
+    def close(self) -> None:
+        """Release the memory of the chunk until the next access."""
         self._items = self._plain = None
 
     def _open(self) -> None:

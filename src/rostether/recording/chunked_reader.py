@@ -46,7 +46,7 @@ ContentT = TypeVar("ContentT", bound=ChunkedContent)
 
 
 class ChunkedReader(Generic[ContentT]):
-    """The reader of a file without its format; see `recording.recorded.RecordingReader`.
+    """The base of readers for every format; see `recording.recorded.RecordingReader`.
 
     `read` returns the content of the file. Raises RecordingError if the file cannot be read.
     """

@@ -1,6 +1,6 @@
-"""The common part of the bag and MCAP writers: messages are collected in chunks, each written whole.
+"""The common part of the bag and MCAP writers: it collects messages in chunks.
 
-A full or flushed chunk is written with one call, so a killed process leaves only whole chunks.
+A full or flushed chunk is written with one call, so a killed process leaves only complete chunks.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ DEFAULT_CHUNK_BYTES = 768 * 1024
 
 
 class ChunkedWriter(ABC):
-    """The writer of a recording without its format; see `recording.recorded.RecordingWriter`.
+    """The base of writers for every format; see `recording.recorded.RecordingWriter`.
 
     `_index` has one array per connection with one row per message: the columns of its time, and its offset in
     the chunk.

@@ -16,7 +16,7 @@ BZ2 = "bz2"
 LZ4 = "lz4"
 COMPRESSIONS = (NONE, BZ2, LZ4)
 
-# Read in MCAP files of other programs; never written.
+# Only read, in MCAP files of other programs.
 ZSTD = "zstd"
 
 # Recorders make chunks of a megabyte, or of one message when that is larger. Without a limit, a few bytes
@@ -83,7 +83,7 @@ def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
     if unpacked_bytes > max(MAX_UNPACKED_BYTES, MAX_RATIO * file_bytes):
         raise RecordingError(
             f"its {file_bytes} bytes would decompress to {unpacked_bytes}, more than {MAX_RATIO} times as "
-            f"many; it may be an attack, so it is not read"
+            "many; it may be an attack, so it is not read"
         )
 
 

@@ -13,7 +13,7 @@ from rostether.errors import RecordingError
 # The suffix of a file while it is written, as with rosbag.
 ACTIVE_SUFFIX = ".active"
 
-# The log files that SQLite leaves if the disk is full at the end; the database is incomplete without them.
+# SQLite leaves these log files if the disk is full at the end; without them, the database is incomplete.
 _LOG_SUFFIXES = ("-wal", "-shm", "-journal")
 
 
@@ -59,7 +59,7 @@ def _locked(path: Path) -> int | None:
         try:
             file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NONBLOCK, 0o666)
         except OSError:
-            return None  # opening the file to write it reports this
+            return None  # the error is reported when the file is opened for writing
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -28,7 +28,7 @@ MCAP_MAGIC = b"\x89MCAP"
 
 
 class Form(StrEnum):
-    """The form of the messages in a recording."""
+    """The form of the messages in a recording: of ROS 1, or of ROS 2."""
 
     ROS1 = "ros1"
     ROS2 = "ros2"
@@ -64,18 +64,18 @@ def form_of(reader: RecordingReader) -> Form:
     return Form.ROS2 if any(each.origin is not None for each in reader.counts) else Form.ROS1
 
 
-def form_for(path: Path, source: Form, asked: Form | None = None) -> Form:
+def form_for(path: Path, source: Form, requested: Form | None = None) -> Form:
     """Return the form of messages for a new recording's name and source. Raises ConfigError."""
     name = path.name.removesuffix(ACTIVE_SUFFIX)
     if name.endswith((BAG_SUFFIX, ".bag.orig")):
-        if asked is Form.ROS2:
+        if requested is Form.ROS2:
             raise ConfigError(
-                f"{path}: a .bag file can only hold ROS 1 messages; give a folder, or a .mcap or .db3 file"
+                f"{path}: a .bag file can contain only ROS 1 messages; give a folder, or a .mcap or .db3 file"
             )
         return Form.ROS1
     if name.endswith(MCAP_SUFFIX):
-        return asked or source
-    if asked is Form.ROS1:
+        return requested or source
+    if requested is Form.ROS1:
         raise ConfigError(f"{path}: a ROS 1 recording must be a .bag or .mcap file")
     return Form.ROS2
 

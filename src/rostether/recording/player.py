@@ -47,7 +47,7 @@ LONGEST_SLEEP_S = 0.05
 
 @dataclass(frozen=True, slots=True)
 class PlaySettings:
-    """How to play; times in seconds of the recording, None for its own start and end."""
+    """How to play. Times are in seconds of the recording; None means its own start or end."""
 
     rate: float = 1.0
     start_s: float = 0.0
@@ -74,7 +74,7 @@ class PlaySettings:
 
 
 class Player:
-    """One playback; its keys may be called while `play` runs."""
+    """One playback; `toggle_pause` and `step` may be called while `play` runs."""
 
     def __init__(self, graph: Graph, readers: Sequence[RecordingReader], settings: PlaySettings) -> None:
         self.played_count = 0

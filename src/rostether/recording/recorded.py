@@ -33,7 +33,7 @@ class Connection:
 
     `others` are the remaining header fields, so that copies of a file keep them: a `latching` of 0, which
     roscpp's publishers send, and private fields of the publisher.
-    `is_best_effort` is set while a ROS 2 publisher is recorded; later `origin` holds it.
+    `is_best_effort` is set while a ROS 2 publisher is recorded; later, `origin` contains it.
     """
 
     topic: str

@@ -1,4 +1,4 @@
-"""The conditions at the start of a recording: the time is known, and the named topics are published."""
+"""Checks at the start of a recording: whether the time is known, and the named topics are published."""
 
 from __future__ import annotations
 

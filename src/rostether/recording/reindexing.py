@@ -52,7 +52,7 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> R
         damage = reader.damage
         if not damage and path == output:
             return Repaired("", sum(reader.counts.values()))
-        written = _rewrite(reader, path, output, _usual(reader), keep_original)
+        written = _rewrite(reader, path, output, _most_used_compression(reader), keep_original)
     finally:
         reader.close()
     return Repaired(damage, written, listed_count)
@@ -126,9 +126,9 @@ def write_messages(
     create: Callable[[Path], RecordingWriter],
     connections: Iterable[Connection] = (),
 ) -> int:
-    """Write messages to a new recording, with these connections even without messages; returns how many.
+    """Write messages to a new recording; returns their number.
 
-    Raises RecordingError, and leaves no file then.
+    It gets all `connections`, even those without messages. On RecordingError, no file remains.
     """
     with locked(output):
         writer = create(output)
@@ -147,7 +147,7 @@ def write_messages(
         return writer.message_count
 
 
-def _usual(reader: RecordingReader) -> str:
+def _most_used_compression(reader: RecordingReader) -> str:
     """Return the compression of most chunks, if it can be written."""
     for share in reader.compressions:
         if share.name in ("none", "bz2", "lz4"):

@@ -37,9 +37,7 @@ class Ros2Topics:
         return connection
 
     def convert(self, connection: Connection, cdr: bytes) -> bytes | None:
-        """Return a message as ROS 1 bytes, or None if it does not fit its type; `unreadable` then has the
-        reason.
-        """
+        """Return a message as ROS 1 bytes, None if it does not fit its type: `unreadable` has the reason."""
         try:
             return self._convert[connection](cdr)
         except SerializationError as error:

@@ -28,7 +28,7 @@ _STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "du
 class RecordedDefinitions(Ros2Definitions):
     """The definitions of a recording; missing ones come from `others`, by default the environment.
 
-    The first definition of a name counts: all definitions of one recording agree.
+    The first definition of a name is used: all definitions of one recording agree.
     """
 
     def __init__(self, others: Ros2Definitions | None = None) -> None:
@@ -50,7 +50,7 @@ class RecordedDefinitions(Ros2Definitions):
 
     @property
     def places(self) -> str:
-        """Where definitions are searched, for errors."""
+        """Where definitions are searched, for error messages."""
         return self._others.places
 
     def message(self, name: str) -> Ros2Message:

@@ -16,10 +16,10 @@ from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STA
 from rostether.ros2.actions.ros1_server import Ros1ActionServer
 from rostether.ros2.actions.types import SEND_GOAL_SERVICE
 
-# The name of the node that offers and calls actions in ROS 2 ends with this, after the relay's name.
+# The suffix of the node that offers and calls actions in ROS 2, after the relay's name.
 NODE_SUFFIX = "_actions"
 
-# How often the server of ROS 1 is checked; a client notices its end after this time.
+# How often the ROS 1 server is checked; a client notices its end after this time.
 CHECK_S = 1.0
 
 
@@ -35,7 +35,7 @@ class ActionEntry:
 
 
 def action_entries(ros1: Snapshot, ros2: Snapshot) -> tuple[dict[str, ActionEntry], dict[str, ActionEntry]]:
-    """Return the actions of ROS 1 and those of ROS 2, by name."""
+    """Return the actions in ROS 1 and those in ROS 2, by name."""
     return dict(_of_ros1(ros1)), dict(_of_ros2(ros2))
 
 
@@ -61,7 +61,7 @@ def _of_ros2(snapshot: Snapshot) -> Iterator[tuple[str, ActionEntry]]:
 
 
 class ActionRelay:
-    """Offers the action of one graph in the other one until it is closed; `ros1` is the node in ROS 1."""
+    """Offers an action of one graph in the other one until it is closed; `ros1` is the node in ROS 1."""
 
     def __init__(self, name: str, type_name: str, ros1: Graph, join: BoardJoin, *, to_ros2: bool) -> None:
         self.type_name = type_name
@@ -111,13 +111,13 @@ class ActionRelay:
         self._stack.push_async_callback(cancels.close)
         action.on_goals, action.on_cancels = self._goals.publish_raw, cancels.publish_raw
         subscribers = []
-        for (suffix, kind), take in (
+        for (suffix, kind), handler in (
             (FEEDBACK, action.handle_feedback),
             (STATUS, action.handle_statuses),
             (RESULT, action.handle_results),
         ):
             message_type = type_of(kind if "/" in kind else self.type_name + kind)
-            subscribers.append(await graph.subscribe(name + suffix, message_type, take, skip_own=True))
+            subscribers.append(await graph.subscribe(name + suffix, message_type, handler, skip_own=True))
             self._stack.push_async_callback(subscribers[-1].close)
         self._results = subscribers[-1]
         while not (self._is_served() and cancels.subscriber_count and subscribers[0].publisher_count):  # noqa: ASYNC110

@@ -1,4 +1,4 @@
-"""A topic or service to relay from one side to the other."""
+"""A topic, service or action to relay from one side to the other."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rostether.relay.side import Side
 
 
 class Kind(Enum):
-    """The kinds of things that a relay carries; the values begin the lines about them."""
+    """What an item is; reports about it start with the value."""
 
     TOPIC = ""
     SERVICE = "service "

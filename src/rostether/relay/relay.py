@@ -1,12 +1,12 @@
-"""A relay between two graphs: chosen topics, services and actions of each are in the other too.
+"""A relay between two graphs: offers chosen topics, services and actions of each graph in the other one.
 
-A topic is carried to the other graph as long as somebody besides the relay publishes it, in both directions
-at once where both are chosen: the relay's subscribers omit what the relay itself publishes, so that
-nothing comes back. A service is offered in the graph that does not have it as long as the other one has it.
+A topic is relayed as long as a node other than the relay publishes it. If both directions are chosen, both
+are active at the same time: the relay's subscribers omit the messages that the relay itself publishes, so no
+message comes back. A service is offered in the graph that does not have it, while the other has it.
 
 Nodes that are in both graphs themselves (`graph.joint_marks`) are skipped: boards, which need no relay, and
-other relays, whose messages come from the other graph. Of several relays, one carries a topic or service: the
-first one keeps it. If two begin at once, the older one has it, because the younger one waits a moment.
+other relays, whose messages come from the other graph. If there are several relays, the first one that relays
+a topic or service keeps it. If two start at the same time, the older one gets it: the younger one waits.
 """
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ from rostether.relay.side import Side
 from rostether.relay.topic_relay import TopicRelay
 from rostether.ros2.actions.board_graph import BoardJoin
 
-# The pause before something that a graph refused is tried again; graphs come back within seconds.
+# The pause before a request that a graph refused is repeated; graphs come back within seconds.
 RETRY_S = 2.0
 
 # The time for relays and boards in both graphs to see a new relay: ROS 1 shows changes after a second.
 MEET_S = 2.0
 
-# How long a relay waits for each older one to begin: until the graphs show that it has.
+# How long a relay waits for each older one: until the graphs show what the older one relays.
 GIVE_WAY_S = 1.5
 
-# How often other relays are checked: until then, the offers of a killed one are missing.
+# How often other relays are checked. Until then, the offers of a killed relay are missing.
 CHECK_S = 3.0
 
-# How often a new relay looks for its first snapshot of a graph.
+# How often a new relay checks for its first snapshot of a graph.
 SEEN_POLL_S = 0.05
 
 Report = Callable[[Level, str], None]
@@ -119,7 +119,7 @@ class Relay:
                     self._find_shared_nodes()
                     self._has_changed.set()
             except GraphError as error:
-                self._report(Level.WARN, f"{side.name} cannot be seen: {error}; looking again")
+                self._report(Level.WARN, f"cannot list the nodes of {side.name}: {error}; trying again")
             # Running relays continue: a graph that does not answer for a moment may still work.
             await asyncio.sleep(RETRY_S)
 
@@ -130,20 +130,18 @@ class Relay:
         self._gone &= {name for snapshot in self._snapshots.values() for name in snapshot.nodes}
         relays = {name: mark for name, mark in marked.relays.items() if name not in own | self._gone}
         for name in sorted(relays.keys() - self._marked.relays.keys()):
-            self._report(
-                Level.INFO, f"the relay {name} is between the same graphs: its copies are not relayed"
-            )
+            self._report(Level.INFO, f"the relay {name} connects the same graphs: its copies are not relayed")
         for name in sorted(marked.joint - self._marked.joint):
-            self._report(Level.INFO, f"{name} is in both graphs by itself: what it publishes is not relayed")
+            self._report(Level.INFO, f"{name} is a node of both graphs: its messages are not relayed")
         self._marked = MarkedNodes(relays, marked.joint)
         replace_names(self._skip_nodes, self._marked.names | self._gone)
 
     async def _forget_gone(self, side: Side) -> None:
-        """Find relays that were killed, and remove their registrations."""
+        """Find relays that were killed, and remove their registrations from the graph of a side."""
         if side.forget_if_gone is None:
             return
         # The first check ends before anything is arranged: a killed relay is not a source.
-        while side.name not in self._snapshots:  # noqa: ASYNC110 - each side is seen after milliseconds
+        while side.name not in self._snapshots:  # noqa: ASYNC110 - the first snapshot takes milliseconds
             await asyncio.sleep(SEEN_POLL_S)
         while True:
             known = relay_marks(self._snapshots.get(side.name, Snapshot()))
@@ -151,11 +149,11 @@ class Relay:
                 try:
                     is_gone = await side.forget_if_gone(name)
                 except RostetherError as error:
-                    self._report(Level.WARN, f"cannot see whether the relay {name} still runs: {error}")
+                    self._report(Level.WARN, f"cannot check whether the relay {name} still runs: {error}")
                     continue
                 if is_gone:
                     self._gone.add(name)
-                    self._report(Level.INFO, f"the relay {name} has ended without leaving: it is forgotten")
+                    self._report(Level.INFO, f"the relay {name} was killed: removed its registrations")
                     self._find_shared_nodes()
                     self._has_changed.set()
             await asyncio.sleep(CHECK_S if known else RETRY_S)
@@ -205,7 +203,7 @@ class Relay:
     def _topics(
         self, source: Side, target: Side, direction: Direction
     ) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
-        """Yield the topics of one side to be carried, each with its publishers in the other one."""
+        """Yield the topics of one side to relay, each with its publishers on the other side."""
         there = self._snapshots[target.name].topics
         own = {source.graph.node_name, *self._skip_nodes}
         for name, topic in self._snapshots[source.name].topics.items():
@@ -218,7 +216,7 @@ class Relay:
                 )
 
     def _services(self, source: Side, target: Side) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
-        """Yield the services of one side to be offered in the other one, each with its providers there."""
+        """Yield the services of one side to relay, each with its providers on the other side."""
         there = self._snapshots[target.name].services
         own = {source.graph.node_name, *self._skip_nodes}
         relays = {target.graph.node_name, *self._marked.relays, *self._gone}
@@ -232,7 +230,7 @@ class Relay:
                 yield RelayItem(Kind.SERVICE, name, source, target, chosen.type), providers
 
     def _actions(self) -> Iterator[tuple[RelayItem, tuple[str, ...]]]:
-        """Yield the actions of one side to be offered in the other one, each with its servers there."""
+        """Yield the actions of one side to relay, each with its servers on the other side."""
         if self._actions_join is None:
             return
         entries = action_entries(*(self._snapshots[side.name] for side in self._sides))
@@ -248,7 +246,7 @@ class Relay:
                     yield RelayItem(Kind.ACTION, name, source, target, entry.type), servers
 
     def _carrier(self, own_name: str, nodes: Iterable[str]) -> str:
-        """Return the relay among nodes that keeps something from us, an empty string if none does."""
+        """Return the relay among nodes that carries a topic already, or an empty string."""
         relays = self._marked.relays
         others = sorted((relays[name], name) for name in nodes if name in relays)
         if not others or (own_name in nodes and self._mark < others[0][0]):
@@ -258,7 +256,7 @@ class Relay:
     async def _carry(self, item: RelayItem) -> None:
         reported = ""
         while True:
-            # Older relays go first; this task is cancelled if one of them carries the topic.
+            # Older relays have priority; this task is cancelled if one of them relays the topic.
             await asyncio.sleep(GIVE_WAY_S * sum(mark < self._mark for mark in self._marked.relays.values()))
             relay = self._relays[item] = self._new_relay(item)
             is_open = False

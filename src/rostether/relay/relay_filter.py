@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fnmatch import fnmatchcase
 
-# Each graph has its own topics of these names: they are carried only if named without `*`.
+# Each graph has its own topics with these names: they are relayed only if given without `*`.
 PRIVATE_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events", "/clock"})
 
 # Services that every node of a graph offers about itself; they are not relayed.
@@ -28,7 +28,7 @@ ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
 
 
 class Direction(Enum):
-    """The source and destination graph."""
+    """The direction of a relay: FORTH is from the first graph to the second one."""
 
     BOTH = "both"
     FORTH = "forth"
@@ -81,9 +81,9 @@ class RelayFilter:
         return any(each.covers(name, direction) for each in self.topics)
 
     def carries_action(self, name: str) -> bool:
-        """Return whether an action is carried: to the graph that has it not."""
+        """Return whether an action is carried to the graph that does not have it."""
         return any(fnmatchcase(name, pattern) for pattern in self.actions)
 
     def service(self, name: str) -> Services | None:
-        """Return the choice for a service, None if it is not relayed."""
+        """Return the first entry that covers a service, None if it is not relayed."""
         return next((each for each in self.services if each.covers(name)), None)

@@ -10,7 +10,7 @@ from rostether.relay.side import Side
 
 
 class ServiceRelay:
-    """Passes calls on until it is closed."""
+    """Forwards calls until it is closed."""
 
     def __init__(self, service: str, source: Side, target: Side, chosen_type: str) -> None:
         self.service = service

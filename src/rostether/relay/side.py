@@ -9,17 +9,16 @@ from rostether.errors import DefinitionError
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 
-# Takes a service and the name of its type, `*` where that is not known. Raises RostetherError.
+# Takes a service and the name of its type, `*` if it is unknown. Raises RostetherError.
 FindServiceType = Callable[[str, str], Awaitable[ServiceType]]
 
-
-# Takes a node's name; if it has ended without leaving, removes its registrations and returns True.
+# Takes a node's name; if the node was killed, removes its registrations and returns True.
 ForgetNode = Callable[[str], Awaitable[bool]]
 
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A graph with its name for users, and a function that finds the type of a service.
+    """A graph, its name for users, and a function that finds the type of a service.
 
     `forget_if_gone` is for a graph that keeps the registrations of nodes that were killed: ROS 1.
     """

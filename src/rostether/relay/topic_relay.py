@@ -17,7 +17,7 @@ PAUSE_S = 0.1
 # graph may also list subscribers that were killed.
 CONNECT_S = 3.0
 
-# A graph may list the relay's own subscriber, which does not connect: then the others decide after this time.
+# A graph may list the relay's own subscriber, which does not connect: after this time, it is not waited for.
 SETTLE_S = 0.2
 
 # How often connected subscribers are counted; the port does not report them.
@@ -122,7 +122,7 @@ class TopicRelay:
         self._type_changed.set()
 
     async def _subscribers_connected(self, publisher: Publisher) -> None:
-        """Wait until the subscribers that the other graph lists are connected, `CONNECT_S` at most."""
+        """Wait until the subscribers that the other graph lists are connected, at most `CONNECT_S`."""
         graph = self.target.graph
         topic = (await graph.snapshot()).topics.get(publisher.topic)
         listed = set() if topic is None else set(topic.subscribers)

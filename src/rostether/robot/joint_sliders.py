@@ -8,7 +8,7 @@ from enum import Enum, auto
 
 from rostether.robot.joint_states import FreeJoint, JointStates
 
-# Key presses from one end of a slider to the other; ten times as fast with Page Up and Page Down.
+# Key presses from one end of a slider to the other; Page Up and Page Down are `_FAST` times as fast.
 STEPS = 200
 
 _FAST = 20

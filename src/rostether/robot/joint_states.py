@@ -1,6 +1,6 @@
 """The joint positions of joint_state_publisher: zeros, limits, sources, mimicking joints.
 
-Without clock or graph.
+It uses no clock and no graph.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ ONE_DEGREE_OF_FREEDOM = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, Joi
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The range of a joint in radians or metres; `soft_*` are of its safety controller, None if not given."""
+    """The range of a joint in radians or metres; `soft_*`: its safety controller, None if not given."""
 
     lower: float = 0.0
     upper: float = 0.0

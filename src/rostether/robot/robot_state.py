@@ -1,8 +1,8 @@
-"""Converts joint positions to transforms, like robot_state_publisher. Without clock or graph.
+"""Converts joint positions to transforms, like robot_state_publisher. It uses no clock and no graph.
 
-Fixed joints and planar joints (which one number cannot describe) have fixed transforms; the localization
-publishes those of floating joints. Moving joints are published as soon as a state contains them, but not more
-often than `publish_frequency_hz`.
+Fixed joints and planar joints (which one number cannot describe) have fixed transforms. Floating joints have
+none here, because the localization publishes them. Moving joints are published as soon as a state contains
+them, but not more often than `publish_frequency_hz`.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class RobotState:
     def moving_transforms(
         self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int
     ) -> list[StampedTransform]:
-        """Return the transforms for a joint state, sorted by joint; none if it is too early.
+        """Return the transforms for a joint state, sorted by joint; none if the last ones are too recent.
 
         Positions of mimicking joints are added. Sets `problem` to one line about an invalid state, or to an
         empty string.
@@ -91,22 +91,22 @@ class RobotState:
         if not self.settings.ignore_timestamp and stamp_ns < min(last_ns, now_ns) + self.settings.interval_ns:
             return []
         self._published_ns.update(dict.fromkeys(known, stamp_ns))
-        complete = self._followed(known)
+        complete = self._with_followers(known)
         return [
             self._stamped(joint, complete[name], stamp_ns)
             for name, joint in self._moving.items()
             if name in complete
         ]
 
-    def _followed(self, known: dict[str, float]) -> dict[str, float]:
+    def _with_followers(self, known: dict[str, float]) -> dict[str, float]:
         complete = with_mimics(self._model, known)
         return {
             name: at
             for name, at in complete.items()
-            if name in known or (self._is_led(name, known) and math.isfinite(at))
+            if name in known or (self._has_known_leader(name, known) and math.isfinite(at))
         }
 
-    def _is_led(self, name: str, known: dict[str, float]) -> bool:
+    def _has_known_leader(self, name: str, known: dict[str, float]) -> bool:
         return mimic_chain(self._model.mimics, name, known)[2] in known
 
     def _defect(self, names: Sequence[str], positions: Sequence[float], stamp_ns: int, now_ns: int) -> str:
@@ -121,8 +121,8 @@ class RobotState:
         for name, position in zip(names, positions, strict=True):
             if not math.isfinite(position):
                 return f"ignored joint {name!r} in a JointState: its position is {position}"
-        strange = [name for name in names if name not in self._model.joints]
-        return f"a JointState contains joint {strange[0]!r}, which the robot does not have" if strange else ""
+        unknown = [name for name in names if name not in self._model.joints]
+        return f"a JointState contains joint {unknown[0]!r}, which the robot does not have" if unknown else ""
 
     def _stamped(self, joint: Joint, position: float, stamp_ns: int) -> StampedTransform:
         prefix = self.settings.tf_prefix

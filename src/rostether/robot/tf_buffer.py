@@ -54,7 +54,7 @@ class TransformBuffer:
     ) -> str:
         """Store a transform; returns tf2's error message if it was refused, or an empty string.
 
-        A frame stays moving or static, as it was first.
+        A frame that was first moving or static stays so.
         """
         parent, child = stamped.parent.removeprefix("/"), stamped.child.removeprefix("/")
         problem = _defect(parent, child, stamped.transform, authority)
@@ -62,7 +62,7 @@ class TransformBuffer:
             return problem
         if len(self._frames) >= MAX_FRAMES and not {parent, child} <= self._frames.keys():
             return (
-                f'TF_TOO_MANY_FRAMES: Ignoring "{child}" from authority "{authority}": there are {MAX_FRAMES}'
+                f'TF_TOO_MANY_FRAMES: Ignoring "{child}" from authority "{authority}": {MAX_FRAMES} are known'
             )
         entry = Entry(stamped.stamp_ns, parent, stamped.transform, authority)
         self._frames.setdefault(child)
@@ -77,8 +77,7 @@ class TransformBuffer:
         return ""
 
     def lookup(self, target: str, source: str, time_ns: int = 0) -> StampedTransform:
-        """Return the transform from `source` to `target`. Time zero means the latest common time of all
-        steps.
+        """Return the transform from `source` to `target`; time zero is the latest common time of all steps.
 
         Raises UnknownFrameError, UnconnectedFramesError, ExtrapolationError, TransformError.
         """

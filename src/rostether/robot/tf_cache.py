@@ -1,4 +1,4 @@
-"""The stored transforms of one frame to its parent, sorted by time, and deleted after a while."""
+"""The stored transforms of one frame to its parent, sorted by time; old ones are deleted."""
 
 from __future__ import annotations
 

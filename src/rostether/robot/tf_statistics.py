@@ -58,7 +58,7 @@ class TfStatistics:
     def add(
         self, transforms: Sequence[StampedTransform], authority: str, is_static: bool, now_ns: int
     ) -> None:
-        """Handle one message, which has at least one transform; a node's delay is the mean of its frames'."""
+        """Handle one message, with at least one transform; the delay of a node is the mean of its frames."""
         delays_s = [0.0 if is_static else (now_ns - each.stamp_ns) / NS_PER_S for each in transforms]
         for stamped, delay_s in zip(transforms, delays_s, strict=True):
             _add(self.frames, stamped.child.removeprefix("/"), delay_s, now_ns, authority)

@@ -73,7 +73,7 @@ class Request:
         )
 
     def changed_transforms(self, buffer: TransformBuffer) -> list[StampedTransform]:
-        """Return new frames, and those that have moved beyond the requested thresholds since last sent."""
+        """Return the frames that are new, or have moved beyond the thresholds since they were sent."""
         found = []
         for source in self.sources:
             try:

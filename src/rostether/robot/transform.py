@@ -65,7 +65,7 @@ class StampedTransform:
 
 
 def conjugated(rotation: Quaternion) -> Quaternion:
-    """Return the opposite rotation of a unit quaternion."""
+    """Return the inverse rotation of a unit quaternion."""
     x, y, z, w = rotation
     return -x, -y, -z, w
 
@@ -103,7 +103,7 @@ def slerp(start: Quaternion, end: Quaternion, ratio: float) -> Quaternion:
 
 
 def interpolate(start: Transform, end: Transform, ratio: float) -> Transform:
-    """Return the interpolated transform; fraction 0 is the start, 1 the end."""
+    """Return the interpolated transform; ratio 0 is the start, 1 the end."""
     x, y, z = ((1.0 - ratio) * a + ratio * b for a, b in zip(start.translation, end.translation, strict=True))
     return Transform((x, y, z), slerp(start.rotation, end.rotation, ratio))
 

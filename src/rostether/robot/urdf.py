@@ -1,7 +1,7 @@
 """URDF: the XML that describes a robot's links and joints.
 
-It is read like in urdfdom: an error in a joint or in the tree refuses the robot; an invalid shape is left
-out. Unknown elements are ignored, so a .xacro file without macros also loads.
+It is read like in urdfdom: with an error in a joint or in the tree, the robot is refused; an invalid shape is
+omitted. Unknown elements are ignored, so a .xacro file without macros also loads.
 """
 
 from __future__ import annotations

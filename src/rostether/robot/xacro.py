@@ -22,7 +22,6 @@ ASSIGNMENT = ":="
 
 _XACRO = re.compile(rb"<xacro:|xmlns:xacro")
 
-
 # A large robot has about 100,000 elements; macros that call two others, 30 levels deep, make 10**9.
 MAX_ELEMENTS: Final = 250_000
 MAX_CHARACTERS: Final = 64 * 1024 * 1024
@@ -61,7 +60,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
         parse_robot_xml(file.read_bytes(), file=str(file))
     except OSError as error:
         raise RobotModelError(f"{file}: {error.strerror}") from error
-    with _finding(xacro, packages), bounded(xacro, file):
+    with _packages_found(xacro, packages), bounded(xacro, file):
         try:
             document = xacro.process_file(str(file), mappings=dict(mappings))
         except RobotModelError:
@@ -95,7 +94,7 @@ def _xacro(file: Path) -> Any:
 
 
 @contextmanager
-def _finding(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
+def _packages_found(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
     # xacro uses the ament index of ROS 2, which is not installed.
     arguments = xacro.substitution_args
     before = arguments._eval_find

@@ -1,6 +1,6 @@
-"""The motion of the virtual robot: a circle on the floor, with a sway, and its sensor values.
+"""The motion of the virtual robot: a circle on the floor, swaying, and its sensor values.
 
-Everything is a function of time only, so that pose, turn rate and acceleration are consistent.
+All values are functions of time only, so that pose, turn rate and acceleration are consistent.
 Axes as in REP 103: x forward, y left, z up; metres, radians, seconds.
 """
 

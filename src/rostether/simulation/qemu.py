@@ -71,7 +71,7 @@ class QemuBoard:
         """
         if not is_arm_program(program):
             raise BoardError(
-                f"{program} cannot run on the {machine}: it is not a whole ELF file for an ARM "
+                f"{program} cannot run on the {machine}: it is not a complete ELF file for an ARM "
                 "microcontroller; compile it with arm-none-eabi-g++"
             )
         link = PtyLink(link_path)
@@ -153,11 +153,11 @@ class QemuBoard:
         assert stdout is not None
         while chunk := await stdout.read(4096):
             output = (output + chunk)[-MAX_OUTPUT_BYTES:]
-        self.exit_message = _complaint(output)
+        self.exit_message = _error_message(output)
 
 
 def is_arm_program(path: Path) -> bool:
-    """Return whether a file is a whole ELF file for ARM; qemu runs any other as a memory image.
+    """Return whether a file is a complete ELF file for ARM; qemu would run another file as a memory image.
 
     Returns False for a file that cannot be read.
     """
@@ -185,10 +185,10 @@ async def _find_terminal(process: asyncio.subprocess.Process) -> tuple[str, byte
         found = _TERMINAL.search(output)
         if found is not None:
             return found[1].decode(), output
-    raise BoardError(f"{PROGRAM} does not run this program: {_complaint(output) or 'no reason given'}")
+    raise BoardError(f"{PROGRAM} does not run this program: {_error_message(output) or 'no reason given'}")
 
 
-def _complaint(output: bytes) -> str:
+def _error_message(output: bytes) -> str:
     """Return the error message in the output of qemu and its monitor."""
     lines = (line.strip() for line in output.decode(errors="replace").splitlines())
     wrong = [line.removeprefix(f"{PROGRAM}: ") for line in lines if line.startswith(PROGRAM)]

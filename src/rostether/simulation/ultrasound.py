@@ -18,7 +18,7 @@ _LOST_ECHO_PROBABILITY = 0.002
 
 
 class Obstacle:
-    """Simulates a person who walks back and forth in front of the sensor, until it is placed or moved."""
+    """A person who walks back and forth in front of the sensor, until `place` or `move` is called."""
 
     def __init__(self) -> None:
         self._placed_at: float | None = None
@@ -37,12 +37,12 @@ class Obstacle:
         self.place(min(max(self.distance(time_s) + by_m, MIN_RANGE), MAX_RANGE))
 
     def place(self, distance_m: float) -> None:
-        """Put it at a distance, where it stays; inf takes it away."""
+        """Put it at a distance, where it stays; inf removes it."""
         self._placed_at = distance_m
 
 
 class Ultrasound:
-    """Simulates the readings of the distance to an obstacle in metres; noise from `rng`."""
+    """Simulates readings of the distance to an obstacle in metres; `rng` makes their noise."""
 
     def __init__(self, rng: Random, obstacle: Obstacle) -> None:
         self._rng = rng

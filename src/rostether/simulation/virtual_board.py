@@ -6,7 +6,7 @@
     ultrasound    sensor_msgs/Range  20 Hz   an HC-SR04 with a person walking in front
     imu_data      sensor_msgs/Imu    40 Hz   the robot's turn rate, acceleration and orientation
     /tf           tf/tfMessage       20 Hz   odom -> base_link, a circle on the floor; base_link -> ultrasound
-    count         std_msgs/UInt32    1 Hz    one more each time
+    count         std_msgs/UInt32    1 Hz    a counter
 
 Services `set_led` (std_srvs/SetBool) and `test_srv` (rosserial_arduino/Test); parameters `~blink_hz`, how
 often the LED blinks by itself (0: never), and `~frame_id`, the robot's frame (base_link); logs.

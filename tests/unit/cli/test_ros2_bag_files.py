@@ -100,7 +100,7 @@ def test_what_makes_no_sense_is_reported(bag: Path, tmp_path: Path, shell: Shell
         options = ("--format", "ros2", "--storage", storage, packing)
         assert "MCAP" in shell.failure("bag", "record", "-a", *options)
     words = ("bag", "convert", str(bag), str(tmp_path / "b.bag"), "--format", "ros2")
-    assert "a .bag file can only hold ROS 1 messages" in shell.failure(*words)
+    assert "a .bag file can contain only ROS 1 messages" in shell.failure(*words)
     words = ("bag", "convert", str(bag), str(tmp_path / "c"), "--format", "ros1")
     assert "recording must be a .bag or .mcap" in shell.failure(*words)
     (tmp_path / "other.db3").write_bytes(b"SQLite format 3\0" + bytes(84))

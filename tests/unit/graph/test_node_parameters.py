@@ -54,7 +54,7 @@ async def test_a_flag_is_true_or_false(graph: TypedGraph) -> None:
 @pytest.mark.parametrize("value", [True, "7", 0, 8])
 async def test_an_integer_outside_its_limits_is_refused(graph: TypedGraph, value: ParamValue) -> None:
     await graph.set_param("~count", value)
-    with pytest.raises(ConfigError, match="~count is a whole number from 1 to 7"):
+    with pytest.raises(ConfigError, match="~count must be a whole number from 1 to 7"):
         await NodeParameters(graph).integer(1, 1, 7, "count")
 
 

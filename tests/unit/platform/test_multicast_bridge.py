@@ -105,7 +105,7 @@ async def test_a_message_that_fits_no_datagram() -> None:
         await until(lambda: publisher.subscriber_count)
         publisher.publish(data="x" * 65_504)
         await until(lambda: len(lines.texts) == 2)
-    assert lines.texts[1] == "a message of 65508 bytes is not sent: a datagram carries 65507 at most"
+    assert lines.texts[1] == "a message of 65508 bytes is not sent: a datagram can contain at most 65507"
 
 
 async def test_framed_commands_are_repeated_and_end_with_a_stop() -> None:

@@ -69,7 +69,9 @@ async def test_a_sensors_life(tmp_path: Path) -> None:
         await value.close()
         await until(lambda: screen.states["sensor_node0"] == "disconnected")
         assert await register(robot, "ANALOG") == "sensor_node0"
-        with pytest.raises(ServiceCallError, match="sensor_type is CAMERA, ANALOG, DIGITAL, not 'RADAR'"):
+        with pytest.raises(
+            ServiceCallError, match="sensor_type must be one of CAMERA, ANALOG, DIGITAL, not 'RADAR'"
+        ):
             await register(robot, "RADAR")
     screen.states.clear()
     # The manager starts again: all sensors are back, with their names, and numbers go on.

@@ -37,7 +37,7 @@ def test_a_line_makes_a_topic_a_sensor(tmp_path: Path, monkeypatch: pytest.Monke
         ('"/x" = 1', 'write "/x" = { name ='),
         ('"/x" = { colour = "red" }', "unknown key 'colour'; known: name, platform, type, unit"),
         ('"/x" = { name = 1 }', "name of /x is a text"),
-        ('"/x" = { type = "RADAR" }', "type of /x is CAMERA, ANALOG, DIGITAL, not 'RADAR'"),
+        ('"/x" = { type = "RADAR" }', "type of /x must be one of CAMERA, ANALOG, DIGITAL, not 'RADAR'"),
         ('"/sensor_node1" = {}', "belongs to a registered sensor"),
     ],
 )

@@ -88,10 +88,10 @@ def test_after_a_restart_numbers_continue() -> None:
 @pytest.mark.parametrize(
     ("platform", "sensor_type", "reason"),
     [
-        ("Robot", "RADAR", "sensor_type is CAMERA, ANALOG, DIGITAL, not 'RADAR'"),
-        ("", "ANALOG", "platform_name is 1 to 100 printable characters"),
-        ("a\nb", "ANALOG", "platform_name is 1 to 100 printable characters"),
-        ("x" * 101, "ANALOG", "platform_name is 1 to 100 printable characters"),
+        ("Robot", "RADAR", "sensor_type must be one of CAMERA, ANALOG, DIGITAL, not 'RADAR'"),
+        ("", "ANALOG", "platform_name must be 1 to 100 printable characters"),
+        ("a\nb", "ANALOG", "platform_name must be 1 to 100 printable characters"),
+        ("x" * 101, "ANALOG", "platform_name must be 1 to 100 printable characters"),
     ],
 )
 def test_what_cannot_be_registered(
@@ -173,15 +173,15 @@ def test_one_node_holds_the_lease_of_an_id(registry: SensorRegistry) -> None:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"id": "robot 3"}, "id is a name such as robot3/front, not 'robot 3'"),
+        ({"id": "robot 3"}, "id must be a name such as robot3/front, not 'robot 3'"),
         ({"id": "sensor_node0"}, "sensor_node0 exists and has no lease"),
-        ({"sensor_type": "radar"}, "sensor_type is a word such as ANALOG, not 'radar'"),
-        ({"message_type": "Float64"}, "message_type is a type such as std_msgs/Float64"),
+        ({"sensor_type": "radar"}, "sensor_type must be a word such as ANALOG, not 'radar'"),
+        ({"message_type": "Float64"}, "message_type must be a type such as std_msgs/Float64"),
         ({"lease_s": 0.0}, "lease_s is 1 to 3600, not 0.0"),
         ({"lease_s": float("nan")}, "lease_s is 1 to 3600, not nan"),
         ({"rate_hz": -1.0}, "rate_hz is 0"),
-        ({"state": "fine"}, "state is init, ready, sleeping, alert, not 'fine'"),
-        ({"platform": ""}, "platform_name is 1 to 100 printable characters"),
+        ({"state": "fine"}, "state must be one of init, ready, sleeping, alert, not 'fine'"),
+        ({"platform": ""}, "platform_name must be 1 to 100 printable characters"),
         ({"unit": "a\nb"}, "unit is 1 to 100 printable characters"),
     ],
 )

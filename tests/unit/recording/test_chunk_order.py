@@ -65,7 +65,7 @@ def test_overlapping_chunks_are_merged() -> None:
     assert _overlapping(30).times(200, 300) == [each for each in file.times() if 200 <= each <= 300]
 
 
-def test_chunks_that_take_too_much_are_put_aside_and_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_chunks_that_take_too_much_are_closed_and_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunk_order, "MAX_OPEN_BYTES", 15_000)
     file = _overlapping(30)
     assert file.times() == sorted(time_ns for chunk in file.chunks for time_ns in chunk.times)

@@ -350,7 +350,7 @@ async def test_a_board_in_both_graphs_is_skipped(world: World) -> None:
     await world.two.subscribe("/chat", STRING, inbox.take)
     async with world.relaying(Topics("/*"), services=(Services("/*"),)) as relay:
         await until(lambda: world.lines)
-        assert world.lines == ["/board is in both graphs by itself: what it publishes is not relayed"]
+        assert world.lines == ["/board is a node of both graphs: its messages are not relayed"]
         await asyncio.sleep(0.05)
         assert not relay.relays
         # What others publish there goes on, without the board's.
@@ -435,7 +435,7 @@ async def test_a_killed_relay_is_forgotten(world: World) -> None:
         assert not relay.relays
         is_gone = True
         # Its registrations in both graphs are still listed.
-        await until(lambda: "the relay /killed has ended without leaving: it is forgotten" in world.lines)
+        await until(lambda: "the relay /killed was killed: removed its registrations" in world.lines)
         await until(lambda: any(each.type_name != "*" for each in relay.relays))
         assert world.networks[0].snapshot().services["/switch"].providers == ("/relay",)
     assert set(asked) == {"/killed"}
@@ -465,5 +465,5 @@ async def test_a_relay_that_was_killed_before_is_not_a_source(
 
     async with world.relaying(Topics("/chat"), services=(Services("/*"),), forget_if_gone=forget):
         await until(lambda: world.carries("/chat", 1))
-        assert "the relay /killed has ended without leaving: it is forgotten" in world.lines
+        assert "the relay /killed was killed: removed its registrations" in world.lines
         assert not any("/switch" in line for line in world.lines)

@@ -162,7 +162,7 @@ async def _value_source(
     gpio_package()
     bias = await parameters.text("as_is", "bias")
     if bias not in BIASES:
-        raise ConfigError(f"~bias is {', '.join(BIASES)}, not {bias!r:.100}")
+        raise ConfigError(f"~bias must be one of {', '.join(BIASES)}, not {bias!r:.100}")
     gpio = GpioLine(
         line,
         await parameters.text("/dev/gpiochip0", "chip"),

@@ -13,7 +13,7 @@ _MAX_NAME_BYTES = 15
 
 
 def interface_address(name: str) -> str | None:
-    """Return the IPv4 address of an interface, None if it has none, or is not there. Only on Linux."""
+    """Return the IPv4 address of an interface, None if it has none or does not exist. Only on Linux."""
     if sys.platform != "linux" or not 0 < len(name.encode()) <= _MAX_NAME_BYTES:
         return None
     import fcntl

@@ -22,7 +22,7 @@ class Kind(Enum):
 class Machine:
     """The settings for a new robot.toml; `core` is the address of the base station's master.
 
-    `address`, or the network interface `interface`, decides at which address others reach this machine.
+    `address`, or the network interface `interface`, is where other machines reach this one.
     """
 
     kind: Kind

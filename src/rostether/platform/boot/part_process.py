@@ -18,7 +18,7 @@ from rostether.platform.boot.robot_file import Part
 
 # The same as in the systemd units: a part whose event loop is blocked for this time is killed and restarted.
 WATCHDOG_S = 20.0
-# The time that a part gets to end. systemd waits 10 s for all parts together.
+# How long a part may take to end. systemd waits 10 s for all parts together.
 END_LIMIT_S = 8.0
 # A part that ran for this time has started successfully: the restart delay is short again.
 SETTLED_S = 30.0

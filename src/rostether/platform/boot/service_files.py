@@ -69,13 +69,13 @@ def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path
 
 
 def path_below(root: Path | None, path: Path) -> Path:
-    """Return a path in the folder `root`, such as a mounted image. Raises ConfigError if it leads out."""
+    """Return a path in the folder `root`, such as a mounted image. Raises ConfigError if it leaves it."""
     if root is None:
         return path
     place = root / path.relative_to("/")
     if not place.resolve().is_relative_to(root.resolve()):
         # An absolute link in an image leads to this machine.
-        raise ConfigError(f"{place} leads out of {root}, to {place.resolve()}; replace the link by a folder")
+        raise ConfigError(f"{place} is outside of {root}, at {place.resolve()}; replace the link by a folder")
     return place
 
 

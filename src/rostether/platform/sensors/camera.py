@@ -1,4 +1,4 @@
-"""The node camera: pictures as a sensor, published and taken only while a program receives them."""
+"""The node camera: pictures as a sensor, taken and published only while a program receives them."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ async def publish_pictures(
 ) -> None:
     """Publish the pictures of a source as a sensor until cancelled. Raises GraphError.
 
-    With a detector, the pictures have boxes around what it finds, and `<topic>/detections` has the boxes.
+    With a detector, boxes are drawn around the detected objects, and published on `<topic>/detections`.
     """
     async with registered_sensor(graph, description, report) as sensor:
         if detector is None:
@@ -53,7 +53,7 @@ async def publish_pictures(
 
 
 class _Camera:
-    """One run of the node."""
+    """The node, until it is cancelled."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Finds objects in pictures by a cascade of features (Viola and Jones), by OpenCV (extra `detection`)."""
+"""Finds objects in pictures with a cascade classifier (Viola and Jones) of OpenCV (extra `detection`)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
 
 # Where Debian and Raspberry Pi OS (package opencv-data) install the files that PyPI's OpenCV contains.
 _SYSTEM_FOLDER = Path("/usr/share/opencv4/haarcascades")
-# A picture of noise must not fill a message.
+# A noisy picture must not fill a message.
 MAX_REGIONS = 100
 
 _GREEN_BGR = (0, 255, 0)
@@ -30,7 +30,7 @@ class Region:
 
 
 class CascadeDetector:
-    """One cascade file (XML of OpenCV). A name without a folder may be one that comes with OpenCV.
+    """The classifier in a cascade file (XML). A name without a folder may be a file that comes with OpenCV.
 
     Raises ConfigError for a file that is not a cascade, and if OpenCV is not installed.
     """

@@ -20,7 +20,7 @@ SILENT_S = 3.0
 
 
 class Pace:
-    """Waits so that a loop runs `rate_hz` times a second; a loop that is late does not catch up."""
+    """Makes a loop run `rate_hz` times a second; a late loop does not catch up."""
 
     def __init__(self, rate_hz: float) -> None:
         self._period_s = 1 / rate_hz
@@ -57,10 +57,10 @@ async def publish_readings(
     hint: str,
     silence: str = "",
 ) -> None:
-    """Publish each reading until cancelled; `publish` also sets the state. Raises ConfigError of the source.
+    """Publish each reading until cancelled; `publish` also sets the state. Raises the source's ConfigError.
 
     If `open_source` raises OSError or RostetherError, the device is opened again each second; `hint` is the
-    advice for the user. `silence` is the reason that is shown while no reading comes.
+    advice for the user. `silence` is the reason to show while no reading arrives.
     """
     loop = asyncio.get_running_loop()
     period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0
@@ -72,7 +72,7 @@ async def publish_readings(
     def report_silence() -> None:
         if is_first and silence:
             report(Level.WARN, f"{sensor.description.id}: {silence}")
-        # A sensor that has never had a reading is not one that has become silent.
+        # A sensor without any reading yet has not become silent.
         sensor.set_state("init" if is_first else "sleeping", silence)
 
     while True:
@@ -98,7 +98,7 @@ async def publish_readings(
         finally:
             silent.cancel()
         sensor.set_state("alert", reason)
-        # If one picture in a folder is damaged, its line would repeat all the time.
+        # Without a limit, one damaged picture in a folder would be reported each time.
         if reason != failure and limiter.admit(reason, loop.time()) is not None:
             failure = reason
             report(Level.ERROR, f"{sensor.description.id}: {reason}; {hint}; trying again every second")

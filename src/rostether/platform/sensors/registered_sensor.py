@@ -1,6 +1,6 @@
 """A sensor that a node publishes: registered by its id, with a lease that the node renews.
 
-It publishes at once, with or without a sensing manager, and registers again when the manager restarts.
+It publishes immediately, with or without a sensing manager, and registers again when the manager restarts.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.backoff import Backoff
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 
-# A manager that restarts without its file knows all sensors again after one renewal period.
+# A manager that restarts without its file knows all sensors again after a renewal period.
 LEASE_S = 12.0
 RENEWAL_S = LEASE_S / 3
 RETRY_S = 0.5
@@ -82,7 +82,7 @@ class RegisteredSensor:
     def publish(self, **fields: Any) -> bool:
         """Publish a message, unless another node publishes this sensor.
 
-        If False, await `publisher.drained` first.
+        If it returns False, await `publisher.drained` before the next message.
         """
         return self._is_refused or self.publisher.publish(**fields)
 

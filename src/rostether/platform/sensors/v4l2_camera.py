@@ -88,7 +88,7 @@ class V4l2Camera:
                         frame = await anext(frames)
                 except TimeoutError:
                     raise BoardError(f"{self._path} sends no pictures") from None
-                # The camera may be faster than asked.
+                # The camera may be faster than the requested rate.
                 if loop.time() >= next_s:
                     next_s = max(next_s + 1 / rate_hz, loop.time())
                     yield bytes(frame)

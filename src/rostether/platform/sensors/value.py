@@ -31,7 +31,7 @@ class Scaling:
     alert_above: float = float("inf")
 
     def alert(self, value: float, unit: str) -> str:
-        """Return the reason why a value is an alert, "" if it is within the limits."""
+        """Return why a value causes an alert, or an empty string."""
         if math.isnan(value):
             return "not a number"
         unit = f" {unit}" if unit else ""
@@ -52,7 +52,7 @@ async def publish_values(
 ) -> None:
     """Publish the numbers of a source as a sensor until cancelled. Raises GraphError, ConfigError.
 
-    `hint` and `silence` are the texts for users if the source fails, and if it has no number.
+    `hint` and `silence` are the texts for users if the source fails, and while it sends no number.
     """
     async with registered_sensor(graph, description, report) as sensor:
         loop = asyncio.get_running_loop()
@@ -82,7 +82,7 @@ class TopicField:
 
     @property
     def silence(self) -> str:
-        """The reason to show if no message comes: often, the name of the topic is wrong."""
+        """The reason to show if no message arrives: often, the name of the topic is wrong."""
         return f"no message on {self._graph.resolve(self._topic)}; check its name: rostether topic list"
 
     async def values(self) -> AsyncGenerator[float, None]:

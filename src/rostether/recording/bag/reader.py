@@ -1,4 +1,4 @@
-"""Reads ROS 1 bags, format 2.0, of any writer, closed or not."""
+"""Reads ROS 1 bags, format 2.0, from any program, closed or not."""
 
 from __future__ import annotations
 

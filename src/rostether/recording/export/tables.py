@@ -41,7 +41,7 @@ class CsvTable:
 
     def __init__(self, target: Path | TextIO, columns: Sequence[Column]) -> None:
         self._name = str(target) if isinstance(target, Path) else "the output"
-        self._is_ours = isinstance(target, Path)
+        self._owns_file = isinstance(target, Path)
         try:
             self._file: TextIO = (
                 target.open("w", encoding="utf-8", newline="") if isinstance(target, Path) else target
@@ -67,7 +67,7 @@ class CsvTable:
     def close(self) -> None:
         """Close the table. Idempotent."""
         try:
-            if self._is_ours:
+            if self._owns_file:
                 self._file.close()
             else:
                 self._file.flush()

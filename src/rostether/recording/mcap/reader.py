@@ -1,4 +1,4 @@
-"""Reads MCAP files with messages of ROS 1 or ROS 2, of any writer, closed or not.
+"""Reads MCAP files with messages of ROS 1 or ROS 2, from any program, closed or not.
 
 Source: mcap.dev/spec
 """

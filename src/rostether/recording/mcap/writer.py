@@ -37,7 +37,7 @@ from rostether.recording.mcap.records import (
 )
 from rostether.recording.recorded import Connection
 
-# The format numbers them in two bytes.
+# The format uses two bytes for their numbers.
 MAX_CHANNELS = 0xFFFF
 
 _MAX_TIME_NS = (1 << 64) - 1
@@ -160,7 +160,7 @@ class McapWriter(ChunkedWriter):
 
     def _write_end(self) -> None:
         for number in self._channels:
-            for record in self._pop_unwritten(number):  # those of topics without messages
+            for record in self._pop_unwritten(number):  # of topics without messages
                 self._append(record)
                 self._known.add(record)
         data_end = encode_record(Op.DATA_END, U32.pack(self._data_crc))

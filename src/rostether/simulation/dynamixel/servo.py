@@ -21,7 +21,7 @@ TICKS_PER_RAD = 4096 / math.tau
 # Units of the profile: 214.577 turns per minute squared.
 PROFILE_RAD_S2 = 214.577 * math.tau / 3600
 WATCHDOG_UNIT_S = 0.02
-# It answers again this long after a reboot.
+# The time after which it answers again after a reboot.
 REBOOT_S = 0.2
 _GOALS = ("goal_pwm", "goal_velocity", "goal_position")
 
@@ -66,7 +66,7 @@ class Servo:
             self.fail(0x01)
 
     def fail(self, hardware_error: int) -> None:
-        """Set bits of the hardware error; those in the register `shutdown` switch the torque off."""
+        """Report a hardware error (bits); the bits in the register `shutdown` switch the torque off."""
         self._set(BY_NAME["hardware_error_status"], self["hardware_error_status"] | hardware_error)
         if hardware_error & self["shutdown"]:
             self._set(BY_NAME["torque_enable"], 0)
@@ -82,11 +82,11 @@ class Servo:
         self._move(now_s)
 
     def restart_watchdog(self, now_s: float) -> None:
-        """Restart the watchdog: a packet arrived."""
+        """Restart the bus watchdog, because a packet arrived."""
         self._last_packet_s = now_s
 
     def handle(self, instruction: int, parameters: bytes, now_s: float) -> tuple[int, bytes]:
-        """Execute an instruction to this servo alone; return error and data of the status packet."""
+        """Execute an instruction for this servo only; return error and data of the status packet."""
         error, data = self._handle(instruction, parameters, now_s)
         return error | (ALERT if self["hardware_error_status"] else 0), data
 
@@ -97,7 +97,7 @@ class Servo:
         return ServoError.NONE, bytes(self._table[address : address + size])
 
     def write(self, address: int, data: bytes) -> int:
-        """Write whole registers, all or none; return the error."""
+        """Write complete registers, all or none; return the error."""
         changes: list[tuple[Register, int]] = []
         position = 0
         while position < len(data):

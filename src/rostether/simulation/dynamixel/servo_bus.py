@@ -1,6 +1,6 @@
-"""A bus of simulated DYNAMIXEL servos: request bytes in, answer bytes out.
+"""A bus of simulated DYNAMIXEL servos, without I/O: request bytes in, answer bytes out.
 
-The caller provides the line and the clock.
+The caller provides the clock.
 """
 
 from __future__ import annotations

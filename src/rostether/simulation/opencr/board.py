@@ -25,7 +25,7 @@ from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.transports.pty_link import PtyLink
 
-# Its last lines have the reason for its end.
+# The last lines contain the reason for its end.
 _MAX_OUTPUT_BYTES = 4096
 _MAX_LINE_BYTES = 256
 _MAX_TONES = 64
@@ -52,8 +52,8 @@ class OpenCrBoard:
     """One board on a robot. It ends with `close`, and with this process.
 
     `base`: the robot. `pins`: the levels of its outputs by number. `tones`: the last tones, oldest first.
-    `watched`: the outputs whose changes `on_event` gets in addition to the tones, and BLUETOOTH for the lines
-    that the sketch prints to SerialBT2. `exit_message`: what the program reported before it ended.
+    `watched`: the outputs whose changes are passed to `on_event`, in addition to the tones, and BLUETOOTH for
+    the lines that the sketch prints to SerialBT2. `exit_message`: what the program reported before it ended.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class OpenCrBoard:
     async def start(
         cls, program: Path, *, link_path: Path | None = None, clock: Callable[[], float] | None = None
     ) -> Self:
-        """Start a program that `build_for_linux` made, its USB port linked at `link_path`.
+        """Start a program of `build_for_linux`; `link_path` becomes a link to its USB port.
 
         The robot has a full battery and does not move. Raises BoardError if the program does not start,
         TransportOpenError for a `link_path` in use.
@@ -130,7 +130,7 @@ class OpenCrBoard:
 
     @property
     def address(self) -> str:
-        """Return the link address of the board's USB port, as `serve` takes it."""
+        """Return the link address of the board's USB port for `serve`."""
         return self._terminal
 
     @property
@@ -148,7 +148,7 @@ class OpenCrBoard:
         self._send_to_sketch(f"pin {pin_number(name)} {int(high)}\n")
 
     def set_voltage(self, name: str, volts: float) -> None:
-        """Put 0 to 3.3 V at an analog input. Raises ConfigError for an unknown pin or another voltage."""
+        """Apply 0 to 3.3 V to an analog input. Raises ConfigError for an unknown pin or another voltage."""
         if not 0 <= volts <= PIN_FULL_SCALE_V:
             raise ConfigError(
                 f"{volts:g} V is not possible at {name}; its inputs accept 0 to {PIN_FULL_SCALE_V:g} V"
@@ -166,11 +166,11 @@ class OpenCrBoard:
             servo.set_voltage(volts)
 
     def set_range(self, metres: float | None) -> None:
-        """Put an obstacle in front of the sonar, or none."""
+        """Set the distance of the obstacle in front of the sonar; None removes it."""
         self._send_to_sketch(f"sonar {0 if metres is None else round(metres * _ECHO_US_PER_M)}\n")
 
     def send_remote_buttons(self, buttons: int) -> None:
-        """Send a packet of the remote control RC-100. `buttons`: bits up 1, down 2, left 4, right 8."""
+        """Send a packet of the remote control RC-100. `buttons` are bits up 1, down 2, left 4, right 8."""
         low, high = buttons & 0xFF, buttons >> 8 & 0xFF
         _send(self._lines["OPENCR_BLUETOOTH"], bytes((0xFF, 0x55, low, low ^ 0xFF, high, high ^ 0xFF)))
 
@@ -179,7 +179,7 @@ class OpenCrBoard:
         await asyncio.shield(self._ending)
 
     async def close(self) -> None:
-        """End it and wait for that. Idempotent."""
+        """End the program, and wait for its end. Idempotent."""
         self._link.remove()
         for line in self._lines.values():
             if line.fileno() >= 0:

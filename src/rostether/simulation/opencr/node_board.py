@@ -1,4 +1,4 @@
-"""A simulated OpenCR as its node shows it: named pins, and commands whose errors are BoardError."""
+"""A simulated OpenCR for its node: pins by name, and commands whose errors are BoardError."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class OpenCrNodeBoard:
         return self._board.has_ended
 
     async def pins(self) -> dict[str, str]:
-        """Return the level of each pin with a name, such as `out1`."""
+        """Return the level of each named pin, such as `out1`."""
         outputs = {pin_name(number).removeprefix("BDPIN_"): high for number, high in self._board.pins.items()}
         shown = _OUTPUTS | outputs
         inputs = {name: f"in{level}" for name, level in self._inputs.items() if name not in shown}
@@ -58,7 +58,7 @@ class OpenCrNodeBoard:
             raise BoardError(str(error)) from error
 
     async def ask(self, line: str, answer: str) -> BoardEvent:
-        """Return where the robot is, as an AVR board answers the command `wheels`. Raises BoardError."""
+        """Return the robot's pose, like the answer of an AVR board to `wheels`. Raises BoardError."""
         if (line, answer) != ("wheels", "wheels"):
             raise BoardError(f"the simulated OpenCR does not answer {line!r}")
         event = execute(self._board, "pose")
@@ -66,7 +66,7 @@ class OpenCrNodeBoard:
         return event
 
     async def events(self) -> AsyncIterator[BoardEvent]:
-        """Yield no event, until the program has ended."""
+        """Yield no events; end when the program has ended."""
         await self._board.wait_end()
         nothing: tuple[BoardEvent, ...] = ()
         for event in nothing:

@@ -1,4 +1,4 @@
-"""The runner, compiled on first use: it links libsimavr (GPL-3), so it is a separate program."""
+"""Compiles the runner on first use. It links libsimavr (GPL-3), so it is a separate program."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FLAGS = ("-std=gnu11", "-D_GNU_SOURCE", "-O2", "-Wall", "-Wextra")
 LIBRARIES = ("-lsimavr", "-lelf", "-lm")
 HEADERS = Path("/usr/include/simavr")
 
-# How often a process that waits for another one's build looks again.
+# How often a process that waits for the build of another process checks again.
 LOCK_POLL_S = 0.05
 
 _COMPILERS = ("cc", "gcc", "clang")
@@ -33,7 +33,8 @@ _NAME = "rostether-simavr"
 async def build_runner() -> Path:
     """Return the path of the runner; compile it if needed.
 
-    Of several processes that do so at once, one compiles. Raises BoardError with the packages to install.
+    If several processes need it at the same time, one of them compiles it. Raises BoardError with the
+    packages to install.
     """
     compiler = _find_compiler()
     sources = sorted(SOURCES.glob("*.c"))

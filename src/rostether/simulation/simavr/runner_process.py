@@ -23,7 +23,7 @@ END_LIMIT_S = 2.0
 
 
 class RunnerProcess:
-    """One running runner. `on_event` is called with each event except the answers to `report`."""
+    """A running runner. `on_event` is called with each event except the answers to `report`."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self.on_event: Callable[[BoardEvent], None] = lambda _event: None
@@ -56,7 +56,7 @@ class RunnerProcess:
             if isinstance(error, TimeoutError):
                 raise BoardError(
                     f"the simulated board did not start within {START_LIMIT_S:g} s; the machine may be too "
-                    f"busy"
+                    "busy"
                 ) from None
             raise
         made._reading = asyncio.get_running_loop().create_task(made._read())
@@ -92,7 +92,7 @@ class RunnerProcess:
             raise BoardError(f"{line}: {event['text']}")
 
     async def wait_before_end(self, found: asyncio.Future[T], what: str, timeout_s: float) -> T:
-        """Await a future, but no longer than the process lives. Raises BoardError."""
+        """Await a future, but only while the process runs. Raises BoardError."""
         reading = self._reading
         waited = {found} if reading is None else {found, reading}
         await asyncio.wait(waited, timeout=timeout_s, return_when=asyncio.FIRST_COMPLETED)  # type: ignore[type-var]
@@ -101,7 +101,7 @@ class RunnerProcess:
         found.cancel()
         if self.has_ended:
             raise BoardError(f"the simulated board has ended{f': {self._failure}' if self._failure else ''}")
-        raise BoardError(f"the simulated board gave no {what} within {timeout_s:g} s")
+        raise BoardError(f"the simulated board sent no {what} within {timeout_s:g} s")
 
     async def wait_end(self) -> None:
         """Wait until it has ended by itself."""

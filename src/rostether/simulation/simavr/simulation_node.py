@@ -58,8 +58,8 @@ class NodeBoard(Protocol):
 class SimulationNode:
     """The node of one board; `words` are the commands that it was started with.
 
-    `max_volts`: of an analog input. `has_servo_pins`: whether each output may have a servo. `on_command` is
-    called with each command from the graph that the board has executed.
+    `max_volts`: the limit of analog inputs. `has_servo_pins`: whether each output may have a servo.
+    `on_command` is called with each command from the graph that the board has executed.
     """
 
     def __init__(

@@ -30,10 +30,10 @@ _DELIVERED = 0x00
 
 @dataclass(frozen=True, slots=True)
 class AirConditions:
-    """`loss` is the probability that a transmission or its acknowledgement is lost, `repeat` that a packet
-    comes twice.
+    """The conditions of transmissions.
 
-    `delay_s` delays each packet, `rssi_dbm` is its signal strength at the receiver.
+    `loss` is the probability that a transmission or its acknowledgement is lost, `repeat` that a packet
+    arrives twice. `delay_s` delays each packet, `rssi_dbm` is its signal strength at the receiver.
     """
 
     loss: float = 0.0

@@ -17,7 +17,7 @@ _PIECE_BYTES = 32
 
 
 class RadioPort:
-    """Joins a radio and the transport of its serial port; `on_packets(radio)` is called when it may send.
+    """Connects a radio and the transport of its serial port; `on_packets(radio)` is called when it may send.
 
     With `host_baud`, bytes arrive only while the radio has the same speed.
     """

@@ -1,4 +1,4 @@
-"""The registers of a simulated radio: those in use, those set but not applied yet, and those in its flash."""
+"""The registers of a simulated radio: values in use, values not applied yet, and values in its flash."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""AT commands that travel through the air: the frames 17 and 97 of the API, and the packets between radios.
+"""AT commands for other radios: the frames 17 and 97 of the API, and the packets between radios.
 
     17  frame id, 64-bit address, 16-bit address, options, command, value
     97  frame id, 64-bit address, 16-bit address, command, status, value
@@ -33,7 +33,7 @@ class RemoteCommand(NamedTuple):
 
 
 class RemoteAnswer(NamedTuple):
-    """What the other radio answers."""
+    """The answer of the other radio."""
 
     frame_id: int
     command: str

@@ -61,7 +61,7 @@ def test_a_program_that_qemu_cannot_run_is_refused(tmp_path: Path) -> None:
     (tmp_path / "nothing.elf").mkdir()
     result = run_to_end(str(tmp_path / "nothing.elf"))
     assert result.returncode == 1
-    assert "nothing.elf cannot run on the lm3s6965evb: it is not a whole ELF file" in result.stderr
+    assert "nothing.elf cannot run on the lm3s6965evb: it is not a complete ELF file" in result.stderr
 
 
 @pytest.mark.parametrize("name", ["program.elf", "program.HEX"])

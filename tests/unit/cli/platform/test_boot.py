@@ -74,7 +74,7 @@ def test_a_link_in_an_image_does_not_lead_to_this_machine(root: Path, shell: She
     (tmp_path / "outside").mkdir()
     (root / "etc/systemd").symlink_to(tmp_path / "outside")
     words = ["install", "--machine", "both", "--name", "r", "--root", str(root), "--system"]
-    assert "leads out of" in shell.failure(*words)
+    assert "is outside of" in shell.failure(*words)
     assert not list((tmp_path / "outside").iterdir())
 
 

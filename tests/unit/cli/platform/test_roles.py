@@ -57,7 +57,7 @@ async def test_an_option_that_a_node_does_not_have(master: MasterServer) -> None
     words = ("camera", "--source", "test", "_rate:=0")
     async with started("role", *words, ROS_MASTER_URI=master.uri) as node:
         await node.wait_for("WARNING: ignored '--source'; a node's parameters are written _name:=value")
-        await node.wait_for("~rate is above 0")
+        await node.wait_for("~rate must be above 0")
 
 
 async def test_a_topic_over_multicast_and_back(
@@ -101,7 +101,10 @@ async def repeat(publisher: TypedPublisher[...], **fields: object) -> None:
     [
         (("multicast-topic-receiver",), "give the type of the messages, for instance _type:="),
         (("multicast-topic-receiver", "_type:=no/Such"), "no/Such"),
-        (("multicast-topic-bridge", "_sending_port:=0"), "~sending_port is a whole number from 1 to 65535"),
+        (
+            ("multicast-topic-bridge", "_sending_port:=0"),
+            "~sending_port must be a whole number from 1 to 65535",
+        ),
         (("multicast-topic-bridge", "_framed:=true", "_key_file:=none"), "none: the key cannot be read"),
         (("multicast-topic-bridge", "_framed:=true", "_robot:=1", "_groups:=2"), "give ~robot or ~groups"),
         (("digital",), "give one of ~gpio, ~path or ~topic, for instance _topic:="),
