@@ -49,3 +49,9 @@ def did_you_mean(name: str, known: Iterable[str], *, prefix: str = "", then: str
 
     near = get_close_matches(name, list(known), n=1)
     return f"did you mean {prefix}{near[0]}?{then}" if near else ""
+
+
+def unpublished_warning(topic: str, published: Iterable[str]) -> str:
+    """Return rostopic's warning that no node publishes a topic yet, with the most similar published one."""
+    hint = did_you_mean(topic.partition("[")[0], published)
+    return f"WARNING: topic [{topic}] does not appear to be published yet{hint and f'; {hint}'}"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Container
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph
-from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.text import unpublished_warning
 
 # How often the first message on /clock is checked: simulations publish it at 100 Hz or more.
 TIME_POLL_S = 0.01
@@ -38,5 +38,4 @@ async def report_missing(
     for name in names:
         full = graph.resolve(name)
         if name not in connected and full not in published:
-            hint = did_you_mean(full, published)
-            report(f"WARNING: topic [{full}] does not appear to be published yet{hint and f'; {hint}'}")
+            report(unpublished_warning(full, published))

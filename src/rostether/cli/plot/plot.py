@@ -126,7 +126,7 @@ async def _plot_ros2(
     msg_paths: tuple[Path, ...],
 ) -> None:
     from rostether.cli.access.ros2_tool_node import tool_node
-    from rostether.cli.topic.ros2_chosen_topic import choose_topic
+    from rostether.cli.topic.ros2_chosen_topic import choose_ros2_topic
 
     async with tool_node(graph_options, msg_paths) as tool:
 
@@ -136,7 +136,7 @@ async def _plot_ros2(
                     tasks.create_task(follow_one(name))
 
         async def follow_one(name: str) -> None:
-            chosen = await choose_topic(tool, name)
+            chosen = await choose_ros2_topic(tool, name)
             path = None if chosen.field is None else chosen.field.path
             session.add_type(chosen.topic, tool.registry, tool.graph.store.codec(chosen.type))
             async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:

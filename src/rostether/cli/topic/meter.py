@@ -121,11 +121,11 @@ async def ros2_meter(
 ) -> AsyncIterator[TopicMeter]:
     """Join a ROS 2 graph and wait for the topics; `quiet` omits the lines about that."""
     from rostether.cli.access.ros2_tool_node import tool_node
-    from rostether.cli.topic.ros2_chosen_topic import choose_topic
+    from rostether.cli.topic.ros2_chosen_topic import choose_ros2_topic
 
     async with tool_node(graph, msg_paths, needs_definitions=needs_definitions) as tool:
         chosen_topics = [
-            await choose_topic(tool, topic, needs_definition=needs_definitions) for topic in topics
+            await choose_ros2_topic(tool, topic, needs_definition=needs_definitions) for topic in topics
         ]
         meter = TopicMeter(tool.graph, [each.topic for each in chosen_topics], quiet, is_ros2=True)
         for each in chosen_topics:

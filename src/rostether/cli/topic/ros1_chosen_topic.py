@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.ros1_access import master_client, resolve
+from rostether.cli.access.ros1_access import resolve
 from rostether.cli.shell.output import warn
-from rostether.errors import ConfigError, DefinitionError, GraphError, UnknownNameError
-from rostether.graph.joint_marks import is_mark
-from rostether.mechanisms.text import did_you_mean
+from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics
+from rostether.errors import ConfigError, DefinitionError, GraphError
+from rostether.mechanisms.text import unpublished_warning
 from rostether.ros1.environment import RosEnvironment
-from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.field_path import FieldPath
 
 if TYPE_CHECKING:
@@ -22,10 +21,6 @@ if TYPE_CHECKING:
 
 # How often the master is asked for a topic that does not exist yet, as in rostopic.
 POLL_S = 0.1
-
-
-UNKNOWN_TYPE = "unknown type"
-ANY_TYPE = "*"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +76,7 @@ async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironme
                 reported = True
                 _refuse_wrong_field(name, topics, graph.store)
                 names = [topic.name for topic in topics if topic.known_type is not None]
-                hint = did_you_mean(name.partition("[")[0], names)
-                warn(f"WARNING: topic [{name}] does not appear to be published yet{hint and f'; {hint}'}")
+                warn(unpublished_warning(name, names))
             await asyncio.wait({leaving}, timeout=POLL_S)
     finally:
         leaving.cancel()
@@ -102,47 +96,3 @@ def _refuse_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore
             raise ConfigError(f"in {topic.name}, {error}") from None
         except DefinitionError:
             continue
-
-
-@dataclass(frozen=True, slots=True)
-class TopicView:
-    """One topic; `type` is "unknown type" until a publisher or subscriber has registered one."""
-
-    name: str
-    type: str
-    publishers: list[str]
-    subscribers: list[str]
-
-    @property
-    def known_type(self) -> str | None:
-        """The type, None while it is unknown."""
-        return None if self.type in (UNKNOWN_TYPE, ANY_TYPE) else self.type
-
-
-async def fetch_topics(environment: RosEnvironment) -> list[TopicView]:
-    """Return all topics that can carry messages, sorted by name. Raises MasterUnreachableError."""
-    async with master_client(environment) as client:
-        publishers, subscribers, _ = await client.system_state()
-        types = await client.topic_types()
-    return [
-        TopicView(name, types.get(name, UNKNOWN_TYPE), publishers.get(name, []), subscribers.get(name, []))
-        for name in sorted(publishers.keys() | subscribers.keys())
-        if not is_mark(name)
-    ]
-
-
-async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str | None]:
-    """Return each node's URI, None for a node that has just left."""
-    uris: dict[str, str | None] = {}
-    for node in nodes:
-        try:
-            uris[node] = await client.lookup_node(node)
-        except UnknownNameError:
-            uris[node] = None
-    return uris
-
-
-def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a topic without publishers and subscribers; `known` are those there are."""
-    hint = did_you_mean(name, known) or "`rostether topic list` shows all topics"
-    return UnknownNameError(f"topic {name} has no publisher and no subscriber; {hint}")

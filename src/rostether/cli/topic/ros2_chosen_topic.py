@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
-from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.text import unpublished_warning
 from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.ros2.endpoint_info import EndpointKind
@@ -33,7 +33,7 @@ class ChosenField:
 
 
 @dataclass(frozen=True, slots=True)
-class ChosenTopic:
+class ChosenRos2Topic:
     """A topic, the short name of its type, and the field of it that is meant, None for the whole message."""
 
     topic: str
@@ -41,14 +41,14 @@ class ChosenTopic:
     field: ChosenField | None = None
 
 
-async def choose_topic(
+async def choose_ros2_topic(
     tool: ToolNode,
     text: str,
     type_name: str | None = None,
     field: str = "",
     *,
     needs_definition: bool = True,
-) -> ChosenTopic:
+) -> ChosenRos2Topic:
     """Return the topic that was typed, waiting for its first publisher unless its type was typed too.
 
     `/imu/angular_velocity` is a field where there is no topic of that name. Raises UnknownTypeError,
@@ -62,8 +62,7 @@ async def choose_topic(
     view = await tool.snapshot_when(lambda seen: _published(seen, wanted) is not None)
     found = _published(view, wanted)
     if found is None:
-        hint = did_you_mean(name, view.names([EndpointKind.PUBLISHER]))
-        warn(f"WARNING: topic [{wanted}] does not appear to be published yet{hint and f'; {hint}'}")
+        warn(unpublished_warning(wanted, view.names([EndpointKind.PUBLISHER])))
     while found is None:
         await asyncio.sleep(POLL_S)
         view = await tool.snapshot()
@@ -74,7 +73,7 @@ async def choose_topic(
             f"topic {found} has more than one type ({', '.join(types)}): give the type after the topic"
         )
     if not needs_definition and found == wanted:
-        return ChosenTopic(found, short_name(types[0]))
+        return ChosenRos2Topic(found, short_name(types[0]))
     await tool.learn_type(view, found)
     return _with_field(tool, found, short_name(types[0]), field or wanted[len(found) + 1 :])
 
@@ -87,14 +86,16 @@ def _published(view: GraphView, name: str) -> str | None:
     return max((topic for topic in topics if name.startswith(f"{topic}/")), key=len, default=None)
 
 
-def _with_field(tool: ToolNode, topic: str, type_name: str, field: str) -> ChosenTopic:
+def _with_field(tool: ToolNode, topic: str, type_name: str, field: str) -> ChosenRos2Topic:
     from rostether.serde.field_path import FieldPath
 
     codec = tool.graph.store.codec(type_name)
     if not field:
-        return ChosenTopic(topic, type_name)
+        return ChosenRos2Topic(topic, type_name)
     path = FieldPath(codec, field.replace(".", "/"))
-    return ChosenTopic(topic, type_name, ChosenField(path, field_type(tool.registry, type_name, path.text)))
+    return ChosenRos2Topic(
+        topic, type_name, ChosenField(path, field_type(tool.registry, type_name, path.text))
+    )
 
 
 def field_type(registry: NativeRegistry, type_name: str, path: str) -> Ros2Type:

@@ -18,7 +18,7 @@ from rostether.cli.shell.output import paint_keys, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
-from rostether.cli.topic.ros2_chosen_topic import ChosenTopic, choose_topic
+from rostether.cli.topic.ros2_chosen_topic import ChosenRos2Topic, choose_ros2_topic
 from rostether.cli.topic.ros2_listing import Ros2TopicListing
 from rostether.cli.topic.topics import EchoOptions, PubOptions
 from rostether.errors import GraphError
@@ -141,7 +141,7 @@ async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options:
 
 
 async def _print(tool: ToolNode, topic: str, type_name: str | None, options: EchoOptions) -> None:
-    chosen = await choose_topic(tool, topic, type_name, options.field)
+    chosen = await choose_ros2_topic(tool, topic, type_name, options.field)
     printer = _Printer(tool, chosen, options)
     async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
         async for message in messages:
@@ -160,7 +160,7 @@ def _style(options: EchoOptions) -> TextStyle:
 class _Printer(EchoPrinter):
     """Prints messages as `ros2 topic echo` does."""
 
-    def __init__(self, tool: ToolNode, chosen: ChosenTopic, options: EchoOptions) -> None:
+    def __init__(self, tool: ToolNode, chosen: ChosenRos2Topic, options: EchoOptions) -> None:
         super().__init__(chosen.topic, options)
         self._chosen = chosen
         self._text = MessageText(tool.registry.ros2_message, _style(options))
