@@ -133,8 +133,8 @@ async def test_framed_commands_are_repeated_and_end_with_a_stop() -> None:
 @pytest.mark.parametrize(
     ("settings", "reason"),
     [
-        (BridgeSettings(frequency_hz=-1), "~frequency is from 0"),
-        (BridgeSettings(frequency_hz=float("nan")), "~frequency is from 0"),
+        (BridgeSettings(frequency_hz=-1), "~frequency must be from 0"),
+        (BridgeSettings(frequency_hz=float("nan")), "~frequency must be from 0"),
         (BridgeSettings(address=GroupAddress("robots")), "'robots' is not a numeric IP address"),
         (BridgeSettings(input_timeout_s=-1), "~input_timeout must not be -1 seconds"),
     ],
