@@ -21,7 +21,8 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.sensor_files import read_state, write_state
-from rostether.platform.sensor_registry import Origin, Registration, Sensor, SensorRegistry, fields_of
+from rostether.platform.sensor_registration import Registration, fields_of
+from rostether.platform.sensor_registry import Origin, Sensor, SensorRegistry
 from rostether.rostime import Time
 from rostether.serde.values import Message
 

@@ -13,7 +13,8 @@ from rostether.errors import ConfigError, InvalidNameError
 from rostether.mechanisms.state_file import load_state, store_state
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
-from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, MESSAGE_TYPES, Sensor
+from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS
+from rostether.platform.sensor_registry import MAX_SENSORS, MESSAGE_TYPES, Sensor
 
 # The saved state of a thousand sensors has about 400 KB, and 12 MB with the longest texts, whose characters
 # need up to 12 bytes each. With a lower limit, a restart could forget all sensors.

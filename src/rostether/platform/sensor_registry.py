@@ -9,11 +9,11 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
 
 from rostether.errors import ServiceCallError
 from rostether.mechanisms.text import escape_line
-from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED, Condition
+from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS, Registration, check_text, fields_of
+from rostether.platform.sensor_state import Condition
 
 # The message type for each sensor type of the registration service.
 MESSAGE_TYPES = {
@@ -25,26 +25,7 @@ MESSAGE_TYPES = {
 # Each sensor costs a subscription; a new one replaces the one that has been lost for the longest time.
 MAX_SENSORS = 1000
 
-MAX_TEXT_CHARACTERS = 100
-
-# Shorter leases load the manager with renewals; with longer ones, a robot without power is listed too long.
-MIN_LEASE_S = 1.0
-MAX_LEASE_S = 3600.0
-MAX_RATE_HZ = 1e6
-
-_ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
-_TYPE = re.compile(r"[A-Z][A-Z0-9_]*")
-_MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 _COUNTED_TOPIC = re.compile(r"sensor_node(0|[1-9][0-9]{0,8})")
-
-
-# The fields that have the same name in a sensor, a registration and their messages.
-_SHARED_FIELDS = ("sensor_type", "message_type", "unit", "frame_id", "rate_hz", "lease_s")
-
-
-def fields_of(described: object) -> dict[str, Any]:
-    """Return the shared fields of a sensor, a registration or a message."""
-    return {name: getattr(described, name) for name in _SHARED_FIELDS}
 
 
 class Origin(Enum):
@@ -92,54 +73,6 @@ class Sensor:
         return self.sensor_type == "CAMERA"
 
 
-@dataclass(frozen=True, slots=True)
-class Registration:
-    """A request to register by id, or to renew the lease.
-
-    `instance` identifies the process: while it holds the lease, other processes are refused.
-    """
-
-    id: str
-    instance: str
-    name: str
-    platform: str
-    sensor_type: str
-    message_type: str
-    unit: str = ""
-    frame_id: str = ""
-    rate_hz: float = 0.0
-    lease_s: float = 0.0
-    state: str = "ready"
-    state_text: str = ""
-
-    def check(self) -> None:
-        """Raise ServiceCallError for a field that cannot be used."""
-        if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(f"id must be a name such as robot3/front, not {self.id!r:.100}")
-        if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(
-                f"sensor_type must be a word such as ANALOG, not {self.sensor_type!r:.100}"
-            )
-        if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(
-                f"message_type must be a type such as std_msgs/Float64, not {self.message_type!r:.100}"
-            )
-        if not MIN_LEASE_S <= self.lease_s <= MAX_LEASE_S:
-            raise ServiceCallError(
-                f"lease_s must be {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s!r}"
-            )
-        if not 0 <= self.rate_hz <= MAX_RATE_HZ:
-            raise ServiceCallError(f"rate_hz must be 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz!r}")
-        if self.state not in REPORTED:
-            raise ServiceCallError(f"state must be one of {', '.join(REPORTED)}, not {self.state!r:.100}")
-        _check_text("platform_name", self.platform)
-        for what in ("instance", "name", "unit", "frame_id"):
-            if text := getattr(self, what):
-                _check_text(what, text)
-        if self.state_text:
-            _check_text("state_text", self.state_text, MAX_STATE_TEXT_CHARACTERS)
-
-
 class SensorRegistry:
     """All sensors in the order of their registration."""
 
@@ -182,7 +115,7 @@ class SensorRegistry:
 
         Raises ServiceCallError for a type or a name that cannot be used.
         """
-        _check_text("platform_name", platform)
+        check_text("platform_name", platform)
         if sensor_type not in MESSAGE_TYPES:
             raise ServiceCallError(
                 f"sensor_type must be one of {', '.join(MESSAGE_TYPES)}, not {sensor_type!r:.100}"
@@ -250,7 +183,7 @@ class SensorRegistry:
 
     def rename(self, sensor_id: str, name: str) -> Sensor:
         """Rename a sensor; id, topic and state do not change. Raises ServiceCallError."""
-        _check_text("name", name)
+        check_text("name", name)
         if sensor_id not in self._sensors:
             raise ServiceCallError(f"no sensor has the id {sensor_id!r:.100}; see: rostether sensor list")
         if self._sensors[sensor_id].origin is Origin.FILE:
@@ -300,8 +233,3 @@ class SensorRegistry:
             raise ServiceCallError(f"there are already {MAX_SENSORS} sensors, and none of them is lost")
         oldest = min(lost, key=lambda key: self._conditions[key].since_s)
         del self._sensors[oldest], self._conditions[oldest]
-
-
-def _check_text(what: str, text: str, most: int = MAX_TEXT_CHARACTERS) -> None:
-    if not text.strip() or len(text) > most or not text.isprintable():
-        raise ServiceCallError(f"{what} must be 1 to {most} printable characters, not {text!r:.100}")

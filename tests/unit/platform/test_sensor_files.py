@@ -8,7 +8,8 @@ import pytest
 
 from rostether.errors import ConfigError
 from rostether.platform.sensor_files import read_sensors_toml, read_state, write_state
-from rostether.platform.sensor_registry import MAX_SENSORS, MAX_TEXT_CHARACTERS, Sensor
+from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS
+from rostether.platform.sensor_registry import MAX_SENSORS, Sensor
 
 KEPT = Sensor("sensor_node4", 4, "Robot", "ANALOG", "sensor_node4", "Front", "std_msgs/Float64")
 

@@ -7,7 +7,8 @@ import pytest
 
 from rostether.errors import ServiceCallError
 from rostether.platform import sensor_registry
-from rostether.platform.sensor_registry import Registration, Sensor, SensorRegistry
+from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS, Registration
+from rostether.platform.sensor_registry import Sensor, SensorRegistry
 
 CAMERA = Registration(
     id="robot3/front",
@@ -213,4 +214,4 @@ def test_other_spellings_of_a_numbered_topic_replace_no_sensor(registry: SensorR
 def test_the_platform_of_an_adopted_sensor_is_a_short_printable_text(registry: SensorRegistry) -> None:
     registry.adopt("sensor_node1", "std_msgs/Float64", "\x1b[2J" + "x" * 1000, 0.0)
     assert registry.sensors[0].platform.isprintable()
-    assert len(registry.sensors[0].platform) == sensor_registry.MAX_TEXT_CHARACTERS
+    assert len(registry.sensors[0].platform) == MAX_TEXT_CHARACTERS

@@ -1,0 +1,83 @@
+"""The request to register a sensor by id, and the checks of its fields."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from rostether.errors import ServiceCallError
+from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS, REPORTED
+
+MAX_TEXT_CHARACTERS = 100
+
+# Shorter leases load the manager with renewals; with longer ones, a robot without power is listed too long.
+MIN_LEASE_S = 1.0
+MAX_LEASE_S = 3600.0
+MAX_RATE_HZ = 1e6
+
+_ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
+_TYPE = re.compile(r"[A-Z][A-Z0-9_]*")
+_MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
+
+# The fields that have the same name in a sensor, a registration and their messages.
+_SHARED_FIELDS = ("sensor_type", "message_type", "unit", "frame_id", "rate_hz", "lease_s")
+
+
+def fields_of(described: object) -> dict[str, Any]:
+    """Return the shared fields of a sensor, a registration or a message."""
+    return {name: getattr(described, name) for name in _SHARED_FIELDS}
+
+
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """A request to register by id, or to renew the lease.
+
+    `instance` identifies the process: while it holds the lease, other processes are refused.
+    """
+
+    id: str
+    instance: str
+    name: str
+    platform: str
+    sensor_type: str
+    message_type: str
+    unit: str = ""
+    frame_id: str = ""
+    rate_hz: float = 0.0
+    lease_s: float = 0.0
+    state: str = "ready"
+    state_text: str = ""
+
+    def check(self) -> None:
+        """Raise ServiceCallError for a field that cannot be used."""
+        if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
+            raise ServiceCallError(f"id must be a name such as robot3/front, not {self.id!r:.100}")
+        if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
+            raise ServiceCallError(
+                f"sensor_type must be a word such as ANALOG, not {self.sensor_type!r:.100}"
+            )
+        if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
+            raise ServiceCallError(
+                f"message_type must be a type such as std_msgs/Float64, not {self.message_type!r:.100}"
+            )
+        if not MIN_LEASE_S <= self.lease_s <= MAX_LEASE_S:
+            raise ServiceCallError(
+                f"lease_s must be {MIN_LEASE_S:g} to {MAX_LEASE_S:g}, not {self.lease_s!r}"
+            )
+        if not 0 <= self.rate_hz <= MAX_RATE_HZ:
+            raise ServiceCallError(f"rate_hz must be 0 (unknown) to {MAX_RATE_HZ:g}, not {self.rate_hz!r}")
+        if self.state not in REPORTED:
+            raise ServiceCallError(f"state must be one of {', '.join(REPORTED)}, not {self.state!r:.100}")
+        check_text("platform_name", self.platform)
+        for what in ("instance", "name", "unit", "frame_id"):
+            if text := getattr(self, what):
+                check_text(what, text)
+        if self.state_text:
+            check_text("state_text", self.state_text, MAX_STATE_TEXT_CHARACTERS)
+
+
+def check_text(what: str, text: str, limit: int = MAX_TEXT_CHARACTERS) -> None:
+    """Raise ServiceCallError for a text that is empty, too long, or not printable."""
+    if not text.strip() or len(text) > limit or not text.isprintable():
+        raise ServiceCallError(f"{what} must be 1 to {limit} printable characters, not {text!r:.100}")
