@@ -304,6 +304,7 @@ export const texts = {
     format: "Format",
     bag: "ROS 1 bag",
     mcap: "MCAP",
+    mcapRos2: "MCAP with ROS 2 messages",
     idle: "Not recording",
     active: (name: string, seconds: string, messages: number, topics: number, size: string) =>
       `${name}: ${seconds}, ${messages} messages of ${topics} topics, ${size}`,

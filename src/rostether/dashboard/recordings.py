@@ -18,6 +18,7 @@ from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
 from rostether.recording.files import create_recording
 from rostether.recording.player import PlaySettings
+from rostether.recording.recorded import RecordingWriter
 from rostether.recording.recorder import Recorder
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
@@ -40,12 +41,17 @@ class Recordings:
     """One folder of recordings; `join` makes the node that records, and the one that plays."""
 
     def __init__(
-        self, folder: Path, join: Callable[[], Awaitable[Graph]], report: Callable[[str], None]
+        self,
+        folder: Path,
+        join: Callable[[], Awaitable[Graph]],
+        report: Callable[[str], None],
+        create: Callable[[Path], RecordingWriter] = create_recording,
     ) -> None:
         self.playback = Playback(self.find, join)
         self._folder = folder
         self._join = join
         self._report = report
+        self._create = create
         self._turn = asyncio.Lock()
         self._recorder: Recorder | None = None
         self._task: asyncio.Task[None] | None = None
@@ -75,7 +81,7 @@ class Recordings:
                 graph,
                 TopicChoice(names=tuple(map(graph.resolve, topics)), is_all=not topics),
                 RecordLimits(size_bytes=MAX_FILE_BYTES),
-                create=create_recording,
+                create=self._create,
                 name=lambda _: self._folder / self._name,
                 report=lambda _: None,
                 repeat_latched=True,

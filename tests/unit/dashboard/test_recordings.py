@@ -35,9 +35,9 @@ class Robot:
         self.graph = graph
         self.reported: list[str] = []
         self.node: Graph | None = None
-        self.recordings = Recordings(folder, self._join, self.reported.append)
+        self.recordings = Recordings(folder, self.join, self.reported.append)
 
-    async def _join(self) -> Graph:
+    async def join(self) -> Graph:
         self.node = await self.network.join("/record")
         return self.node
 
@@ -144,11 +144,11 @@ async def test_a_folder_that_cannot_be_used(robot: Robot, tmp_path: Path) -> Non
     assert (await robot.recordings.state())["files"] == []
 
 
-async def test_a_failure_is_reported(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_failure_is_reported(robot: Robot, tmp_path: Path) -> None:
     def fails(_: Path) -> Any:
         raise RecordingError("the disk is broken")
 
-    monkeypatch.setattr(module, "create_recording", fails)
+    robot.recordings = Recordings(tmp_path, robot.join, robot.reported.append, fails)
     with pytest.raises(RecordingError, match="the disk is broken"):
         await robot.recordings.start((), "bag")
     assert (await robot.recordings.state())["error"] == "the disk is broken"

@@ -10,6 +10,7 @@ import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -98,14 +99,18 @@ async def _served_at(
     from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
     from rostether.mechanisms.anonymous import anonymous_name
+    from rostether.recording.files import Form, create_recording
 
     access = settings.access
     encryption = await asyncio.to_thread(read_encryption, access.tls, host)
     on = with_ros1_types(graphs, msg_paths)
+    is_ros2_alone = graphs.ros1 is None
     recordings = Recordings(
         settings.recordings or recordings_folder(),
         lambda: on.join(anonymous_name("record")),
         lambda text: report(Level.INFO, f"{NODE}: {text}"),
+        # ROS 2 programs read MCAP files with ROS 2 messages.
+        partial(create_recording, form=Form.ROS2, types=graphs.types) if is_ros2_alone else create_recording,
     )
     tiles = await asyncio.to_thread(MapTiles, settings.tiles) if settings.tiles is not None else None
     site = None
@@ -122,7 +127,11 @@ async def _served_at(
         allow=access.allow,
         certificate=encryption.certificate,
         key=encryption.key,
-        metadata={"rostether_version": version("rostether"), **_map_metadata(tiles)},
+        metadata={
+            "rostether_version": version("rostether"),
+            "recording_format": "mcap" if is_ros2_alone else "bag",
+            **_map_metadata(tiles),
+        },
     )
     graph = await joined_as(on, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report)
     teleop = NodeWords().name_for(TELEOP_NODE, port, DEFAULT_PORT)

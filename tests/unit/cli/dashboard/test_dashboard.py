@@ -17,8 +17,13 @@ from rostether.cli.access.ros1_access import joining_ros1
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard import beside, browser, served
 from rostether.cli.dashboard.served import page_url
+from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.typed_graph import TypedGraph
+from rostether.msgdef.registry import Registry
+from rostether.recording.files import Form, form_of, open_recording
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
+from rostether.serde.store import TypeStore
 from rostether.transports.own_names import outward_address
 from unit.cli.gateway.test_foxglove import offers
 from unit.gateways.foxglove.protocol_client import ProtocolClient
@@ -177,6 +182,30 @@ async def test_a_page_records_and_downloads(tmp_path: Path) -> None:
             assert content == (tmp_path / "bags" / file["name"]).read_bytes()
     finally:
         await master.close()
+
+
+async def test_without_ros1_a_recording_has_ros2_messages(tmp_path: Path) -> None:
+    network = MemoryNetwork()
+    settings = beside.DashboardSettings(has_page=False, recordings=tmp_path)
+    graphs = ServedGraphs(network.join, None, ())
+    robot = TypedGraph(await network.join("/robot"), TypeStore(Registry()))
+    publisher = await robot.publisher("/chatter", "std_msgs/String", latch=True)
+    publisher.publish(data="hello")
+    async with served.served_dashboard(settings, graphs, (), lambda level, text: None) as shown:
+        url = f"ws://127.0.0.1:{shown.gateway.port}"
+        subprotocols = [Subprotocol("foxglove.sdk.v1")]
+        client = ProtocolClient(await connect(url, subprotocols=subprotocols, proxy=None))
+        assert (await client.wait("serverInfo"))["metadata"]["recording_format"] == "mcap"
+        await client.say("listRecordings")
+        await client.say("startRecording", format="mcap")
+        await client.wait("recordings", lambda state: state["active"] and state["active"]["messages"])
+        await client.say("stopRecording")
+        state = await client.wait("recordings", lambda state: state["files"])
+        await client.close()
+    (file,) = state["files"]
+    reader = await asyncio.to_thread(open_recording, tmp_path / file["name"])
+    assert form_of(reader) is Form.ROS2
+    assert "/chatter" in {connection.topic for connection in reader.counts}
 
 
 async def test_the_gateway_alone() -> None:

@@ -24,7 +24,7 @@ function BoardsPanel({ context }: { context: PanelContext }) {
   const nowMs = performance.now();
   const shown = boards.sorted();
   if (shown.length === 0) {
-    if (context.isCard) return <p class="muted">{texts.boards.waiting}</p>;
+    if (context.isCard) return <p class="muted">{feed.last ? texts.boards.none : texts.boards.waiting}</p>;
     return (
       <EmptyState
         icon="boards"

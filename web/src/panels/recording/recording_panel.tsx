@@ -19,7 +19,9 @@ function RecordingPanel({ context }: { context: PanelContext }) {
   useEffect(() => {
     if (isOffered && canCommand) robot.gateway.followRecordings();
   }, [isOffered, canCommand]);
-  const format = useSignal<Format>("bag");
+  const chosen = useSignal<Format | undefined>(undefined);
+  // A graph of ROS 2 alone has no use for bags of ROS 1.
+  const preferred = robot.info.value?.metadata?.recording_format === "mcap" ? "mcap" : "bag";
   if (!isOffered)
     return (
       <EmptyState icon="recording" title={texts.recording.notOffered} text={texts.recording.notOfferedText} />
@@ -29,7 +31,7 @@ function RecordingPanel({ context }: { context: PanelContext }) {
   return (
     <div class="recording">
       <section class="control-card recording-now">
-        <StartStop context={context} format={format} />
+        <StartStop context={context} chosen={chosen} preferred={preferred} />
         <p class={state.active ? "recording-state active" : "recording-state"}>
           {state.active
             ? texts.recording.active(
@@ -78,12 +80,15 @@ function RecordingPanel({ context }: { context: PanelContext }) {
   );
 }
 
-function StartStop({ context, format }: { context: PanelContext; format: Signal<Format> }) {
-  const { robot } = context;
+function StartStop(props: { context: PanelContext; chosen: Signal<Format | undefined>; preferred: Format }) {
+  const { chosen, preferred } = props;
+  const { robot } = props.context;
+  const format = chosen.value ?? preferred;
+  const formats: Format[] = preferred === "bag" ? ["bag", "mcap"] : ["mcap", "bag"];
   const isActive = robot.recordings.value?.active != null;
   const toggle = () => {
     if (isActive) robot.gateway.stopRecording();
-    else robot.gateway.startRecording([], format.value);
+    else robot.gateway.startRecording([], format);
   };
   return (
     <div class="toolbar">
@@ -98,13 +103,16 @@ function StartStop({ context, format }: { context: PanelContext; format: Signal<
       {!isActive && (
         <select
           aria-label={texts.recording.format}
-          value={format.value}
+          value={format}
           onChange={(event) => {
-            format.value = event.currentTarget.value as Format;
+            chosen.value = event.currentTarget.value as Format;
           }}
         >
-          <option value="bag">{texts.recording.bag}</option>
-          <option value="mcap">{texts.recording.mcap}</option>
+          {formats.map((each) => (
+            <option key={each} value={each}>
+              {each === "mcap" && preferred === "mcap" ? texts.recording.mcapRos2 : texts.recording[each]}
+            </option>
+          ))}
         </select>
       )}
     </div>
