@@ -21,7 +21,7 @@ ROSBUILD_FILE = "manifest.xml"
 # All programs of the system have folders here; ROS packages are only at the top level, as in Debian's rospkg.
 SYSTEM_SHARE_FOLDERS = frozenset({"/usr/share", "/usr/local/share"})
 _IGNORE_FILE = "CATKIN_IGNORE"
-# Half of the folders of a Python package, with compiled modules only.
+# Half of the folders of a Python package; they contain only compiled modules.
 _BYTE_CODE_FOLDER = "__pycache__"
 
 # A file in catkin's `devel` and `install`, which contain copies of packages in share/NAME.

@@ -67,7 +67,7 @@ def _records(
                 if end < len(data):
                     _known_record(data, end)
             except RecordingError:
-                # The length of this chunk may be the damage.
+                # The length of this chunk may be damaged.
                 end = min(end, _next_chunk(data, start))
         yield op, fields, start, end
         position = end
