@@ -96,6 +96,8 @@ def _parse_constant(line: SourceLine) -> Constant:
     left, _, right = line.text.partition("=")
     words = left.split()
     type_name = words[0] if words else ""
+    if type_name.endswith("<"):
+        line.fail(f"{_quote(line.declaration.strip())} has a bound; only definitions of ROS 2 have bounds")
     if type_name not in CONSTANT_TYPES:
         line.fail(f"{_quote(type_name)} cannot be the type of a constant", type_name)
     name = " ".join(words[1:])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from rostether.errors import RostetherError, UnknownTypeError
+from rostether.errors import DefinitionError, RostetherError, UnknownTypeError
 from rostether.msgdef.full_text import SEPARATOR, split_full_text
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
@@ -122,7 +122,8 @@ class ReadTypes:
         types = Ros2Types(self._registry, definitions)
         try:
             self._registry.message_type(ros1_name(origin.type_name))
-        except UnknownTypeError:
+        except (UnknownTypeError, DefinitionError):
+            # Definitions of a workspace may be those of ROS 2, with bounds that ROS 1 cannot express.
             try:
                 return types.message(in_ros1_words(definitions.message(origin.type_name), definitions))
             except RostetherError:

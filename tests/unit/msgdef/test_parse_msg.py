@@ -138,7 +138,7 @@ def test_constants_have_the_types_that_can_be_written() -> None:
         ("int32[-1] a", 1, 1, "not a type"),
         ("int32[][] a", 1, 1, "not a type"),
         ("a/b/c d", 1, 1, "not a type"),
-        ("string<=5 a", 1, 1, "cannot be the type of a constant"),
+        ("string<=5 a", 1, 1, "'string<=5 a' has a bound; only definitions of ROS 2 have bounds"),
         ("int32 a\n\n int32 a", 3, 8, "declared twice"),
         ("int32 X=0x10", 1, 9, "not a decimal integer"),
         ("int32 X=", 1, 1, "not a decimal integer"),

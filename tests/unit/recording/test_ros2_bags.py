@@ -126,6 +126,16 @@ def test_theirs_are_read(tmp_path: Path, storage: StoragePlugin, mode: Compressi
     assert own.connection.shown_type == OWN_TYPE
 
 
+def test_a_workspace_with_definitions_of_ros2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    definition = tmp_path / "ws/arm_msgs/msg/Gripper.msg"
+    definition.parent.mkdir(parents=True)
+    definition.write_text("string<=5 name\n")
+    (tmp_path / "ws/arm_msgs/package.xml").write_text("<package><name>arm_msgs</name></package>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "ws"))
+    foreign_bag(tmp_path / "theirs", StoragePlugin.MCAP)
+    assert messages(tmp_path / "theirs")[2].connection.shown_type == OWN_TYPE
+
+
 def test_a_type_of_ros2_alone_is_in_ros1_what_its_package_would_be_there(tmp_path: Path) -> None:
     foreign_bag(tmp_path / "theirs", StoragePlugin.SQLITE3)
     own = messages(tmp_path / "theirs")[2]

@@ -57,6 +57,8 @@ def bag_info(
     for number, path in enumerate(files):
         with closing(open_recording(path)) as reader:
             facts = _facts(path, reader)
+            for topic, why in reader.unreadable.items():
+                warn(f"{path}: {topic} is not shown: {why}")
             if with_rates:
                 _add_rates(facts, reader)
             if reader.damage:

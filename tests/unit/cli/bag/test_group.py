@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from mcap.writer import Writer
 
 from programs import OURS
 from rostether.msgdef.interface import ANY_MESSAGE
@@ -52,6 +53,19 @@ def test_info_in_its_forms(bag: Path, shell: Shell) -> None:
     assert shell.output("bag", "info", "-y", "-k", "messages", str(bag)) == "30\n"
     assert "15 msgs @ 50.0 Hz : std_msgs/String" in shell.output("bag", "info", "--freq", str(bag))
     assert "there is no key 'color'" in shell.failure("bag", "info", "-y", "-k", "color", str(bag))
+
+
+def test_info_names_a_topic_that_cannot_be_read(tmp_path: Path, shell: Shell) -> None:
+    path = tmp_path / "own.mcap"
+    writer = Writer(str(path))
+    writer.start(profile="ros2")
+    schema = writer.register_schema("own_msgs/msg/Own", "ros2msg", b"int32[< a\n")
+    channel = writer.register_channel("/own", "cdr", schema)
+    writer.add_message(channel, START_NS, b"\0\1\0\0", START_NS)
+    writer.finish()  # type: ignore[no-untyped-call]
+    result = shell("bag", "info", str(path))
+    assert result.code == 0
+    assert "own.mcap: /own is not shown: " in result.err
 
 
 def test_filter_by_topic_message_and_time(bag: Path, tmp_path: Path, shell: Shell) -> None:
