@@ -45,6 +45,7 @@ from rostether.rosserial.presence import Presence, Verdict
 from rostether.rosserial.protocol_detector import ProtocolDetector
 from rostether.rosserial.topic_answers import TimeRequestMeaning
 from rostether.rosserial.topic_table import TopicTable
+from rostether.rosserial.unread_bytes import UnreadBytes
 from rostether.rostime import Time
 
 _LOG = logging.getLogger(__name__)
@@ -63,10 +64,12 @@ class HostLink:
         self._config = config or HostLinkConfig()
         self._version: int | None = None
         self._table = TopicTable(self._config.max_endpoints, self._config.fixed_size)
-        self._output = HostOutput(self._table, self.statistics)
+        self.unread = UnreadBytes()
+        """What the device has not read yet; the driver sends only messages that have room there."""
+        self._output = HostOutput(self._table, self.statistics, self.unread)
         self._limits = self._table.limits
         self._line: ProtocolDetector | FrameDecoder = self._listen()
-        self._negotiation = Negotiation(self._config.name)
+        self._negotiation = Negotiation(self._config.name, self.unread)
         self._presence = Presence(self._config.name)
         self._rate = ControlRate()
         self._announcements = Announcements(self._table, self._rate)
@@ -130,6 +133,7 @@ class HostLink:
             self._negotiation.get_timer(),
             self._presence.get_timer(probes=self.is_settled),
             self._output.get_timer(),
+            self.unread.get_timer(),
         )
         return min((timer for timer in timers if timer is not None), default=None)
 
@@ -138,6 +142,7 @@ class HostLink:
         if self._is_stopped:
             return []
         events = self._handle_decoded(self._line.handle_timer(now_s), now_s)
+        self.unread.handle_timer(now_s)
         is_flowing = self._line.is_receiving(ids.ANNOUNCEMENTS, now_s)
         if self._negotiation.handle_timer(now_s, is_flowing=is_flowing):
             self._settle(now_s, events)
@@ -256,6 +261,7 @@ class HostLink:
             self._report(event, now_s, events)
         if info is not None:
             self._presence.sign(now_s)
+            self.unread.announced(info.buffer_size, now_s)
             self._negotiation.announced(kind, info, now_s)
 
     def _on_time_requests(self, payloads: list[bytes], now_s: float, events: list[HostEvent]) -> None:
@@ -267,7 +273,9 @@ class HostLink:
             events.append(TimeRequested())
             is_settled, is_listening = self.is_settled, self._negotiation.is_listening
             meaning = self._negotiation.time_requested(now_s)
+            self.unread.time_requested(now_s)
             if meaning is TimeRequestMeaning.INTRODUCTION:
+                self.unread.read_all(for_ever=True)
                 self._presence.answered(now_s)
                 self._on_reset(now_s, events)
             elif is_settled:
@@ -295,6 +303,7 @@ class HostLink:
             _LOG.debug("%s: speaks protocol version %d", self._config.name, version)
             self._version = self._output.version = version
             events.append(ProtocolDetected(version))
+        self.unread.version = version
         self._negotiation.set_version(version, now_s)
 
     def _settle(self, now_s: float, events: list[HostEvent]) -> None:
@@ -321,6 +330,7 @@ class HostLink:
             self.statistics.silences += 1
             unfinished = self._line.abandon(now_s)
             self._line = self._listen()
+            self.unread.forget()
             self._negotiation.set_version(None, now_s)
             self._negotiation.ask(now_s)
             events.append(DeviceSilent(now_s - self._presence.heard_s))

@@ -11,6 +11,7 @@ from rostether.rosserial.link_statistics import LinkStatistics
 from rostether.rosserial.packets import ParameterResponse, encode_time
 from rostether.rosserial.time_sync import AnswerGate
 from rostether.rosserial.topic_table import TopicTable
+from rostether.rosserial.unread_bytes import UnreadBytes
 from rostether.rostime import Time
 
 # A frame with a wrong version byte: an unconfigured board requests the time, a configured one ignores it.
@@ -30,12 +31,15 @@ MAX_WAITING_BYTES = 1 << 16
 class HostOutput:
     """Queue of control frames, and encoder of messages."""
 
-    def __init__(self, table: TopicTable, statistics: LinkStatistics) -> None:
+    def __init__(
+        self, table: TopicTable, statistics: LinkStatistics, unread: UnreadBytes | None = None
+    ) -> None:
         self.version: int | None = None
+        self._unread = unread or UnreadBytes()
         self._table = table
         self._statistics = statistics
         self._gate = AnswerGate()
-        self._time: tuple[Time, float] | None = None
+        self._time: tuple[Time, float | None] | None = None
         self._request: tuple[int, bool] | None = None
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
@@ -63,6 +67,8 @@ class HostOutput:
             )
         data = encode_frames(topic_id, payloads, self.version or 2)
         self._statistics.count_sent(topic_id, len(payloads), len(data))
+        if self._unread.room_bytes is not None:
+            self._unread.sent(len(data))
         return data
 
     def parameter(self, response: ParameterResponse) -> None:
@@ -91,6 +97,7 @@ class HostOutput:
         """Queue a probe; not in version 1, because its devices do not answer a wrong version byte."""
         if self.version == 2:
             self._statistics.probes += 1
+            self._unread.sent(len(PROBE))
             self._queue(PROBE)
 
     def stop(self) -> None:
@@ -112,6 +119,7 @@ class HostOutput:
     def device_reset(self) -> None:
         """Forget calls: a device that was reset waits for none."""
         self._gate.forget_calls()
+        self._unread.read_all()
 
     def get_timer(self) -> float | None:
         """Return when to call `pump`."""
@@ -130,13 +138,23 @@ class HostOutput:
             self._request = None
             self._statistics.topic_requests += 1
             guard = OTHER_VERSION_GUARD if is_guess and version == 1 else b""
-            self._queue(guard + encode_frame(ids.TOPIC_REQUEST, b"", version) + guard)
+            request = guard + encode_frame(ids.TOPIC_REQUEST, b"", version) + guard
+            self._unread.requested(version, len(request), now_s)
+            self._queue(request)
         if self._time is not None:
             time, stamped_s = self._time
+            if not self._unread.has_room_for_time:
+                # The established library adds the whole wait to the stamp.
+                self._time = time, None
+                return
             self._time = None
             self._statistics.time_answers += 1
-            late_ns = round((now_s - stamped_s) * 1e9)
-            self._queue_frame(ids.TIME, encode_time(Time.from_ns(time.to_ns() + late_ns)))
+            late_ns = 0 if stamped_s is None else round((now_s - stamped_s) * 1e9)
+            answer = encode_frame(
+                ids.TIME, encode_time(Time.from_ns(time.to_ns() + late_ns)), self.version or 2
+            )
+            self._unread.sent(len(answer), is_time=True)
+            self._queue(answer)
 
     def _queue_frame(self, topic_id: int, payload: bytes) -> None:
         self._queue(encode_frame(topic_id, payload, self.version or 2))

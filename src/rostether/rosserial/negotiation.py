@@ -17,7 +17,8 @@ request and the burst that answers it.
 
 During a burst nothing is sent: at 57600 baud fifty announcements take 0.8 s, and a board that sends may lose
 received bytes. The pause that ends a burst depends on the pauses within it. The requests to a device that
-has sent nothing alternate between the two protocol versions.
+has sent nothing alternate between the two protocol versions. Fewer requests are repeated while earlier ones
+may fill the UART of a sketch that sleeps.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from rostether.rosserial.completeness import Completeness
 from rostether.rosserial.packets import TopicInfo
 from rostether.rosserial.topic_answers import TimeRequestMeaning, TopicAnswers
 from rostether.rosserial.topic_table import EndpointKey, key_of
+from rostether.rosserial.unread_bytes import REQUEST_BYTES, UnreadBytes
 
 _LOG = logging.getLogger(__name__)
 
@@ -105,9 +107,10 @@ class Negotiation:
     `name` is for the log.
     """
 
-    def __init__(self, name: str = "") -> None:
+    def __init__(self, name: str = "", unread: UnreadBytes | None = None) -> None:
         self.phase = Phase.IDLE
         self._name = name
+        self._unread = unread or UnreadBytes()
         self.version: int | None = None
         self.round_trip_s: float | None = None
         self.began_s = 0.0
@@ -119,6 +122,7 @@ class Negotiation:
         self._asked_s = 0.0
         self._first_asked_s = 0.0
         self._answer_delay_s: float | None = None
+        self._answered_s = 0.0
         self._search_step = 0
         self._has_rechecked = False
         self._quiet_s = QUIET_S
@@ -186,6 +190,8 @@ class Negotiation:
         """Handle a time request, which may begin an answer; return its meaning."""
         has_topics = self._completeness.has_heard_anything
         meaning = self._answers.time_requested(now_s, has_topics=has_topics)
+        if meaning is TimeRequestMeaning.ANSWER:
+            self._answered_s = now_s
         if self.phase is Phase.SETTLED:
             return meaning
         if self.phase is Phase.LISTENING:
@@ -239,7 +245,7 @@ class Negotiation:
         if self.requests == 0:
             # Without a request, a device may announce only a part: endpoints missing in it were not lost.
             self._completeness.begin(is_lossy=False)
-        self._send(Input.MORE_NEEDED, now_s)
+        self._send_if_room(Input.MORE_NEEDED, now_s)
         return False
 
     def _handle_answer(self, now_s: float) -> None:
@@ -259,7 +265,7 @@ class Negotiation:
                 self._completeness.is_lossy = True
             if self._unanswered >= MAX_UNANSWERED and self._completeness.has_heard_anything:
                 return self._settle(is_confirmed=False)
-        self._send(Input.UNANSWERED, now_s)
+        self._send_if_room(Input.UNANSWERED, now_s)
         return False
 
     def _settle(self, *, is_confirmed: bool) -> bool:
@@ -296,6 +302,22 @@ class Negotiation:
         self.requests += 1
         self._request = self._asked_in
         self._due_s = now_s + wait_s
+
+    def _send_if_room(self, why: Input, now_s: float) -> None:
+        """Send a request, unless earlier ones may fill the UART of a sketch that sleeps."""
+        room_bytes = self._unread.room_bytes
+        if self.version is None or room_bytes is None:
+            must_wait = False
+        elif why is Input.MORE_NEEDED:
+            must_wait = room_bytes < REQUEST_BYTES and self._asked_s >= self._answered_s
+        else:
+            is_early = now_s < self._asked_s + MAX_RETRY_S
+            must_wait = room_bytes < REQUEST_BYTES or (is_early and self._unread.is_crowded)
+        if must_wait:
+            self._advance(why)
+            self._due_s = now_s + RETRY_S
+        else:
+            self._send(why, now_s)
 
     def _advance(self, what: Input) -> bool:
         following = TRANSITIONS.get((self.phase, what))

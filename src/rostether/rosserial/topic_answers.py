@@ -23,6 +23,10 @@ OPENING_S = 0.25
 # A request is lost if this time has passed since it was sent, and since the last answer.
 LATE_ANSWER_S = 5.0
 
+# An unconfigured board requests the time for each byte that it does not understand. All of them together are
+# one answer at most; each takes 17 ms at 9600 baud.
+REPEATED_S = 0.05
+
 
 class TimeRequestMeaning(Enum):
     """The possible meanings of a board's time request."""
@@ -101,5 +105,6 @@ class TopicAnswers:
         if not waiting:
             return TimeRequestMeaning.ALONE
         self._burst = _Burst.OPENED
-        self._waiting = waiting - 1
+        if before is not _Burst.OPENED or pause_s > REPEATED_S:
+            self._waiting = waiting - 1
         return TimeRequestMeaning.ANSWER

@@ -11,6 +11,7 @@ from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Level
+from rostether.rosserial.unread_bytes import UnreadBytes
 from rostether.transports.board_keys import NO_PROOF
 from rostether.transports.transport import Receiver
 
@@ -146,6 +147,7 @@ class FakeLink:
         self.control: list[bytes] = []
         self.refused: set[int] = set()
         self.limit_bytes = 65535
+        self.unread = UnreadBytes()
 
     def data_to_send(self) -> bytes:
         control, self.control = self.control, []

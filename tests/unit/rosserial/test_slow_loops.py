@@ -25,7 +25,7 @@ def test_a_late_answer_is_not_a_reset(library: Library, loop_s: float) -> None:
 def test_an_introduction_after_a_reset_is_seen_at_once(library: Library, loop_s: float) -> None:
     for booted_s in BOOTED_S:
         # Later than the first negotiation, in which there is nothing to lose yet.
-        for after_s in (7.15, 8.3, 11.15, 17.4):
+        for after_s in (7.45, 8.3, 11.15, 17.4):
             reset_s = max(booted_s, 0.0) + after_s
             events = meet(SlowLoop(library, loop_s, booted_s), reset_s + 10.0, [reset_s])
             assert resets_of(events) == [pytest.approx(reset_s)], (booted_s, reset_s)
@@ -44,3 +44,15 @@ def test_an_established_board_that_was_reset_is_seen_within_two_seconds(loop_s: 
 def test_two_resets_on_end_are_both_seen() -> None:
     events = meet(SlowLoop(Library.ONE_PER_SPIN, 1.0), 30.0, [10.3, 12.9])
     assert resets_of(events) == [pytest.approx(10.3), pytest.approx(12.9)]
+
+
+@pytest.mark.parametrize("library", [Library.ONCE_FOR_ALL, Library.ESTABLISHED])
+@pytest.mark.parametrize("loop_s", [0.01, 0.2, 0.5, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("setup_s", [0.0, 3.0])
+def test_the_first_message_finds_room_in_the_uart(library: Library, loop_s: float, setup_s: float) -> None:
+    for booted_s in BOOTED_S:
+        board = SlowLoop(library, loop_s, booted_s)
+        board.spin_s += setup_s
+        events = meet(board, 30.0, message=b"latched")
+        assert board.heard == [b"latched"], booted_s
+        assert resets_of(events) == []

@@ -90,3 +90,10 @@ def test_an_answer_whose_time_request_was_damaged_is_not_an_introduction() -> No
     assert take_time(answers, 1.1) is TimeRequestMeaning.ALONE
     take_topics(answers, 3.0)
     assert take_time(answers, 3.1) is TimeRequestMeaning.INTRODUCTION
+
+
+def test_time_requests_for_unknown_bytes_are_one_answer_at_most() -> None:
+    answers = asked(3)
+    for now_s in (1.0, 1.003, 1.006):
+        assert answers.time_requested(now_s, has_topics=False) is TimeRequestMeaning.ANSWER
+    assert answers.waiting(1.006) == 2

@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from rostether.bridge.outbound.frame_source import FrameSource
 from rostether.bridge.outbound.line_pacer import LinePacer
 from rostether.bridge.outbound.topic_queue import FRAME_OVERHEAD_BYTES, TopicQueue
 from rostether.bridge.settings import BridgeSettings
@@ -33,19 +34,6 @@ EAGER_AFTER_S = 0.0005
 EAGER_MESSAGES = 16
 # How often a paused source checks whether the board still accepts bytes.
 STALL_CHECK_S = 0.1
-
-
-class FrameSource(Protocol):
-    """The sending functions of a link."""
-
-    def data_to_send(self) -> bytes:
-        """Return the control traffic that is due."""
-
-    def encode_message(self, topic_id: int, payload: bytes) -> bytes:
-        """Return one frame. Raises LocalProtocolError for an id that the board did not announce."""
-
-    def encode_messages(self, topic_id: int, payloads: Sequence[bytes]) -> bytes:
-        """Return the frames. Raises LocalProtocolError for an id that the board did not announce."""
 
 
 class Scheduler(Protocol):
@@ -79,6 +67,7 @@ class Outbox:
     ) -> None:
         self._transport = transport
         self._link = link
+        self._unread = link.unread
         self._loop = loop
         self._on_dropped = on_dropped
         self._stall_s = settings.stall_s
@@ -154,8 +143,11 @@ class Outbox:
             if pieces and self._transport.write_buffer_bytes < self._unsent_limit_bytes:
                 self._write(pieces)
             return
+        board_room = self._unread.room_bytes
         if self._ready:
-            if self._pacer is None:
+            if board_room is not None:
+                self._encode_fitting(pieces, board_room)
+            elif self._pacer is None:
                 self._encode_ready(pieces, WRITE_BYTES)
             elif (room := self._pacer.room_bytes(self._loop.time())) > 0:
                 self._encode_ready(pieces, room)
@@ -167,7 +159,8 @@ class Outbox:
             drained, self._drained = self._drained, []
             for queue in drained:
                 queue.resume_source()
-        if self._ready and not self._scheduled:
+        # For a board without room, the link's next event or timer brings the next flush.
+        if self._ready and not self._scheduled and board_room is None:
             self._schedule()
 
     def pause_writing(self) -> None:
@@ -197,6 +190,7 @@ class Outbox:
         return (
             not (self._ready or self._scheduled or self._blocked)
             and self._pacer is None
+            and self._unread.room_bytes is None
             and self._loop.time() - self._flushed_s > EAGER_AFTER_S
         )
 
@@ -248,6 +242,17 @@ class Outbox:
             pieces.append(frames)
             if queue.source_paused and queue.queued_bytes <= self._limit_bytes // 2:
                 self._drained.append(queue)
+
+    def _encode_fitting(self, pieces: list[bytes], room_bytes: int) -> None:
+        for queue in list(self._ready):
+            while queue.payloads and len(queue.payloads[0]) + FRAME_OVERHEAD_BYTES <= room_bytes:
+                frames = self._encode(queue, queue.pop_ready(1))
+                room_bytes -= len(frames)
+                pieces.append(frames)
+            if not queue.payloads:
+                self._ready.remove(queue)
+                if queue.source_paused:
+                    self._drained.append(queue)
 
     def _write(self, pieces: list[bytes]) -> None:
         data = pieces[0] if len(pieces) == 1 else b"".join(pieces)

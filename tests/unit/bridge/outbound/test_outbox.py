@@ -101,6 +101,25 @@ def test_a_blocked_link_gets_answers_and_nothing_else() -> None:
     assert bench.transport.writes[2:] == [b"101:1;"]
 
 
+def test_a_board_without_room_gets_what_fits_until_it_has_room() -> None:
+    bench = Bench()
+    bench.loop.run_until(1.0)
+    bench.link.unread.room_bytes = 26
+    small, large = TopicQueue(101, "small"), TopicQueue(102, "large")
+    bench.outbox.put(large, [bytes(40)])
+    bench.outbox.put(small, [b"1"])
+    bench.outbox.put(small, [b"2", b"3", b"4"])
+    bench.loop.turn()
+    assert bench.ids_written() == [101, 101, 101]
+    bench.link.unread.room_bytes = 3
+    bench.outbox.put(small, [b"5"])
+    bench.loop.turn()
+    assert bench.ids_written() == [101, 101, 101]
+    bench.link.unread.room_bytes = None
+    bench.outbox.flush()
+    assert sorted(bench.ids_written()) == [101, 101, 101, 101, 101, 102]
+
+
 def test_a_dead_link_is_not_fed_without_end() -> None:
     bench = Bench()
     bench.block(unsent_bytes=2 << 20)
