@@ -44,7 +44,7 @@ class SensorDescription:
 
     @property
     def topic(self) -> str:
-        """The full name of its topic, the same as the manager assigns."""
+        """The full name of its topic, as the manager assigns it."""
         return f"/sensors/{self.id}"
 
 
