@@ -118,6 +118,13 @@ def test_a_large_struct_is_read() -> None:
     assert codec.layout.accepts(codec.encode(message))
 
 
+def test_an_array_that_is_read_in_steps() -> None:
+    codec = store_of(Kind="int16[] many\nint16 last").codec("test/Kind")
+    numbers = [number % 30_000 for number in range(150_001)]
+    message = codec.decode(codec.encode({"many": numbers, "last": -1}))
+    assert (message.many, message.last) == (numbers, -1)
+
+
 def test_bytes_that_are_not_utf8_survive() -> None:
     codec = STORE.codec("std_msgs/String")
     payload = u32(4) + b"\xff\xfe\x80a"

@@ -35,6 +35,13 @@ def test_units_of_types_and_of_comments(type_name: str, path: str, unit: str) ->
     assert unit_of(registry, TypeStore(registry).codec(type_name).tree, path) == unit
 
 
+def test_a_type_whose_definition_is_not_known_has_no_units_of_comments() -> None:
+    registry = Registry()
+    registry.add_full_text("my_arm/Motor", "float32 current  # drawn [mA]\n")
+    tree = TypeStore(registry).codec("my_arm/Motor").tree
+    assert unit_of(Registry(), tree, "current") == ""
+
+
 def test_the_page_has_the_same_table() -> None:
     text = (REPOSITORY / "web/src/plot/units.ts").read_text(encoding="utf-8")
     assert dict(re.findall(r'^  "(\S+ \S+)": "(\S+)",$', text, re.MULTILINE)) == UNITS

@@ -191,3 +191,16 @@ def test_smallest_size(field: str, size_bytes: int) -> None:
     assert layout.type_name == "test/Kind"
     assert layout.smallest_size_bytes == size_bytes
     assert layout.accepts(bytes(size_bytes))
+
+
+@pytest.mark.parametrize(
+    ("type_name", "varies"),
+    [
+        ("sensor_msgs/LaserScan", False),
+        ("std_msgs/String", False),
+        ("visualization_msgs/MarkerArray", True),
+        ("sensor_msgs/JointState", True),
+    ],
+)
+def test_elements_of_varying_size_are_known(type_name: str, varies: bool) -> None:
+    assert STORE.layout(type_name).has_varying_elements == varies
