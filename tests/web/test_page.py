@@ -107,6 +107,17 @@ async def test_a_plot_goes_on_while_another_panel_is_shown(robot: Robot, browser
     await browser.wait_for(page, "rostether.subscriptionCount === 0")
 
 
+async def test_a_recording_has_the_format_that_suits_the_graph(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/recording")
+    select = "document.querySelector('.recording select')"
+    await browser.wait_for(page, f"{select}?.value === 'bag'")
+    # As on a graph of ROS 2 alone.
+    metadata = "{ ...rostether.info.value.metadata, recording_format: 'mcap' }"
+    script = f"void (rostether.info.value = {{ ...rostether.info.value, metadata: {metadata} }})"
+    await browser.do("evaluate", page=page, script=script)
+    await browser.wait_for(page, f"{select}.value === 'mcap' && {select}.options[0].text.includes('ROS 2')")
+
+
 async def test_a_number_to_plot_is_searched_at_once(robot: Robot, browser: Browser) -> None:
     page = await browser.do("open", url=robot.url + "#/plots")
     await browser.do("click", page=page, selector=".plots-add")
