@@ -197,6 +197,8 @@ async def test_closed_panels_are_freed(robot: Robot, browser: Browser) -> None:
                 page, f"document.querySelector('.page, .cards')?.childElementCount > 0 && {link!r}"
             )
         await browser.wait_for(page, f"!{RANGE}.isStale()")
+        # It starts last; a round without it has fewer nodes.
+        await browser.wait_for(page, "document.querySelector('.card-scene canvas') !== null")
         kept.append(await browser.do("memory", page=page))
     # Values collect for five minutes, so bytes say little here; `make soak-page` watches them.
     for what, noise in (("nodes", 250), ("listeners", 25)):
