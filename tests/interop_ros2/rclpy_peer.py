@@ -68,5 +68,9 @@ def rclpy_peer() -> Iterator[RclpyPeer]:
         peer.wait_until_ready()
         yield peer
     finally:
-        process.kill()
-        process.communicate(timeout=60)
+        try:
+            # It leaves the graph at the end of its input.
+            process.communicate(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate(timeout=60)

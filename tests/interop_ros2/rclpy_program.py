@@ -87,13 +87,22 @@ class Peer:
         self.received: dict[str, list[Any]] = {}
         self.requests: dict[str, list[Any]] = {}
         self.servers: list[Any] = []
-        threading.Thread(target=self.spin, daemon=True).start()
+        self.spinning = threading.Thread(target=self.spin, daemon=True)
+        self.spinning.start()
 
     def spin(self) -> None:
         while self.context.ok():
             # An action client may be destroyed while the executor prepares to wait for it.
             with contextlib.suppress(RCLError):
                 self.executor.spin_once()
+
+    def close(self) -> None:
+        """Leave the graph. A process that is killed leaves shared memory of DDS, which may hang the next one."""
+        self.context.try_shutdown()
+        self.spinning.join(5)
+        with contextlib.suppress(RCLError):
+            self.node.destroy_node()
+        self.context.destroy()
 
     def advertise(self, topic: str, type: str, quality: str = "default") -> None:  # noqa: A002
         self.publishers[topic] = self.node.create_publisher(find(type), topic, QUALITIES[quality])
@@ -252,6 +261,7 @@ def main() -> None:
         except Exception as error:  # noqa: BLE001 - the test is told
             reply = {"error": f"{type(error).__name__}: {error}"}
         print(json.dumps(reply), flush=True)
+    peer.close()
 
 
 if __name__ == "__main__":
