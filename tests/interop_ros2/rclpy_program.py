@@ -97,7 +97,7 @@ class Peer:
                 self.executor.spin_once()
 
     def close(self) -> None:
-        """Leave the graph. A process that is killed leaves shared memory of DDS, which may hang the next one."""
+        """Leave the graph: the shared memory of DDS that a killed process leaves may hang the next one."""
         self.context.try_shutdown()
         self.spinning.join(5)
         with contextlib.suppress(RCLError):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import zenoh
 
-from rostether.errors import ConfigError, MasterUnreachableError
+from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import join
 from rostether.ros2.environment import Ros2Environment
@@ -26,20 +26,12 @@ from rostether.ros2.zenoh.configuration import (
     RouterChoice,
     is_router_there,
     names_its_own_place,
-    one_line,
     peer_configuration,
     router_configuration,
 )
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.reachability import (
-    NO_SESSION,
-    endpoints_of,
-    find_faults,
-    find_listen_fault,
-    tls_of,
-    uses_tls,
-)
-from rostether.ros2.zenoh.refusals import report_refusals
+from rostether.ros2.zenoh.opening import open_session
+from rostether.ros2.zenoh.reachability import NO_SESSION, endpoints_of, find_faults, tls_of
 from rostether.ros2.zenoh.router_watch import watch_router
 from rostether.ros2.zenoh.thread_state import stay_known
 from rostether.ros2.zenoh.tokens import Token, all_tokens
@@ -106,7 +98,7 @@ class ZenohSession:
         reach = reach or Reach()
         if await _replaces_router(environment, reach):
             try:
-                session = await _open(configuration := router_configuration(environment, reach))
+                session = await open_session(configuration := router_configuration(environment, reach))
             except MasterUnreachableError:
                 # Another process became the router first.
                 if reach.router is RouterChoice.ALWAYS or not await is_router_there():
@@ -116,7 +108,7 @@ class ZenohSession:
                 opened.is_router = True
                 return await opened._start(configuration)
         configuration = peer_configuration(environment, reach)
-        opened = cls(await _open(configuration), environment, types)
+        opened = cls(await open_session(configuration), environment, types)
         return await opened._start(configuration)
 
     async def join(
@@ -286,23 +278,3 @@ async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:
     if reach.connect or names_its_own_place(environment):
         return False
     return not await is_router_there(ROUTER_ENDPOINT)
-
-
-async def _open(configuration: zenoh.Config) -> zenoh.Session:
-    if uses_tls(endpoints_of(configuration, "listen")):
-        report_refusals()
-    try:
-        # Opening blocks until the first connections are established or have failed.
-        return await asyncio.to_thread(zenoh.open, configuration)
-    except zenoh.ZError as error:
-        text = one_line(error)
-        if fault := find_listen_fault(configuration):
-            raise MasterUnreachableError(f"zenoh cannot listen: {fault}") from error
-        if "listener" in text:
-            advice = "check the listen endpoints of the configuration"
-            if "in use" in text:
-                advice = "stop the program that uses the port, or choose another endpoint"
-            raise MasterUnreachableError(f"zenoh cannot listen: {text}; {advice}") from error
-        raise MasterUnreachableError(f"zenoh cannot open a session: {text}") from error
-    except Exception as error:
-        raise ConfigError(f"zenoh does not accept its configuration: {one_line(error)}") from error
