@@ -24,7 +24,7 @@ from rostether.serde.store import TypeStore
 PERIOD_S = 1.0
 
 # A new subscriber gets its first message within this time.
-NEW_SUBSCRIBER_PERIOD_S = 0.05
+NEW_SUBSCRIBER_PERIOD_S = 0.2
 
 # Boards checked in one turn, in 1 or 2 ms: a hundred in one turn would delay all messages.
 TURN_BOARDS = 4
