@@ -120,4 +120,5 @@ async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Brows
     await browser.do("evaluate", page=page, script="void rostether.subscribe('/ultrasound')")
     await browser.wait_for(page, "rostether.feed('/ultrasound').last !== undefined")
     # It does not try what it may not do.
-    assert await browser.do("evaluate", page=page, script="document.querySelector('.banner')?.innerText") is None
+    banner = "document.querySelector('.banner')?.innerText"
+    assert await browser.do("evaluate", page=page, script=banner) is None
