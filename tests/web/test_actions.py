@@ -119,6 +119,10 @@ async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Brows
     await browser.wait_for(page, "document.querySelector('.push')?.matches(':disabled')")
     await browser.do("evaluate", page=page, script="void rostether.subscribe('/ultrasound')")
     await browser.wait_for(page, "rostether.feed('/ultrasound').last !== undefined")
-    # It does not try what it may not do.
+    # It does not try what it may not do, neither while the controls are shown nor when they are left.
+    await browser.do("evaluate", page=page, script="void (location.hash = '#/console')")
+    await browser.wait_for(page, "document.querySelector('.push') === null")
+    await browser.do("evaluate", page=page, script="void rostether.subscribe('/diagnostics')")
+    await browser.wait_for(page, "rostether.feed('/diagnostics').last !== undefined")
     banner = "document.querySelector('.banner')?.innerText"
     assert await browser.do("evaluate", page=page, script=banner) is None

@@ -135,7 +135,8 @@ export class Gateway {
 
   unadvertise(id: number): void {
     this.leases.delete(id);
-    if (this.advertised.delete(id)) this.command.send({ op: "unadvertise", channelIds: [id] });
+    if (!this.advertised.delete(id) || !this.isCommandOpen || !this.mayPublish) return;
+    this.command.send({ op: "unadvertise", channelIds: [id] });
   }
 
   /** Publishes on an advertised topic; false when there is no connection: nothing is sent later. */
