@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import socket
 import time
+from collections.abc import AsyncIterator
 from dataclasses import replace
 
 import pytest
@@ -80,7 +82,9 @@ async def test_other_machines_are_ignored_until_they_are_allowed(monkeypatch: py
     assert robot.speeds == []
 
 
-async def test_a_framed_robot_stops_on_request_and_when_its_sender_disappears() -> None:
+@contextlib.asynccontextmanager
+async def framed_robot() -> AsyncIterator[tuple[Robot, Lines, CommandSender, socket.socket]]:
+    """A robot that follows framed commands, and a sender to it."""
     _, (node, other) = await typed_nodes("/multicast_topic_receiver", "/robot")
     address, lines, robot = loopback_group(), Lines(), Robot()
     framed = ReceiverSettings(3, kind=KIND, key=KEY)
@@ -89,34 +93,32 @@ async def test_a_framed_robot_stops_on_request_and_when_its_sender_disappears() 
     async with running(robot.listen(other), receive_topic(node, settings, lines)):
         await until(lambda: lines.texts)
         with sender_to(address) as sock:
-            sock.send(EXAMPLE)
-            first = sender.command(EXAMPLE, 0.0)[0]
-            sock.send(first)
-            sock.send(sender.stop(0.0)[0])
-            await until(lambda: robot.speeds == [1.0, 0.0])
-            sock.send(first)
-            sock.send(sender.command(EXAMPLE, 0.0)[0])
-            # Nothing more comes: the time to live of 300 ms ends it.
-            await until(lambda: robot.speeds == [1.0, 0.0, 1.0, 0.0])
+            yield robot, lines, sender, sock
+
+
+async def test_a_framed_robot_stops_on_request_and_when_its_sender_disappears() -> None:
+    async with framed_robot() as (robot, lines, sender, sock):
+        sock.send(EXAMPLE)
+        first = sender.command(EXAMPLE, 0.0)[0]
+        sock.send(first)
+        sock.send(sender.stop(0.0)[0])
+        await until(lambda: robot.speeds == [1.0, 0.0])
+        sock.send(first)
+        sock.send(sender.command(EXAMPLE, 0.0)[0])
+        # Nothing more comes: the time to live of 300 ms ends it.
+        await until(lambda: robot.speeds == [1.0, 0.0, 1.0, 0.0])
     assert "is not a framed command" in lines.texts[1]
     assert lines.texts[2:] == ["no command within the time to live; stopping /multicast_topic"]
 
 
 async def test_a_robot_stops_if_a_query_is_read_before_the_watchdog_runs() -> None:
-    _, (node, other) = await typed_nodes("/multicast_topic_receiver", "/robot")
-    address, lines, robot = loopback_group(), Lines(), Robot()
-    framed = ReceiverSettings(3, kind=KIND, key=KEY)
-    settings = ReceiverNodeSettings(CONTROL, address=address, framed=framed, has_key=True)
-    sender = CommandSender(SenderSettings(3, to_groups=False, kind=KIND, key=KEY), 1_000)
-    async with running(robot.listen(other), receive_topic(node, settings, lines)):
-        await until(lambda: lines.texts)
-        with sender_to(address) as sock:
-            sock.send(sender.command(EXAMPLE, 0.0)[0])
-            await until(lambda: robot.speeds == [1.0])
-            # The loop stands still until the time to live has passed, and then reads first.
-            sock.send(sender.query())
-            time.sleep(0.4)
-            await until(lambda: robot.speeds == [1.0, 0.0])
+    async with framed_robot() as (robot, lines, sender, sock):
+        sock.send(sender.command(EXAMPLE, 0.0)[0])
+        await until(lambda: robot.speeds == [1.0])
+        # The loop stands still until the time to live has passed, and then reads first.
+        sock.send(sender.query())
+        time.sleep(0.4)
+        await until(lambda: robot.speeds == [1.0, 0.0])
     assert lines.texts[1:] == ["no command within the time to live; stopping /multicast_topic"]
 
 
