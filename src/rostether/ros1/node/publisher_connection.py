@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import functools
 import logging
 from collections.abc import Callable, Sequence
@@ -21,6 +22,13 @@ MAX_RETRY_S = 5.0
 
 # Failures in a row before a report, after 0.7 s: a publisher that ends is unregistered by then.
 PATIENT_FAILURES = 4
+
+# A publisher that has ended closes its connections at once; its last messages may still be in the socket. A
+# publisher that keeps a connection open sends nothing more.
+DRAIN_S = 1.0
+
+# Ends the connection of a publisher that is no longer registered but still publishes.
+MAX_DRAINS = 10
 
 _log = logging.getLogger("rostether.ros1")
 
@@ -117,10 +125,30 @@ class PublisherLink:
         self._request = request
         self._accept = accept
         self._report = report
+        self._is_closed = False
         self._task = asyncio.ensure_future(self._run())
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether a connection is open, and stays open."""
+        return not self._is_closed and self.connection is not None and not self.connection.lost.is_set()
+
+    async def drain(self) -> None:
+        """Pass on what an ended publisher has sent until it closes the connection, then close permanently."""
+        connection = self.connection
+        for _ in range(MAX_DRAINS):
+            if connection is None or not self.is_connected:
+                break
+            byte_count = connection.record.byte_count
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(connection.lost.wait(), DRAIN_S)
+            if connection.record.byte_count == byte_count:
+                break
+        await self.close()
 
     async def close(self) -> None:
         """Close the connection permanently; no message is passed on afterwards."""
+        self._is_closed = True
         self._task.cancel()
         await asyncio.wait((self._task,))
 

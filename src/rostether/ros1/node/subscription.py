@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 from collections.abc import Awaitable, Callable, Container, Mapping, Sequence
 from typing import Unpack
 
@@ -47,7 +48,7 @@ class Subscription:
         self._skip_nodes: Container[str] = options.get("skip_nodes", ())
         self._learns_type = options.get("one_type", False) and message_type.name == ANY_TYPE
         self._links: dict[str, PublisherLink] = {}
-        self._closing_links: set[asyncio.Task[None]] = set()
+        self._ending_links: dict[PublisherLink, asyncio.Task[None]] = {}  # of publishers that have ended
         tcp_nodelay = options.get("tcp_nodelay", True)
         self._request = subscriber_fields(topic, message_type, caller_id=node_name, tcp_nodelay=tcp_nodelay)
         self._what = f"on_messages of {topic}"
@@ -57,7 +58,8 @@ class Subscription:
     @property
     def connections(self) -> list[PublisherConnection]:
         """The open connections."""
-        return [link.connection for link in self._links.values() if link.connection is not None]
+        links = (*self._links.values(), *self._ending_links)
+        return [link.connection for link in links if link.connection is not None]
 
     @property
     def publisher_count(self) -> int:
@@ -65,11 +67,11 @@ class Subscription:
         return len(self.connections)
 
     def set_publishers(self, uris: Sequence[str]) -> None:
-        """Connect to new publishers, and disconnect from those that have ended."""
+        """Connect to new publishers, and disconnect from those that have ended after their last message."""
         for uri in self._links.keys() - set(uris):
-            task = asyncio.ensure_future(self._links.pop(uri).close())
-            self._closing_links.add(task)
-            task.add_done_callback(self._closing_links.discard)
+            link = self._links.pop(uri)
+            self._ending_links[link] = task = asyncio.ensure_future(link.drain())
+            task.add_done_callback(functools.partial(self._forget, link))
         self.add_publishers(uris)
 
     def add_publishers(self, uris: Sequence[str]) -> None:
@@ -80,13 +82,24 @@ class Subscription:
         """
         for uri in uris:
             if uri not in self._links and uri != self._skipped_uri and not self._is_closed:
-                self._links[uri] = PublisherLink(
+                self._links[uri] = self._ending_link(uri) or PublisherLink(
                     uri,
                     caller_id=self._node_name,
                     request=self._request,
                     accept=self._accept,
                     report=self._report_trouble,
                 )
+
+    def _ending_link(self, uri: str) -> PublisherLink | None:
+        # A second connection beside one that is still open would deliver messages twice.
+        for link in self._ending_links:
+            if link.uri == uri and link.is_connected:
+                self._ending_links.pop(link).cancel()
+                return link
+        return None
+
+    def _forget(self, link: PublisherLink, _task: asyncio.Task[None]) -> None:
+        self._ending_links.pop(link, None)
 
     def pause(self) -> None:
         """Stop reading from publishers, so that they queue on their side."""
@@ -105,14 +118,15 @@ class Subscription:
         if self._is_closed:
             return
         self._is_closed = True
-        links = list(self._links.values())
+        links = [*self._links.values(), *self._ending_links]
         self._links.clear()
-        await asyncio.gather(*self._closing_links, *(link.close() for link in links))
+        await asyncio.gather(*self._ending_links.values(), *(link.close() for link in links))
         await self._on_close(self)
 
     def _accept(self, uri: str, fields: dict[str, str], transport: asyncio.Transport) -> PublisherConnection:
         node_name = fields.get("callerid", "")
-        if self._learns_type and not any(each.node_name not in self._skip_nodes for each in self.connections):
+        linked = [link.connection for link in self._links.values() if link.connection is not None]
+        if self._learns_type and not any(each.node_name not in self._skip_nodes for each in linked):
             self.type = ANY_MESSAGE
         check_publisher(fields, self.topic, self.type)
         if self._learns_type and node_name not in self._skip_nodes:

@@ -53,6 +53,7 @@ async def subscribed(message_type: MessageType = STRING, *, tcp_nodelay: bool = 
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(publisher_connection, "FIRST_RETRY_S", 0.005)
     monkeypatch.setattr(publisher_connection, "MAX_RETRY_S", 0.02)
+    monkeypatch.setattr(publisher_connection, "DRAIN_S", 0.1)
 
 
 def fake(fields: Mapping[str, str] | None = None) -> FakePublisher:
@@ -183,6 +184,31 @@ async def test_publishers_come_and_go_with_the_masters_list() -> None:
         second.peers[0].writer.write(encode_messages([b"still here"]))
         await until(lambda: stage.inbox.payloads)
         assert (first.asked, second.asked) == (1, 1)
+
+
+async def test_the_last_messages_of_a_publisher_that_has_ended_arrive() -> None:
+    """Also if the subscriber was busy, and learns of the end before it reads them."""
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.set_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        publisher.peers[0].writer.write(encode_messages([b"x" * 1000] * 1000))
+        stage.topic.set_publishers([])
+        await publisher.peers[0].close()
+        await until(lambda: len(stage.inbox.payloads) == 1000)
+        await until(lambda: stage.topic.publisher_count == 0)
+        assert publisher.asked == 1
+
+
+async def test_a_publisher_that_registers_again_keeps_its_connection() -> None:
+    async with fake() as publisher, subscribed() as stage:
+        stage.topic.set_publishers([publisher.uri])
+        await until(lambda: stage.topic.publisher_count == 1)
+        stage.topic.set_publishers([])
+        stage.topic.set_publishers([publisher.uri])
+        await asyncio.sleep(2.5 * publisher_connection.DRAIN_S)
+        publisher.peers[0].writer.write(encode_messages([b"once"]))
+        await until(lambda: stage.inbox.payloads == [b"once"])
+        assert publisher.asked == 1
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:1/", "nonsense", "rosrpc://127.0.0.1:1"])
