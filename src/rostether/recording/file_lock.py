@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import sys
 from pathlib import Path
@@ -93,3 +94,16 @@ def end_active(active: Path, path: Path) -> None:
         log.unlink(missing_ok=True)
         with contextlib.suppress(FileNotFoundError):
             active.with_name(active.name + suffix).replace(log)
+
+
+def keep_left_over(active: Path, path: Path) -> Path | None:
+    """Rename the file that a killed recorder has left, if there is one; returns its new name. Raises OSError.
+
+    The name is that of the finished recording with a number, such as `drive.killed-1.bag`.
+    """
+    if not active.exists() or not active.stat().st_size:
+        return None
+    names = (path.with_name(f"{path.stem}.killed-{number}{path.suffix}") for number in itertools.count(1))
+    kept = next(each for each in names if not each.exists())
+    end_active(active, kept)
+    return kept

@@ -18,6 +18,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Publisher
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.writer import BagWriter
+from rostether.recording.recorded import Connection
 from rostether.recording.recorder import Recorder
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 from rostether.rostime import NS_PER_S, Time
@@ -119,6 +120,25 @@ async def test_a_second_recorder_of_one_file_is_refused_and_the_first_is_whole(s
     await _subscribed(publisher)
     await _end(again)
     assert stage.payloads() == []
+
+
+async def test_what_a_killed_recorder_has_left_is_kept(stage: Stage) -> None:
+    for number in (1, 2):
+        left = BagWriter(stage.folder / "0.bag.active")
+        left.write(left.add_connection(Connection("/a", STRING)), NS_PER_S, [text(f"left {number}")])
+        left.flush()
+        task = asyncio.create_task(stage.recorder(TopicChoice(names=("/a",))).run())
+        while len(stage.lines) < 3:
+            await asyncio.sleep(0.005)
+        await _end(task)
+        assert (
+            f"0.bag.active is of a recorder that was killed: renamed it to 0.killed-{number}.bag; "
+            in (stage.lines[0])
+        )
+        reader = BagReader(stage.folder / f"0.killed-{number}.bag")
+        assert [each.payload for each in reader.messages()] == [text(f"left {number}")]
+        assert stage.payloads() == []
+        stage.lines.clear()
 
 
 async def test_no_chunk_holds_times_before_and_after_a_reset(
