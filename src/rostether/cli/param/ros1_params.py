@@ -98,6 +98,7 @@ class Ros1Params:
 
     def dump(self, file: Path | None, namespace: str, *, verbose: bool) -> None:
         """Write parameters to a YAML file; without a file, or with -, to stdout."""
+        from rostether.mechanisms.whole_file import write_whole
         from rostether.param_yaml import dump
 
         if verbose:
@@ -106,7 +107,7 @@ class Ros1Params:
         if file is None or str(file) == "-":
             write_line(text.removesuffix("\n"))
         else:
-            file.write_text(text, "utf-8")
+            write_whole(file, text.encode())
 
     def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
         """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""

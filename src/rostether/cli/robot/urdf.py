@@ -154,6 +154,7 @@ def _record(joint: Joint) -> dict[str, object]:
 def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
     """Expand FILE and print the URDF."""
     from rostether.errors import ConfigError
+    from rostether.mechanisms.whole_file import write_whole
     from rostether.packages.locate import package_folders
     from rostether.robot.xacro import expand_xacro, parse_mappings, xacro_dependencies
 
@@ -168,6 +169,6 @@ def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool
         return
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
+        write_whole(output, text.encode())
     except OSError as error:
         raise ConfigError(f"{output}: {error.strerror}; choose another file") from error

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.errors import ConfigError
+from rostether.mechanisms.whole_file import write_whole
 
 if TYPE_CHECKING:
     from rostether.pictures.scene import Scene
@@ -40,6 +41,6 @@ def save(file: Path, content: str | bytes) -> None:
     """Write a file. Raises ConfigError if that fails."""
     data = content.encode(errors="replace") if isinstance(content, str) else content
     try:
-        file.write_bytes(data)
+        write_whole(file, data)
     except OSError as error:
         raise ConfigError(f"cannot write {file}: {error.strerror}") from None

@@ -6,6 +6,7 @@ from datetime import datetime
 from pathlib import Path
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.whole_file import write_whole
 from rostether.rostime import NS_PER_S
 from rostether.serde.values import Message
 
@@ -36,7 +37,7 @@ class PictureFolder:
         number = f"-{self._same_count}" if self._same_count > 1 else ""
         path = self._folder / f"{stem}{number}.{ending}"
         try:
-            path.write_bytes(message.data)
+            write_whole(path, message.data)
         except OSError as error:
             raise RecordingError(f"cannot write {path}: {error.strerror or error}") from None
 

@@ -1,0 +1,46 @@
+"""Writes files in one step: if it fails, for example on a full disk, the old file is still complete."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from contextlib import suppress
+from pathlib import Path
+
+
+def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
+    """Create or replace a file. Devices and pipes are written directly. Raises OSError.
+
+    `durable`: also after a power cut, the file is the old or the new one. This can take seconds on a memory
+    card: not on the event loop.
+    """
+    target = path.resolve()
+    exists = target.exists()
+    if exists and not target.is_file():
+        path.write_bytes(content)
+        return
+    fresh = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        if exists:
+            # A file that may not be written is not replaced.
+            target.open("ab").close()
+        with fresh.open("wb") as file:
+            file.write(content)
+            if durable:
+                file.flush()
+                os.fsync(file.fileno())
+        if exists:
+            shutil.copymode(target, fresh)
+        fresh.replace(target)
+    except OSError:
+        # On a full disk, an incomplete file would take the last free space.
+        with suppress(OSError):
+            fresh.unlink()
+        raise
+    if durable and hasattr(os, "O_DIRECTORY"):
+        folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            # The new name, too, must be on the disk.
+            os.fsync(folder)
+        finally:
+            os.close(folder)

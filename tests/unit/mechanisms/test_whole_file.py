@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import os
+import resource
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rostether.cli.shell.picture_files import save
+from rostether.errors import ConfigError
+from rostether.mechanisms.whole_file import write_whole
+
+
+@pytest.fixture
+def full_disk() -> Iterator[None]:
+    """Fail each write beyond 1 kB, as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, ignored)
+
+
+@pytest.mark.usefixtures("full_disk")
+def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "graph.svg"
+    with pytest.raises(ConfigError, match=r"cannot write .*/graph.svg: File too large"):
+        save(path, "x" * 2000)
+    assert list(tmp_path.iterdir()) == []
+    save(path, "old")
+    with pytest.raises(ConfigError):
+        save(path, "x" * 2000)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_a_name_refers_to_is_written(tmp_path: Path) -> None:
+    path, link, pipe = tmp_path / "file", tmp_path / "link", tmp_path / "pipe"
+    path.write_text("old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    write_whole(link, b"new")
+    assert link.is_symlink()
+    assert path.read_text() == "new"
+    assert path.stat().st_mode & 0o777 == 0o640
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_whole(pipe, b"through")
+        assert os.read(reader, 100) == b"through"
+    finally:
+        os.close(reader)
+    with pytest.raises(OSError, match="directory"):
+        write_whole(tmp_path, b"")
