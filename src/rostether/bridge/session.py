@@ -306,6 +306,10 @@ class Session:
         self.node.endpoints.fail_calls("reset")
         self._notices.episode("reset", Level.INFO, "the board was reset; requesting its topics")
 
+    def note_pause(self) -> None:
+        """Record that a simulated board paused with its simulator."""
+        self.watch.loop_speed.note_pause(self._loop.time())
+
     def _report(self, _event: object) -> None:
         """Report findings at once, without waiting for the next check."""
         now_s = self._loop.time()

@@ -245,6 +245,8 @@ class Supervisor:
             if self._links.tap is not None:
                 transport = self._links.tap(transport)
             session = board.session = Session(transport, node, baud=baud)
+            if isinstance(address, SerialAddress) and address.pauses is not None:
+                address.pauses.on_pause = session.note_pause
             session.start()
             self._objects.connected()
             if isinstance(address, TcpAddress) and address.listens:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -36,12 +37,19 @@ class ProgramSize:
     ram_limit_bytes: int
 
 
+class SimulationPauses:
+    """Calls `on_pause` when a simulated board paused: this machine was too busy to run it in real time."""
+
+    def __init__(self) -> None:
+        self.on_pause: Callable[[], None] = lambda: None
+
+
 @dataclass(frozen=True, slots=True)
 class SerialAddress(_Named):
     """A serial port or a pseudo-terminal's slave; `reset=False` leaves DTR and RTS alone.
 
     `given` are the options in the address: they override devices.toml. `program` is set if the board is known
-    to run it.
+    to run it, `pauses` if the board is simulated.
     """
 
     path: str
@@ -49,6 +57,7 @@ class SerialAddress(_Named):
     reset: bool = True
     given: tuple[str, ...] = field(default=(), compare=False, kw_only=True)
     program: ProgramSize | None = field(default=None, compare=False, kw_only=True)
+    pauses: SimulationPauses | None = field(default=None, compare=False, kw_only=True)
 
     def __str__(self) -> str:
         return self.path

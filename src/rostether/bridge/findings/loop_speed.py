@@ -30,6 +30,9 @@ SURELY_OURS_S = 2.4
 # A board that is later than 11 s was disconnected, not slow.
 MAX_LATE_S = 9.0
 
+# A request that a pause has delayed may arrive this long before the news of the pause.
+PAUSE_NEWS_S = 0.5
+
 KEPT = 16
 MIN_COUNT = 2
 
@@ -70,6 +73,12 @@ class LoopSpeed:
 
     def forget(self) -> None:
         """Record a reset of the board, which changes when its next request is due."""
+        self._last_s = None
+
+    def note_pause(self, now_s: float) -> None:
+        """Record that a simulated board paused, which delays its request as a slow loop() does."""
+        if self._last_s is not None and now_s - self._last_s < PAUSE_NEWS_S and self._intervals_s:
+            self._intervals_s.pop()
         self._last_s = None
 
     def find(self, *, is_listener: bool) -> Finding | None:

@@ -31,7 +31,13 @@ from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.errors import RostetherError, TransportError
 from rostether.rosserial.baud_probe import NoBoard
 from rostether.serde.store import TypeStore
-from rostether.transports.address import Address, SerialAddress, TcpAddress, UdpAddress
+from rostether.transports.address import (
+    Address,
+    SerialAddress,
+    SimulationPauses,
+    TcpAddress,
+    UdpAddress,
+)
 from rostether.transports.opening import listen, open_transport
 from rostether.transports.port_facts import NamedPort, PortFacts, read_port_facts
 from rostether.transports.port_holders import find_listener
@@ -106,7 +112,7 @@ class Doctor:
         at = f" at {baud} baud" if baud else ""
         self._report_step(f"listening to {address}{at} ...")
         try:
-            watched = await self._watch(await self._open(address), baud)
+            watched = await self._watch(await self._open(address), baud, address.pauses)
         except RostetherError as failure:
             facts = await self._read_facts(address.path)
             return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
@@ -178,8 +184,10 @@ class Doctor:
                 return busy(str(address), (holder,))
         return cannot_open(failure)
 
-    async def _watch(self, transport: Transport, baud: int | None) -> Watched:
-        return await watch_board(transport, baud, self._store, watch_s=self._watch_s)
+    async def _watch(
+        self, transport: Transport, baud: int | None, pauses: SimulationPauses | None = None
+    ) -> Watched:
+        return await watch_board(transport, baud, self._store, watch_s=self._watch_s, pauses=pauses)
 
     def _diagnosis(self, address: Address, watched: Watched, baud: int | None = None) -> Diagnosis:
         has_answered = watched.view.protocol_version is not None

@@ -17,6 +17,7 @@ from rostether.errors import TransportError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
+from rostether.transports.address import SimulationPauses
 from rostether.transports.transport import Transport
 
 # It includes three time requests, which show the speed of loop(), and enough frames for a percentage.
@@ -42,7 +43,14 @@ class Watched:
     clock_drift_ppm: float | None
 
 
-async def watch_board(transport: Transport, baud: int | None, store: TypeStore, *, watch_s: float) -> Watched:
+async def watch_board(
+    transport: Transport,
+    baud: int | None,
+    store: TypeStore,
+    *,
+    watch_s: float,
+    pauses: SimulationPauses | None = None,
+) -> Watched:
     """Serve a board for `watch_s` after its first answer, or until none can be expected; then close it."""
     clock = asyncio.get_running_loop().time
     # A step of the wall clock would look like drift of the board's clock.
@@ -50,6 +58,8 @@ async def watch_board(transport: Transport, baud: int | None, store: TypeStore, 
     graph = await MemoryNetwork(lambda: Time.from_ns(epoch_ns + round(clock() * 1e9))).join(_NODE)
     node = BoardNode(graph, store, SilentReporter(), clock)
     session = Session(transport, node, baud=baud)
+    if pauses is not None:
+        pauses.on_pause = session.note_pause
     began_s = clock()
     session.start()
     try:

@@ -16,7 +16,7 @@ from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.simulation.qemu import MACHINES
-from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress
+from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress, SimulationPauses
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
@@ -69,6 +69,7 @@ async def simulated(
             name = link.name or _name(Path(link.program), names)
             names.append(name)
             size: ProgramSize | None = None
+            pauses: SimulationPauses | None = None
             shown: NodeBoard | None = None
             if link.board in MACHINES:
                 qemu = await _start_qemu(link, reporter, stack)
@@ -80,12 +81,12 @@ async def simulated(
             else:
                 board, size = await _start_avr(link, reporter, stack, msg_paths)
                 place, report = board.address, _report_events(board, link, reporter)
-                shown = board
+                shown, pauses = board, board.pauses
             if join is not None and shown is not None:
                 joining = partial(join, f"{name}_simulation", namespace=f"/{(link.ns or '').strip('/')}")
                 reports.append(asyncio.create_task(_run_node(shown, link, joining, reporter)))
             reports.append(asyncio.get_running_loop().create_task(report))
-            opened.append(SerialAddress(place, name=name, ns=link.ns, program=size))
+            opened.append(SerialAddress(place, name=name, ns=link.ns, program=size, pauses=pauses))
         # The reports end first: a board that is ended on purpose has nothing to report.
         stack.push_async_callback(_end, reports)
         yield opened

@@ -114,7 +114,7 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
                 await asyncio.gather(*tasks, return_exceptions=True)
                 await graph.close()
 
-        link = SerialAddress(board.address, baud=_BAUD, name=name, program=size)
+        link = SerialAddress(board.address, baud=_BAUD, name=name, program=size, pauses=board.pauses)
         yield DemoBoard("Arduino Uno, simulated: a compiled AVR sketch", link, TOPICS, plug_in)
 
 

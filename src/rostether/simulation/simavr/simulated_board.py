@@ -23,6 +23,7 @@ from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.compile import build_runner
 from rostether.simulation.simavr.kinds import kind_of
 from rostether.simulation.simavr.runner_process import RunnerProcess
+from rostether.transports.address import SimulationPauses
 from rostether.transports.pty_link import PtyLink
 
 DEFAULT_TIMEOUT_S = 10.0
@@ -49,6 +50,7 @@ class SimulatedBoard:
         self.note: str = ready.values.get("note", "")
         self.recent: deque[BoardEvent] = deque([ready], maxlen=MAX_RECENT_EVENTS)
         self.serial = bytearray()
+        self.pauses = SimulationPauses()
         self._process = process
         self._terminal: str = ready["link"]
         self._link = link
@@ -293,5 +295,7 @@ class SimulatedBoard:
         elif event.name == "serial":
             self.serial += bytes.fromhex(event["data"])
             del self.serial[:-MAX_SERIAL_BYTES]
+        elif event.name == "behind":
+            self.pauses.on_pause()
         for listener in tuple(self._listeners):
             listener(event)

@@ -134,6 +134,18 @@ async def test_real_time_is_the_worlds_time() -> None:
         assert ran_s <= loop.time() - begun_s + 0.02 or behind
 
 
+async def test_each_pause_of_the_simulator_is_reported() -> None:
+    async with await SimulatedBoard.start(build("echo")) as board:
+        pid = await pid_of(board)
+        for _ in range(2):
+            paused = asyncio.Event()
+            board.pauses.on_pause = paused.set
+            os.kill(pid, signal.SIGSTOP)
+            await asyncio.sleep(0.4)
+            os.kill(pid, signal.SIGCONT)
+            await asyncio.wait_for(paused.wait(), 10)
+
+
 async def test_a_busy_board_leaves_most_of_the_processor(tmp_path: Path) -> None:
     async with await SimulatedBoard.start(build("echo")) as board:
         await asyncio.sleep(0.05)

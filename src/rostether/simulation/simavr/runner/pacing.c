@@ -13,7 +13,6 @@
 #define SLICE CYCLES_PER_MS
 /* A machine that stops for longer than that (suspend, heavy load) does not make the board run faster afterwards. */
 #define LONGEST_CATCH_UP_NS 250000000ll
-#define REPORT_BEHIND_NS 1000000000ll
 
 static int64_t base_ns;
 static cycles_t base_cycle;
@@ -36,20 +35,14 @@ static void wait_for_words(int64_t timeout_ns) {
 }
 
 static void wait_for_the_clock(void) {
-    static int64_t behind_ns, told_ns;
     while (!board.quitting && board.running) {
         int64_t due_ns = base_ns + (int64_t)((board.avr->cycle - base_cycle) * 1000 / CYCLES_PER_US);
         int64_t now = now_ns();
         if (now - due_ns > LONGEST_CATCH_UP_NS) {
-            behind_ns += now - due_ns;
+            event_begin("behind");
+            event_int("lost_ms", (now - due_ns) / 1000000);
+            event_end();
             pacing_rebase();
-            if (now - told_ns > REPORT_BEHIND_NS) {
-                event_begin("behind");
-                event_int("lost_ms", behind_ns / 1000000);
-                event_end();
-                told_ns = now;
-                behind_ns = 0;
-            }
         }
         wait_for_words(due_ns > now ? due_ns - now : 0);
         if (due_ns - now_ns() <= 0) return;
