@@ -30,6 +30,9 @@ export function PlotCard({ context, ids }: { context: PanelContext; ids: readonl
 
 function Values({ context, series }: { context: PanelContext; series: readonly Series[] }) {
   const now = useTick(context, VALUE_PERIOD_MS);
+  // The first value is shown at once.
+  for (const each of series)
+    if (each.buffer.length === 0) void context.robot.feed(each.topicName).version.value;
   const names = shortNames(series);
   const units = new Set(series.map((each) => each.unit));
   const isUnitAt = (index: number) => units.size > 1 || index === series.length - 1;

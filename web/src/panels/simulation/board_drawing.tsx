@@ -12,8 +12,8 @@ const t = texts.simulation;
 interface Drawn {
   state: BoardState;
   isDisabled: boolean;
-  /** Drives a pin from outside; undefined lets it go. */
-  drive: (pin: string, level: 0 | 1 | undefined) => void;
+  /** Drives a pin from outside, or releases it. */
+  tap: (pin: Pin) => void;
 }
 
 export function BoardDrawing(props: Drawn) {
@@ -62,13 +62,12 @@ function inRows(pins: Pin[]): Pin[][] {
   return rows;
 }
 
-function PinView({ pin, state, isDisabled, drive, x, y }: Drawn & { pin: Pin; x: number; y: number }) {
+function PinView({ pin, state, isDisabled, tap, x, y }: Drawn & { pin: Pin; x: number; y: number }) {
   const { name, direction, level } = pin;
   const driven = state.driven[name];
   const left = MARGIN + x * PITCH;
   const press = () => {
-    // A second tap lets it go; the first one drives it to the other level, as a button does.
-    if (!isDisabled) drive(name, driven === undefined ? (level > 0 ? 0 : 1) : undefined);
+    if (!isDisabled) tap(pin);
   };
   return (
     // biome-ignore lint/a11y/useSemanticElements: a drawing has no buttons

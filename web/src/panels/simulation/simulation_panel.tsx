@@ -1,6 +1,6 @@
 // Simulated boards: live pins, servos, and what surrounds them.
 import { useSignal } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { EmptyState } from "../../shell/parts.tsx";
 import { texts } from "../../texts.ts";
 import { TopicPublisher } from "../controls/topic_publisher.ts";
@@ -55,23 +55,29 @@ function Board({ context, topic, name }: { context: PanelContext; topic: string;
       publisher.value = undefined;
       made.dispose();
     };
-  }, [mayAct, commands]);
+  }, [mayAct, commands?.definition]);
   const tell: Tell = (line) => publisher.peek()?.publish({ data: line });
+  const tapped = useRef(new Map<string, { isDriven: boolean; untilMs: number }>());
+  // The first tap drives a pin to its other level, as a button does; the second releases it.
+  const tap = ({ name, level }: Pin) => {
+    const now = performance.now();
+    const last = tapped.current.get(name);
+    // The board's last state may be older than the last tap.
+    const isDriven = last && now < last.untilMs ? last.isDriven : state?.driven[name] !== undefined;
+    tapped.current.set(name, { isDriven: !isDriven, untilMs: now + SETTLE_MS });
+    tell(`pin ${name}=${isDriven ? "z" : level > 0 ? 0 : 1}`);
+  };
   const slide: Tell = (line) => publisher.peek()?.publishSmoothly({ data: line });
   // The pins of the drawing are smaller than a finger.
   const hasFingers = !context.isCard && matchMedia("(pointer: coarse)").matches;
   const drawing = state && (
     <div>
-      <BoardDrawing
-        state={state}
-        isDisabled={!mayAct}
-        drive={(pin, level) => tell(`pin ${pin}=${level ?? "z"}`)}
-      />
+      <BoardDrawing state={state} isDisabled={!mayAct} tap={tap} />
       <NamedPins
         pins={state.pins.filter((pin) => !isNumbered(pin.name) || (hasFingers && isPressable(pin, state)))}
         driven={state.driven}
         isDisabled={!mayAct}
-        tell={tell}
+        tap={tap}
       />
       <p class="simulation-hint">{t.hint}</p>
     </div>
@@ -110,28 +116,31 @@ function NamedPins(props: {
   pins: readonly Pin[];
   driven: Readonly<Record<string, number>>;
   isDisabled: boolean;
-  tell: Tell;
+  tap: (pin: Pin) => void;
 }) {
-  const { pins, driven, isDisabled, tell } = props;
+  const { pins, driven, isDisabled, tap } = props;
   if (pins.length === 0) return null;
   return (
     <ul class="simulation-pins">
-      {pins.map(({ name, direction, level }) => (
-        <li key={name}>
-          <button
-            type="button"
-            class={level > 0 ? "button simulation-high" : "button"}
-            aria-label={t.pin(name, direction, level)}
-            aria-pressed={driven[name] !== undefined}
-            data-pin={name}
-            data-level={level}
-            disabled={isDisabled || direction !== "in"}
-            onClick={() => tell(`pin ${name}=${driven[name] === undefined ? 1 - level : "z"}`)}
-          >
-            {name}
-          </button>
-        </li>
-      ))}
+      {pins.map((pin) => {
+        const { name, direction, level } = pin;
+        return (
+          <li key={name}>
+            <button
+              type="button"
+              class={level > 0 ? "button simulation-high" : "button"}
+              aria-label={t.pin(name, direction, level)}
+              aria-pressed={driven[name] !== undefined}
+              data-pin={name}
+              data-level={level}
+              disabled={isDisabled || direction !== "in"}
+              onClick={() => tap(pin)}
+            >
+              {name}
+            </button>
+          </li>
+        );
+      })}
     </ul>
   );
 }
