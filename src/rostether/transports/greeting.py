@@ -16,7 +16,7 @@ from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys, Proof
 from rostether.transports.psk_hello import PSK_LIMIT_S, ConnectorHello, ListenerHello, read_key
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import StreamTransport
-from rostether.transports.tls import TlsFiles, connector_context, listener_context
+from rostether.transports.tls import TlsFiles, clear_handshake, connector_context, listener_context
 
 if TYPE_CHECKING:
     import ssl
@@ -67,6 +67,7 @@ class Greeting:
             try:
                 await transport.start_tls(self._context, listens=self._listens, host=self._host)
             except OSError as error:
+                clear_handshake(error)
                 reason = getattr(error, "verify_message", None) or getattr(error, "reason", None)
                 raise TransportClosedError(
                     f"no TLS connection: {reason or explain_reason(error)}; check the certificates"

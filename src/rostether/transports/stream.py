@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 from typing import TYPE_CHECKING, cast
 
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
@@ -83,6 +84,9 @@ class StreamTransport(asyncio.BaseProtocol):
     async def start_tls(self, context: ssl.SSLContext, *, listens: bool, host: str = "") -> None:
         """Encrypt all further bytes; call it before `start`. Raises OSError if the handshake fails."""
         assert self._wire is not None
+        # asyncio would wait for the handshake of a closed connection until the limit, with a large buffer.
+        if self._wire.is_closing():
+            raise ConnectionAbortedError(errno.ECONNABORTED, "the connection was closed")
         wire = None
         try:
             wire = await asyncio.get_running_loop().start_tls(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -26,6 +27,14 @@ class TlsFiles:
     cert: str | None = None
     key: str | None = None
     ca: str | None = None
+
+
+def clear_handshake(error: OSError) -> None:
+    """Clear the frames of a failed handshake: their error refers to them, and they to the error.
+
+    Until a full garbage collection they would keep the connection's read buffer, 256 KiB.
+    """
+    traceback.clear_frames(error.__traceback__)
 
 
 def listener_context(files: TlsFiles, certificates: Iterable[bytes] = ()) -> ssl.SSLContext:

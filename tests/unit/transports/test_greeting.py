@@ -18,6 +18,7 @@ from rostether.transports.address import TcpAddress
 from rostether.transports.address_parser import parse_address
 from rostether.transports.opening import open_transport
 from rostether.transports.tcp import TcpListener
+from tls_handshakes import handshakes_in_memory
 from unit.transports.recorder import Arrivals, Recorder
 from unit.transports.strangers import is_hung_up
 from waiting import until
@@ -168,7 +169,7 @@ async def test_tls_and_key_together(certificates: Path, key: Path) -> None:
 
 async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) -> None:
     server = f"tls://:0?cert={certificates}/server.pem&key={certificates}/server.key"
-    async with listening(server) as (listener, arrivals, port):
+    async with listening(server) as (listener, arrivals, port), handshakes_in_memory() as handshakes:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         writer.write(b"\xff\xfe\x00\x00\xff\x00\x00\xff")
         async with asyncio.timeout(60):
@@ -176,6 +177,12 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) ->
         writer.close()
         await until(lambda: listener.refused_count == 1)
         assert (arrivals.count, listener.connection_count) == (0, 0)
+        await until(lambda: handshakes() == 0)
+        silent = await asyncio.gather(*(asyncio.open_connection("127.0.0.1", port) for _ in range(40)))
+        await until(lambda: listener.refused_count == 41 - tcp.MAX_UNPROVEN_PER_HOST)
+        await until(lambda: handshakes() == tcp.MAX_UNPROVEN_PER_HOST)
+        for _, writer in silent:
+            writer.close()
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ import socket
 import ssl
 from typing import cast
 
+from rostether.transports.tls import clear_handshake
+
 _PLAIN_TEXT = b"This port is encrypted: use https:// instead of http://, and wss:// instead of ws://\n"
 _PLAIN_ANSWER = (
     b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain; charset=utf-8\r\n"
@@ -37,11 +39,13 @@ async def encrypted(
             try:
                 wire = await _start(transport, protocol, early, context, limit_s)
             except ssl.SSLError as error:
+                clear_handshake(error)
                 if error.reason == "HTTP_REQUEST":
                     spare.send(_PLAIN_ANSWER)
                 return None
-    except OSError:
+    except OSError as error:
         # asyncio's time limit, a client that has disconnected, and too many open files.
+        clear_handshake(error)
         transport.abort()
         return None
     return None if wire is None or wire.is_closing() else wire
@@ -54,20 +58,24 @@ async def _start(
     context: ssl.SSLContext,
     limit_s: float,
 ) -> asyncio.Transport | None:
-    starting = asyncio.ensure_future(
-        asyncio.get_running_loop().start_tls(
-            transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s
-        )
-    )
-    # It replaces the protocol in its first step, and connects it in the second.
-    await asyncio.sleep(0)
+    # It was displaced before this started. asyncio would wait for its handshake until the limit, with a
+    # buffer of 256 KiB.
+    if transport.is_closing():
+        return None
+    loop = asyncio.get_running_loop()
     received = bytes(early)
     early.clear()
-    await asyncio.sleep(0)
-    # uvloop ignores a pause in connection_made, and reads before TLS starts.
+    # uvloop ignores a pause in connection_made, and reads before TLS starts. asyncio replaces the protocol
+    # now, and connects it in the next iteration.
     if received:
-        # uvloop's protocols are not subclasses of asyncio's.
-        tls = cast(asyncio.BufferedProtocol, transport.get_protocol())
-        memoryview(tls.get_buffer(len(received)))[: len(received)] = received
-        tls.buffer_updated(len(received))
-    return await starting
+        loop.call_soon(loop.call_soon, _feed, transport, received)
+    return await loop.start_tls(transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s)
+
+
+def _feed(transport: asyncio.Transport, received: bytes) -> None:
+    if transport.is_closing():
+        return
+    # uvloop's protocols are not subclasses of asyncio's.
+    tls = cast(asyncio.BufferedProtocol, transport.get_protocol())
+    memoryview(tls.get_buffer(len(received)))[: len(received)] = received
+    tls.buffer_updated(len(received))

@@ -17,6 +17,7 @@ _ENTER_LIMIT_S = 2.0
 # WR writes the flash in less than a second.
 _ANSWER_LIMIT_S = 2.0
 _FRAME_ANSWER_LIMIT_S = 0.3
+_MAX_REGISTER = 2**32 - 1
 # Answers have at most 20 bytes; a board behind the radio may send without a pause.
 _MAX_HELD_BYTES = 4096
 
@@ -92,9 +93,10 @@ class CommandLine:
         """Return a register, None if the radio does not have it. Raises TransportError."""
         answer = await self._ask(name)
         try:
-            return int(answer, 16)
+            value = int(answer, 16)
         except ValueError:
             return None
+        return value if 0 <= value <= _MAX_REGISTER else None
 
     async def execute(self, command: str) -> bool:
         """Run a command such as `MY1` or `WR`; False if the radio refuses it. Raises TransportError."""

@@ -18,6 +18,7 @@ from websockets.typing import Subprotocol
 from loop_watch import MAX_HELD_S
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket import connection as connection_module
+from tls_handshakes import handshakes_in_memory
 from unit.gateways.foxglove.protocol_client import LIMIT_S, stage
 from waiting import until
 
@@ -164,6 +165,25 @@ async def test_plain_http_on_an_encrypted_port_gets_the_hint_to_use_https(tmp_pa
         reader, writer = await open_connection(there.gateway.port, b"noise" * 100)
         assert b"HTTP" not in await ended(reader)
         writer.close()
+
+
+async def test_displaced_and_failed_tls_handshakes_leave_nothing_in_memory(tmp_path: Path) -> None:
+    certificate, key = _certificate(tmp_path)
+    limits = FoxgloveLimits(clients=2, others=1, handshake_s=3600.0)
+    settings = FoxgloveSettings(port=0, limits=limits, certificate=certificate, key=key)
+    async with stage(settings) as there, handshakes_in_memory() as count:
+        # The server accepts them in one turn, so most are displaced before their handshake starts.
+        halves = await asyncio.gather(
+            *(open_connection(there.gateway.port, b"\x16\x03\x01\x02\x00") for _ in range(40))
+        )
+        assert await ended(halves[0][0]) == b""
+        await until(lambda: count() <= limits.clients + limits.others)
+        for _, writer in halves:
+            writer.close()
+        noise = await open_connection(there.gateway.port, b"noise" * 100)
+        await ended(noise[0])
+        noise[1].close()
+        await until(lambda: count() == 0)
 
 
 async def test_a_silent_client_counts_as_a_connection() -> None:

@@ -84,6 +84,16 @@ def test_a_board_with_its_64_bit_address(model: Model, kind: str, commands: str)
     run_on_virtual_time(main())
 
 
+def test_a_register_with_more_than_32_bits_counts_as_missing() -> None:
+    async def main() -> None:
+        bench = Bench()
+        bench.radio.registers._used["VR"] = 16**1000
+        found, _ = await bench.set_up(COORDINATOR)
+        assert found.firmware == 0
+
+    run_on_virtual_time(main())
+
+
 def test_wrong_settings_and_missing_radios_are_reported() -> None:
     async def main() -> None:
         with pytest.raises(ConfigError, match="has no 16-bit address; give --to"):
