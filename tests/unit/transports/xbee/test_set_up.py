@@ -87,7 +87,7 @@ def test_a_board_with_its_64_bit_address(model: Model, kind: str, commands: str)
 def test_a_register_with_more_than_32_bits_counts_as_missing() -> None:
     async def main() -> None:
         bench = Bench()
-        bench.radio.registers._used["VR"] = 16**1000
+        bench.radio.registers._set["VR"] = 16**1000
         found, _ = await bench.set_up(COORDINATOR)
         assert found.firmware == 0
 
