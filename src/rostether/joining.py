@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.anonymous import anonymous_name
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
@@ -62,10 +63,8 @@ async def join(  # noqa: PLR0913 - each is an independent setting
         namespace=environment.namespace if namespace is None else namespace,
         remappings=remappings,
     )
-    try:
+    async with closed_at_end(graph):
         yield TypedGraph(graph, store, reports_silence=True)
-    finally:
-        await graph.close()
 
 
 @asynccontextmanager
@@ -91,10 +90,8 @@ async def _joined_ros2(
             namespace=namespace or "/",
             remappings=remappings,
         )
-        try:
+        async with closed_at_end(graph):
             yield TypedGraph(graph, store, reports_silence=True)
-        finally:
-            await graph.close()
 
 
 def _classes(numpy: bool) -> MessageClasses:

@@ -13,6 +13,7 @@ from rostether.graph.ports import Level
 from rostether.launch.command_line import Locate, Replaced, command_of, log_folder
 from rostether.launch.node_process import NodeProcess, StopLimits, adopt_orphans
 from rostether.launch.plan import DeleteParameters, DumpParameters, LaunchNode, LaunchPlan, Output
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import SEPARATOR, canonical
 from rostether.param_yaml import dump
 from rostether.ros1.node.master_client import MasterClient
@@ -51,13 +52,10 @@ async def run_plan(
     Returns False if a required node failed, or if no node could be started. Raises MasterUnreachableError,
     GraphError, ConfigError before it starts any node.
     """
-    client = MasterClient(master_uri, CALLER_ID)
-    try:
+    async with closed_at_end(MasterClient(master_uri, CALLER_ID)) as client:
         logs = log_folder(environ, await ensure_run_id(client))
         report(Level.INFO, f"logs: {logs}")
         await upload(plan, client, report)
-    finally:
-        await client.close()
     adopt_orphans()
     launch = _Launch(master_uri, environ, locate, report, options, logs)
     try:

@@ -16,6 +16,7 @@ from rostether.errors import ConfigError, GraphError, TransformError
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_listener import tf_listener
 from rostether.robot.tf_messages import to_message
@@ -96,12 +97,11 @@ class Request:
 
 async def republish_for_web(graph: TypedGraph, report: Callable[[str], None]) -> None:
     """Serve pages until cancelled; `report` gets a line about each request that is refused."""
-    async with tf_listener(graph) as listener:
-        republisher = _Republisher(graph, listener.buffer, report)
-        try:
-            await republisher.run()
-        finally:
-            await republisher.close()
+    async with (
+        tf_listener(graph) as listener,
+        closed_at_end(_Republisher(graph, listener.buffer, report)) as republisher,
+    ):
+        await republisher.run()
 
 
 class _Republisher:
@@ -140,10 +140,8 @@ class _Republisher:
         return {"topic_name": publisher.topic}
 
     async def _serve_topic(self, publisher: TypedPublisher[...], request: Request, timeout_s: float) -> None:
-        try:
+        async with closed_at_end(publisher):
             await self._send(request, publisher, timeout_s, lambda fields: publisher.publish(fields))
-        finally:
-            await publisher.close()
 
     async def _follow_goals(self) -> None:
         async for goal in self._graph.messages(f"{NODE_NAME}/goal", f"{ACTION}Goal"):

@@ -47,6 +47,10 @@ class GraphView:
         """Return the types that a topic or service has, sorted."""
         return sorted({end.type for kind in kinds for end in self.of(kind, name)})
 
+    def shown_type(self, kinds: Iterable[EndpointKind], name: str) -> str | list[str]:
+        """Return the type of a topic or service as `ros2` shows it; a list if it does not have one type."""
+        return one_or_all(self.types(kinds, name))
+
     def of_node(self, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
         """Yield the names and types of a node's endpoints of one kind, sorted."""
         types: dict[str, set[str]] = {}
@@ -55,6 +59,11 @@ class GraphView:
                 types.setdefault(end.name, set()).add(end.type)
         for name in sorted(types):
             yield name, sorted(types[name])
+
+
+def one_or_all(types: list[str]) -> str | list[str]:
+    """Return the only type, or the list."""
+    return types[0] if len(types) == 1 else types
 
 
 def as_snapshot(view: GraphView) -> Snapshot:

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.types.type_support import Ros2Types
 
@@ -24,11 +25,8 @@ async def open_ros2(
     if middleware == "rclpy":
         from rostether.ros2.rclpy.context import RclpyContext
 
-        context = await RclpyContext.open(types, domain_id=environment.domain_id)
-        try:
+        async with closed_at_end(await RclpyContext.open(types, domain_id=environment.domain_id)) as context:
             yield context.join
-        finally:
-            await context.close()
         return
     if middleware != "zenoh":
         raise ConfigError(f"unknown middleware {middleware!r}; give zenoh or rclpy")
@@ -38,8 +36,5 @@ async def open_ros2(
         if error.name not in ("zenoh", "xxhash"):
             raise
         raise ConfigError(f"ROS 2 over zenoh is not installed; run: {install_command('zenoh')}") from None
-    session = await ZenohSession.open(environment, types)
-    try:
+    async with closed_at_end(await ZenohSession.open(environment, types)) as session:
         yield session.join
-    finally:
-        await session.close()

@@ -24,6 +24,7 @@ from typing import Any
 from rostether.device import Device
 from rostether.device.parameters import DeviceParam
 from rostether.errors import TransportTimeoutError, UnknownNameError
+from rostether.mechanisms.block_end import task_beside
 from rostether.serde.values import Message
 from rostether.simulation.motion import CircleDrive, Quaternion, Vector
 from rostether.simulation.ultrasound import FIELD_OF_VIEW, MAX_RANGE, MIN_RANGE, Obstacle, Ultrasound
@@ -124,14 +125,10 @@ class VirtualBoard:
         """Run until cancelled, while a host is connected; each new connection gets a greeting."""
         while True:
             await self._device.wait_connected()
-            reporting = asyncio.get_running_loop().create_task(self._report_ready())
-            try:
+            async with task_beside(self._report_ready()):
                 while self._device.connected:
                     due_s = self.step(self._clock())
                     await asyncio.sleep(max(0.0, due_s - self._clock()))
-            finally:
-                reporting.cancel()
-                await asyncio.gather(reporting, return_exceptions=True)
 
     async def read_parameters(self) -> None:
         """Read `~blink_hz` and `~frame_id` from the host; unset or invalid values have no effect."""

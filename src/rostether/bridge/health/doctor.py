@@ -29,6 +29,7 @@ from rostether.bridge.health.watching import WATCH_S, Watched, watch_board
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.errors import RostetherError, TransportError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.rosserial.baud_probe import NoBoard
 from rostether.serde.store import TypeStore
 from rostether.transports.address import (
@@ -164,7 +165,7 @@ class Doctor:
             listener: Listener = await listen(address, on_transport, entry=BOARD_ENTRY)
         except RostetherError as failure:
             return Diagnosis(str(address), (await self._why_not_listening(address, failure),))
-        try:
+        async with closed_at_end(listener):
             wait_s = max(self._watch_s, NO_ANSWER_S)
             self._report_step(f"waiting {wait_s:.0f} s for a board to connect to {listener.address} ...")
             try:
@@ -173,8 +174,6 @@ class Doctor:
             except TimeoutError:
                 return Diagnosis(str(address), (_nobody(address, listener.address, wait_s),))
             return self._diagnosis(address, await self._watch(transport, None))
-        finally:
-            await listener.close()
 
     async def _why_not_listening(self, address: Address, failure: RostetherError) -> Finding:
         if isinstance(address, TcpAddress | UdpAddress):

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rostether.bridge.health.board_status import BoardStatus, read_statuses
+from rostether.mechanisms.block_end import task_beside
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -74,9 +75,8 @@ async def reported_boards(graph: TypedGraph) -> list[BoardStatus]:
     """Return the boards on a graph with their rates, by name."""
     loop = asyncio.get_running_loop()
     seen = BoardsSeen(loop.time)
-    listening = loop.create_task(listen(graph, seen.add_status))
     began_s = loop.time()
-    try:
+    async with task_beside(listen(graph, seen.add_status)):
         while (waited_s := loop.time() - began_s) < LISTEN_S:
             await asyncio.sleep(_POLL_S)
             topic = (await graph.snapshot()).topics.get(TOPIC)
@@ -85,9 +85,6 @@ async def reported_boards(graph: TypedGraph) -> list[BoardStatus]:
                 break
             if not expected and waited_s >= NOBODY_S:
                 break
-    finally:
-        listening.cancel()
-        await asyncio.gather(listening, return_exceptions=True)
     return sorted(seen.boards(), key=lambda board: board.name)
 
 

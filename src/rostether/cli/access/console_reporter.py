@@ -9,14 +9,6 @@ from collections.abc import Callable
 from rostether.cli.shell.output import forget
 from rostether.graph.ports import Level
 
-_NAMES = {
-    Level.DEBUG: "DEBUG",
-    Level.INFO: "INFO",
-    Level.WARN: "WARN",
-    Level.ERROR: "ERROR",
-    Level.FATAL: "FATAL",
-}
-
 
 class ConsoleReporter:
     """Prints `[INFO] [1700000000.123456]: text`; warnings and worse go to stderr.
@@ -42,7 +34,7 @@ class ConsoleReporter:
         place = f"{node}: " if node and self._show_node else ""
         stream = sys.stdout if level < Level.WARN else sys.stderr
         try:
-            stream.write(f"[{_NAMES[level]}] [{self._clock():.6f}]: {place}{text}\n")
+            stream.write(f"[{level.name}] [{self._clock():.6f}]: {place}{text}\n")
             stream.flush()
         except OSError:
             # The reader of the lines has ended (`| head`, a closed terminal); keep serving the boards.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.errors import MasterUnreachableError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import resolve_name
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
@@ -29,8 +30,11 @@ _ENVIRONMENT_OF_ARGUMENT = {
 }
 
 
-def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
-    """Return the ROS environment of a command; options override variables. Raises ConfigError."""
+def read_environment(graph: GraphOptions | None = None, listen: str | None = None) -> RosEnvironment:
+    """Return the ROS environment of a command; options override variables. Raises ConfigError.
+
+    `listen` is the value of `--listen`.
+    """
     graph = graph or GraphOptions()
     variables = dict(os.environ)
     variables.update(
@@ -40,6 +44,8 @@ def read_environment(graph: GraphOptions | None = None) -> RosEnvironment:
         }
     )
     environment = RosEnvironment.read(variables).allowing(graph.allow)
+    if listen is not None:
+        environment = environment.listening_on(listen)
     return environment if graph.master is None else environment.with_master(graph.master)
 
 
@@ -92,10 +98,8 @@ async def joined(
     name = graph.arguments.get("__name") or anonymous_name(purpose)
     try:
         node = await join_ros1(name, environment=environment, namespace=environment.namespace)
-        try:
+        async with closed_at_end(node):
             yield TypedGraph(node, store or type_store(msg_paths))
-        finally:
-            await node.close()
     except MasterUnreachableError as error:
         raise no_master(environment, error) from error
 

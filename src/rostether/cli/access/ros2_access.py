@@ -12,6 +12,7 @@ from rostether.cli.access.graph_options import Middleware, ZenohReach
 from rostether.errors import ConfigError
 from rostether.extras import install_command
 from rostether.graph.ports import Graph, JoinGraph
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import Ros2Environment
 
 if TYPE_CHECKING:
@@ -74,11 +75,9 @@ async def _over_rclpy(
     for path in params_files:
         arguments += ["--params-file", str(path)]
     context = await RclpyContext.open(types, domain_id=environment.domain_id, arguments=arguments)
-    try:
+    async with closed_at_end(context):
         using = environment.middleware or "rclpy's own middleware"
         yield Ros2Access(context.join, types, f"Joining ROS 2 domain {environment.domain_id} over {using}")
-    finally:
-        await context.close()
 
 
 @asynccontextmanager
@@ -107,11 +106,9 @@ async def _over_zenoh(
         initial = rules.for_node(join_names(namespace, node_name))
         return await session.join(node_name, namespace=namespace, remappings=remappings, parameters=initial)
 
-    try:
+    async with closed_at_end(session):
         line = _zenoh_line(session, environment)
         yield Ros2Access(join, types, line, session.listens_on, session.connects_to, session.is_router)
-    finally:
-        await session.close()
 
 
 def _zenoh_line(session: ZenohSession, environment: Ros2Environment) -> str:

@@ -13,6 +13,7 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.anonymous import anonymous_name
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.graph_view import GraphView, is_hidden
 
@@ -156,10 +157,8 @@ async def tool_node(
             options.arguments.get("__name") or anonymous_name(HIDDEN_NAME),
             namespace=options.arguments.get("__ns", "/"),
         )
-        try:
+        async with closed_at_end(graph):
             yield ToolNode(TypedGraph(graph, TypeStore(registry)), registry, types, middleware)
-        finally:
-            await graph.close()
 
 
 async def warn_without_router(*, is_error: bool = False) -> None:

@@ -16,6 +16,7 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.errors import GraphError, MasterUnreachableError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 
@@ -141,12 +142,9 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
     """Run a master at the environment's URI until the end of the block. Raises GraphError."""
     from rostether.ros1.roscore import Roscore
 
-    core = await Roscore.start(environment, port=environment.master.port)
-    try:
+    async with closed_at_end(await Roscore.start(environment, port=environment.master.port)) as core:
         line = f"Started a ROS master: ROS_MASTER_URI={core.uri.rstrip('/')}"
         yield UsedMaster(environment, line, is_ours=True)
-    finally:
-        await core.close()
 
 
 async def wait_for_answer(environment: RosEnvironment, poll_s: float) -> None:

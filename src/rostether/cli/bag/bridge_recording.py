@@ -14,6 +14,7 @@ from rostether.cli.bag.figures import MEGABYTE, size_text
 from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option_group
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.run_until import run_until
 
 if TYPE_CHECKING:
@@ -103,8 +104,7 @@ async def _record(
     except RecordingError as error:
         reporter.line(Level.ERROR, f"{error}; boards stay connected")
         return
-    graph = await _joined(join, reporter)
-    try:
+    async with closed_at_end(await _joined(join, reporter)) as graph:
         recorder = Recorder(
             graph,
             TopicChoice(is_all=True, with_hidden=types is None),
@@ -123,8 +123,6 @@ async def _record(
         finally:
             count, size = recorder.progress.message_count, size_text(recorder.size_bytes)
             reporter.line(Level.INFO, f"Recorded {count} messages, {size}, in {recording.folder}")
-    finally:
-        await graph.close()
 
 
 def _files(

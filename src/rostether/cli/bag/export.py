@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.cli.bag.recording_files import create_folder
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, argument, option, option_group
 from rostether.cli.shell.output import forget, warn, write_line
@@ -140,12 +141,7 @@ class _Place:
             from rostether.recording.export.picture_folder import PictureFolder
 
             return PictureFolder(path)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise ConfigError(
-                f"cannot create the folder {path.parent}: {error.strerror or error}; choose another folder"
-            ) from None
+        create_folder(path.parent)
         if self._format == "parquet":
             from rostether.recording.export.parquet_table import ParquetTable
 

@@ -16,6 +16,7 @@ from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.option_group import add_option
 from rostether.errors import ConfigError
+from rostether.mechanisms.block_end import closed_at_end
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -38,6 +39,16 @@ storage_option = add_option(
     type=click.Choice(["mcap", "sqlite3"]),
     default="mcap",
 )
+
+
+def create_folder(folder: Path) -> None:
+    """Create a folder, unless it exists. Raises ConfigError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(
+            f"cannot create the folder {folder}: {error.strerror or error}; choose another folder"
+        ) from None
 
 
 def asked_form(typed: str | None) -> Form | None:
@@ -213,11 +224,8 @@ async def recording_graph(
             from rostether.graph.joint_join import JointJoin
 
             join = JointJoin([joining_ros1(read_environment(graph)), join])
-        raw = await join(name, namespace=graph.arguments.get("__ns", "/"))
-        try:
+        async with closed_at_end(await join(name, namespace=graph.arguments.get("__ns", "/"))) as raw:
             yield RecordingGraph(raw, access.types)
-        finally:
-            await raw.close()
 
 
 def recording_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] = ()) -> Ros2Types:

@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.bag.figures import size_text
+from rostether.cli.bag.recording_files import create_folder
 from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
@@ -31,12 +32,7 @@ def new_place(path: Path, options: PlaceOptions) -> tuple[Path, Path | None]:
     """Return the path of the new recording, and that of the old one if it is moved. Raises ConfigError."""
     name, output_dir = path.name.removesuffix(".active"), options.output_dir
     if output_dir is not None:
-        try:
-            output_dir.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise ConfigError(
-                f"cannot create the folder {output_dir}: {error.strerror or error}; choose another folder"
-            ) from None
+        create_folder(output_dir)
         return output_dir / name, None
     output = path.parent / name
     stem, _, suffix = name.rpartition(".")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.errors import BoardError, ConfigError
+from rostether.mechanisms.block_end import task_beside
 
 if TYPE_CHECKING:
     from rostether.simulation.simavr.board_events import BoardEvent
@@ -28,12 +28,8 @@ async def handling_commands(execute: Callable[[str], Awaitable[None]]) -> AsyncI
                 except (BoardError, ConfigError) as error:
                     warn(f"rostether: error: {error}")
 
-    listening = asyncio.create_task(listen())
-    try:
+    async with task_beside(listen()):
         yield
-    finally:
-        listening.cancel()
-        await asyncio.gather(listening, return_exceptions=True)
 
 
 def show_start(

@@ -15,6 +15,7 @@ from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress, SimulationPauses
 
@@ -124,8 +125,7 @@ async def _run_node(
     from rostether.simulation.simavr.simulation_node import SimulationNode
 
     try:
-        graph = await join()
-        try:
+        async with closed_at_end(await join()) as graph:
             typed = TypedGraph(graph, type_store())
             if link.board == OPENCR:
                 # Its robot always has wheels.
@@ -134,8 +134,6 @@ async def _run_node(
             else:
                 node = SimulationNode(board, typed, link.words)
             await node.run()
-        finally:
-            await graph.close()
     except GraphError as error:
         reporter.line(Level.WARN, f"{link}: the dashboard cannot show its pins: {error}")
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from rostether.errors import ConfigError, TransportOpenError
 from rostether.extras import install_command
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import task_beside
 from rostether.ros1.environment import is_loopback
 from rostether.transports.address import TcpAddress
 from rostether.transports.address_parser import parse_address
@@ -58,12 +59,10 @@ async def announced(
         return
     announcements: list[Announcement] = []
     # Checking that the name is free takes a second; boards are served in the meantime.
-    starting = asyncio.get_running_loop().create_task(_start(listeners, announcements, reporter))
     try:
-        yield
+        async with task_beside(_start(listeners, announcements, reporter)):
+            yield
     finally:
-        starting.cancel()
-        await asyncio.gather(starting, return_exceptions=True)
         await asyncio.gather(*(each.close() for each in announcements), return_exceptions=True)
 
 

@@ -24,6 +24,7 @@ from rostether.cli.shell.output import write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 
 # Where the nodes of this machine look for the router.
@@ -81,9 +82,7 @@ def core(
             raise click.UsageError("with --ros2, the router accepts only --zenoh-connect and --zenoh-listen")
         run(_serve_router(graph.zenoh), is_service=True)
         return
-    environment = read_environment(graph)
-    if listen is not None:
-        environment = environment.listening_on(listen)
+    environment = read_environment(graph, listen)
     environment = environment.limited(read_graph_limits(limits))
     run(_serve(environment, environment.master.port if port is None else port), is_service=True)
 
@@ -100,14 +99,12 @@ async def _serve(environment: RosEnvironment, port: int) -> None:
         raise GraphError(
             f"a ROS master already runs at {there.master_uri}; use it, or choose another port with --port"
         ) from None
-    try:
+    async with closed_at_end(roscore):
         write_line(f"ROS_MASTER_URI={roscore.uri}")
         if environment.listens_on_loopback_only:
             write_line("Only this machine can reach it; add --listen 0.0.0.0 for other machines")
         write_line("Press Ctrl-C to stop")
         await roscore.wait_closed()
-    finally:
-        await roscore.close()
 
 
 async def _serve_router(reach: ZenohReach) -> None:

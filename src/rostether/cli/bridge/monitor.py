@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 import shutil
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
@@ -18,9 +16,10 @@ from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.bridge.monitor_table import table
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import add_flag
-from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.output import json_option, shows_live, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.mechanisms.block_end import task_beside
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -56,7 +55,7 @@ def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     topic that the board publishes, <- one that it subscribes to, => a service it offers, <= one it calls. The
     data comes from /diagnostics, which `rostether serve` publishes.
     """
-    is_terminal = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    is_terminal = shows_live()
     return run(_monitor(once or not (is_terminal or as_json), as_json, graph))
 
 
@@ -68,14 +67,9 @@ async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
         if as_json:
             await listen(node, _write_status)
             return EXIT_DONE
-        loop = asyncio.get_running_loop()
-        seen = BoardsSeen(loop.time)
-        listening = loop.create_task(listen(node, seen.add_status))
-        try:
+        seen = BoardsSeen(asyncio.get_running_loop().time)
+        async with task_beside(listen(node, seen.add_status)) as listening:
             await _show_live(seen, environment.master_uri, listening)
-        finally:
-            listening.cancel()
-            await asyncio.gather(listening, return_exceptions=True)
     return EXIT_DONE
 
 
@@ -97,7 +91,7 @@ async def _print_once(node: TypedGraph, as_json: bool) -> int:
     return EXIT_DONE
 
 
-async def _show_live(seen: BoardsSeen, master_uri: str, listening: asyncio.Task[None]) -> None:
+async def _show_live(seen: BoardsSeen, master_uri: str, listening: asyncio.Task[object]) -> None:
     from rich.console import Console
     from rich.live import Live
 

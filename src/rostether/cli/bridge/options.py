@@ -29,8 +29,6 @@ probe_option = add_option(
     multiple=True,
 )
 
-_MIB = 1024 * 1024
-
 # Of `bridge.settings.BridgeSettings`, by the name that a user writes.
 BRIDGE_LIMITS = {
     **{key.replace("_", "-"): limit for key, limit in BOARD_LIMITS.items()},
@@ -41,14 +39,14 @@ BRIDGE_LIMITS = {
 
 # Of `ros1.graph_limits.GraphLimits`.
 GRAPH_LIMITS = {
-    "xmlrpc-bytes": Limit("body_bytes", 65536, 1024 * _MIB),
+    "xmlrpc-bytes": Limit("body_bytes", 65536, 1024 << 20),
     "xmlrpc-connections": Limit("xmlrpc_connections", 8, 65536),
     "xmlrpc-connections-per-host": Limit("xmlrpc_connections_per_host", 4, 65536),
     "xmlrpc-request-s": Limit("xmlrpc_request_s", 1, 3600),
-    "parameter-bytes": Limit("parameter_bytes", 1024, 4096 * _MIB),
-    "parameters-bytes": Limit("parameters_bytes", 65536, 4096 * _MIB),
-    "message-bytes": Limit("message_bytes", 1024, 4095 * _MIB),
-    "header-bytes": Limit("header_bytes", 4096, 64 * _MIB),
+    "parameter-bytes": Limit("parameter_bytes", 1024, 4096 << 20),
+    "parameters-bytes": Limit("parameters_bytes", 65536, 4096 << 20),
+    "message-bytes": Limit("message_bytes", 1024, 4095 << 20),
+    "header-bytes": Limit("header_bytes", 4096, 64 << 20),
     "header-s": Limit("header_s", 1, 3600),
     "tcpros-connections": Limit("tcpros_connections", 8, 65536),
     "tcpros-connections-per-host": Limit("tcpros_connections_per_host", 4, 65536),

@@ -10,6 +10,7 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import write_finding
 from rostether.errors import RostetherError
 from rostether.mechanisms.anonymous import anonymous_name
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import Ros2Environment
 
 
@@ -34,12 +35,11 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
         async for finding in _routers(Ros2Environment.read()):
             yield finding
     try:
-        async with ros2_access(middleware, reach=ZenohReach(router="never")) as access:
-            graph = await access.join(anonymous_name("/_rostether"))
-            try:
-                nodes = set((await graph.snapshot()).nodes) - {graph.node_name}
-            finally:
-                await graph.close()
+        async with (
+            ros2_access(middleware, reach=ZenohReach(router="never")) as access,
+            closed_at_end(await access.join(anonymous_name("/_rostether"))) as graph,
+        ):
+            nodes = set((await graph.snapshot()).nodes) - {graph.node_name}
     except RostetherError as error:
         yield _Finding(False, "graph", str(error))
     else:

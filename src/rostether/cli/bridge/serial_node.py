@@ -8,7 +8,6 @@ node joins the graph before the board connects, and the process ends with its no
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,7 +20,7 @@ from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import listen_option
-from rostether.cli.access.ros1_access import joining_ros1, type_store
+from rostether.cli.access.ros1_access import joining_ros1, read_environment, type_store
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
 from rostether.cli.bridge.serving import loopback_lines, read_links, serving
@@ -62,9 +61,6 @@ class HostRole:
     greeting: str
     parameters: tuple[str, ...]
     choose_link: ChooseLink
-
-
-_ENVIRONMENT_OF_SPECIAL = {"__master": "ROS_MASTER_URI", "__ip": "ROS_IP", "__hostname": "ROS_HOSTNAME"}
 
 
 @verb(
@@ -114,15 +110,7 @@ def run_host(
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):
         reporter.line(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
-    variables = {
-        _ENVIRONMENT_OF_SPECIAL[key]: value
-        for key, value in parsed.special.items()
-        if key in _ENVIRONMENT_OF_SPECIAL
-    }
-    environment = RosEnvironment.read(os.environ | variables)
-    if listen is not None:
-        environment = environment.listening_on(listen)
-    environment = environment.allowing(allowed)
+    environment = read_environment(GraphOptions(arguments=parsed.special, allow=allowed), listen)
     devices = read_devices(config, ())
     hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
     run(_serve(host, environment, parsed, reporter, hosts, allowed, devices), is_service=True)

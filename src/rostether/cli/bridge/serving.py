@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rostether.cli.shell.library_logs import show_library_logs
 from rostether.errors import ConfigError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import LOOPBACK, RosEnvironment, is_loopback
 from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress
 from rostether.transports.address_parser import parse_address
@@ -115,8 +116,6 @@ async def serving(
     be listened on, InvalidNameError.
     """
     show_library_logs(reporter.line)
-    try:
+    async with closed_at_end(supervisor):
         await supervisor.start(addresses)
         yield
-    finally:
-        await supervisor.close()

@@ -26,6 +26,7 @@ from rostether.cli.shell.output import write_line
 from rostether.dashboard.authority_page import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ports.config_paths import recordings_folder
 from rostether.ros1.environment import LOOPBACK, is_loopback
 from rostether.transports.own_names import outward_address
@@ -142,33 +143,33 @@ async def _served_at(
     async def join_teleop() -> Graph:
         return await joined_as(on, NodeWords(namespace=settings.node.namespace), teleop, report)
 
-    try:
-        async with gateway_on(
+    async with (
+        closed_at_end(graph),
+        gateway_on(
             graph, on, served, report, DashboardParts(site, join_teleop, recordings, settings.boards)
-        ) as gateway:
-            url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))
-            page = url.partition("#")[0].rstrip("/")
-            view_urls = tuple(f"{page}/#{view.fragment(access.token)}" for view in settings.views)
-            if settings.has_page:
-                report(Level.INFO, f"Dashboard: {url}")
-                if access.view_token:
-                    view_url = page_url(host, gateway.port, access.view_token, is_encrypted=bool(access.tls))
-                    report(Level.INFO, f"Dashboard, to look only: {view_url}")
-                if encryption.authority is not None:
-                    report(
-                        Level.INFO,
-                        f"Browsers warn until a device trusts this machine; see {page}/{PAGE_FILE}",
-                    )
-                for view, view_url in zip(settings.views, view_urls, strict=True):
-                    report(Level.INFO, f"Dashboard, {view.panel or 'overview'}: {view_url}")
-                if not is_loopback(host) and sys.stdout.isatty():
-                    write_line(qr_code(url))
-            else:
-                report(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
-            report_reach("dashboard", host, gateway.port, access.token, settings.wider, report)
-            yield Dashboard(gateway, url, view_urls)
-    finally:
-        await graph.close()
+        ) as gateway,
+    ):
+        url = page_url(host, gateway.port, access.token, is_encrypted=bool(access.tls))
+        page = url.partition("#")[0].rstrip("/")
+        view_urls = tuple(f"{page}/#{view.fragment(access.token)}" for view in settings.views)
+        if settings.has_page:
+            report(Level.INFO, f"Dashboard: {url}")
+            if access.view_token:
+                view_url = page_url(host, gateway.port, access.view_token, is_encrypted=bool(access.tls))
+                report(Level.INFO, f"Dashboard, to look only: {view_url}")
+            if encryption.authority is not None:
+                report(
+                    Level.INFO,
+                    f"Browsers warn until a device trusts this machine; see {page}/{PAGE_FILE}",
+                )
+            for view, view_url in zip(settings.views, view_urls, strict=True):
+                report(Level.INFO, f"Dashboard, {view.panel or 'overview'}: {view_url}")
+            if not is_loopback(host) and sys.stdout.isatty():
+                write_line(qr_code(url))
+        else:
+            report(Level.INFO, f"dashboard: the gateway without the page is at {gateway.url}")
+        report_reach("dashboard", host, gateway.port, access.token, settings.wider, report)
+        yield Dashboard(gateway, url, view_urls)
 
 
 def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = False) -> str:

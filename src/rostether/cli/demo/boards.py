@@ -18,6 +18,7 @@ from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import BoardError, RostetherError
 from rostether.graph.ports import JoinGraph, Level
+from rostether.mechanisms.block_end import closed_at_end, task_beside
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.address_parser import parse_address
 
@@ -101,18 +102,12 @@ async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> A
 
         @asynccontextmanager
         async def plug_in(_supervisor: Supervisor, join: JoinGraph) -> AsyncIterator[None]:
-            graph = await join(f"{name}_simulation")
-            node = SimulationNode(
-                board, TypedGraph(graph, type_store()), on_command=partial(_place_obstacle, obstacle)
-            )
-            tasks = [loop.create_task(node.run()), loop.create_task(_move_obstacle(node, obstacle, reporter))]
-            try:
-                yield
-            finally:
-                for task in tasks:
-                    task.cancel()
-                await asyncio.gather(*tasks, return_exceptions=True)
-                await graph.close()
+            async with closed_at_end(await join(f"{name}_simulation")) as graph:
+                node = SimulationNode(
+                    board, TypedGraph(graph, type_store()), on_command=partial(_place_obstacle, obstacle)
+                )
+                async with task_beside(node.run()), task_beside(_move_obstacle(node, obstacle, reporter)):
+                    yield
 
         link = SerialAddress(board.address, baud=_BAUD, name=name, program=size, pauses=board.pauses)
         yield DemoBoard("Arduino Uno, simulated: a compiled AVR sketch", link, TOPICS, plug_in)
@@ -153,13 +148,11 @@ def _python_board(name: str, obstacle: Obstacle) -> DemoBoard:
         from rostether.device import Device
         from rostether.simulation.virtual_board import VirtualBoard
 
-        async with Device(supervisor.listening_on[0]) as device:
-            playing = asyncio.get_running_loop().create_task(VirtualBoard(device, obstacle=obstacle).run())
-            try:
-                yield
-            finally:
-                playing.cancel()
-                await asyncio.gather(playing, return_exceptions=True)
+        async with (
+            Device(supervisor.listening_on[0]) as device,
+            task_beside(VirtualBoard(device, obstacle=obstacle).run()),
+        ):
+            yield
 
     link = parse_address(f"tcp://127.0.0.1:0?name={name}")
     return DemoBoard("board in Python, over TCP", link, TOPICS | {"/imu_data": "sensor_msgs/Imu"}, plug_in)

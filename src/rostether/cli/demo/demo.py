@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
-import sys
 from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -29,12 +27,13 @@ from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
 from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.option_group import PATH, PORT, NumberRange, flag, option, option_group
-from rostether.cli.shell.output import write_line
+from rostether.cli.shell.output import shows_live, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, Publisher
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.registry import Registry
 from rostether.ports.device_book import DeviceBook
 from rostether.ros1.environment import RosEnvironment
@@ -108,7 +107,7 @@ def demo(options: DemoOptions, graph: GraphOptions) -> None:
 
 
 async def _demo(environment: RosEnvironment, options: DemoOptions, devices: DeviceBook | None) -> None:
-    is_live = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    is_live = shows_live()
     recent = RecentLines()
     reporter = recent if is_live else ConsoleReporter()
     clock = asyncio.get_running_loop().time
@@ -172,8 +171,8 @@ class Controls:
 
     def __init__(self, obstacle: Obstacle, clock: Callable[[], float]) -> None:
         self.quit = asyncio.Event()
-        # Advertises the LED's switch; None until the graph is joined.
-        # Advertised at the first press: the dashboard has a button for a topic that no node publishes.
+        # Advertises the LED's switch, at the first press: the dashboard has a button only for a topic that no
+        # node publishes. None until the graph is joined.
         self.advertise: Callable[[], Coroutine[Any, Any, Publisher]] | None = None
         self._advertising: asyncio.Task[Publisher] | None = None
         self._obstacle = obstacle
@@ -237,11 +236,8 @@ async def _watched(
     from rostether.ros1.node.node import join_ros1
 
     store = TypeStore(Registry())
-    graph = await join_ros1(anonymous_name("demo_view"), environment=environment)
-    try:
+    async with closed_at_end(await join_ros1(anonymous_name("demo_view"), environment=environment)) as graph:
         for topic, type_name in topics.items():
             message_type = store.registry.message_type(type_name)
             await graph.subscribe(topic, message_type, partial(view.saw, topic, store.codec(type_name)))
         yield partial(graph.advertise, "/toggle_led", store.registry.message_type("std_msgs/Empty"))
-    finally:
-        await graph.close()

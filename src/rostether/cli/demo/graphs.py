@@ -14,6 +14,7 @@ from rostether.cli.demo.view import our_command
 from rostether.errors import GraphError, RostetherError, UnknownNameError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level, ParamValue
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri, is_loopback
 from rostether.ros1.node.master_client import MasterClient
 
@@ -83,8 +84,7 @@ async def prepare_board(environment: RosEnvironment) -> str:
 
     A second node with the same name would replace the first. Raises GraphError if there are too many.
     """
-    client = MasterClient(environment.master_uri, "/rostether")
-    try:
+    async with closed_at_end(MasterClient(environment.master_uri, "/rostether")) as client:
         for number in range(1, MAX_DEMOS):
             name = BOARD_NAME if number == 1 else f"{BOARD_NAME}_{number}"
             try:
@@ -93,6 +93,4 @@ async def prepare_board(environment: RosEnvironment) -> str:
                 for parameter, value in BOARD_PARAMETERS.items():
                     await client.set_param(f"/{name}/{parameter}", value)
                 return name
-    finally:
-        await client.close()
     raise GraphError(f"{MAX_DEMOS - 1} demos already run; stop one first")

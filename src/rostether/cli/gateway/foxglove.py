@@ -38,6 +38,7 @@ from rostether.cli.role.node import RoleVerb, node_environment, node_words, run_
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
@@ -199,11 +200,8 @@ async def _gateway(
     from rostether.gateways.foxglove.settings import DEFAULT_PORT
 
     graph = await joined_as(on, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), report)
-    try:
-        async with _gateway_on(graph, on, settings, report, wider) as gateway:
-            yield gateway
-    finally:
-        await graph.close()
+    async with closed_at_end(graph), _gateway_on(graph, on, settings, report, wider) as gateway:
+        yield gateway
 
 
 @asynccontextmanager

@@ -12,16 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rostether.cli.access.console_reporter import ConsoleReporter
-from rostether.cli.access.graph_options import GraphOptions, ZenohReach
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import master_client, read_environment, type_store
-from rostether.cli.access.ros2_access import ros2_access
-from rostether.cli.access.served_graphs import ServedGraphs, served_graphs
+from rostether.cli.access.served_graphs import ServedGraphs, native_session, served_graphs
 from rostether.cli.gateway.node import IsLive, NodeWords, asking_ros1, check_free
 from rostether.cli.gateway.options import DEFAULT_PLACE, GatewayOptions, read_encryption, read_place
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment, is_loopback, parse_rpc_uri
 from rostether.ros1.node.service_probe import look_up, probe_type
@@ -71,16 +71,12 @@ async def gateway_graph(
     if graphs.ros1 is not None:
         yield ros1_gateway_graph(graphs.join, type_store(msg_paths), graphs.ros1)
         return
-    from rostether.ros2.types.native_registry import NativeRegistry
-    from rostether.ros2.types.native_types import NativeClasses, NativeTypes
+    from rostether.ros2.types.native_types import NativeClasses
     from rostether.serde.store import TypeStore
 
-    assert options.ros2 is not None
-    registry = NativeRegistry.from_environment(msg_paths)
-    # If this process has the router, it is the boards' session.
-    reach = ZenohReach(options.zenoh.connect, (), "never")
-    async with ros2_access(options.ros2, msg_paths, reach=reach, types=NativeTypes(registry)) as access:
-        yield GatewayGraph(access.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)
+    async with native_session(options, msg_paths) as session:
+        registry = session.registry
+        yield GatewayGraph(session.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)
 
 
 def ros1_gateway_graph(join: JoinGraph, store: TypeStore, environment: RosEnvironment) -> GatewayGraph:
@@ -124,11 +120,8 @@ async def rosbridge_gateway(
         key=encryption.key,
     )
     graph = await joined_as(on, words, words.name_for(ROSBRIDGE_NODE, port, DEFAULT_PORT), report)
-    try:
-        async with rosbridge_server(graph, on, settings, report, options.wider) as server:
-            yield server
-    finally:
-        await graph.close()
+    async with closed_at_end(graph), rosbridge_server(graph, on, settings, report, options.wider) as server:
+        yield server
 
 
 async def joined_as(on: GatewayGraph, words: NodeWords, name: str, report: Report) -> Graph:

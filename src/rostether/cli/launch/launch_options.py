@@ -9,8 +9,6 @@ import click
 
 from rostether.cli.shell.option_group import FILE, PORT, POSITIVE, flag, ignored_options, option
 
-_SECONDS = POSITIVE
-
 # Options of roslaunch that scripts use; they have no effect here.
 roslaunch_options = ignored_options(
     "-w --numworkers",

@@ -19,6 +19,7 @@ from rostether.cli.shell.option_group import argument, flag, option, option_grou
 from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
+from rostether.mechanisms.block_end import closed_at_end
 
 if TYPE_CHECKING:
     from rostether.conformance.case import Case, Outcome
@@ -132,17 +133,14 @@ async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path],
     async with (
         simulated([parse_address(address)], SilentReporter(), msg_paths) as (link,),
         _connecting(link) as connect,
+        closed_at_end(CheckedClient(connect)) as client,
     ):
-        client = CheckedClient(connect)
-        try:
-            await client.open()
-            if not as_json:
-                write_line(f"{address}: a client with {len(client.announcements)} announcements")
-            async for outcome in run_cases(client, cases):
-                counts[outcome.verdict] += 1
-                _write(outcome, as_json=as_json)
-        finally:
-            await client.close()
+        await client.open()
+        if not as_json:
+            write_line(f"{address}: a client with {len(client.announcements)} announcements")
+        async for outcome in run_cases(client, cases):
+            counts[outcome.verdict] += 1
+            _write(outcome, as_json=as_json)
     passed, failed, skipped = (counts[each] for each in Verdict)
     write_result(
         {"passed": passed, "failed": failed, "not_applicable": skipped},
@@ -173,11 +171,8 @@ async def _connecting(link: Address) -> AsyncIterator[Connect]:
                 f"no client connected to {link} within {FIRST_ANSWER_S:g} s; start the client first"
             ) from None
 
-    listener = await listen(link, arrived.put_nowait, connections=1)
-    try:
+    async with closed_at_end(await listen(link, arrived.put_nowait, connections=1)):
         yield accept
-    finally:
-        await listener.close()
 
 
 def _write(outcome: Outcome, *, as_json: bool) -> None:

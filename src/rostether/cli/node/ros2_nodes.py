@@ -12,8 +12,9 @@ from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
+from rostether.names.graph_name import in_namespace
 from rostether.ros2.endpoint_info import EndpointKind
-from rostether.ros2.graph_view import GraphView, is_hidden
+from rostether.ros2.graph_view import GraphView, is_hidden, one_or_all
 
 _SECTIONS = {
     "Subscribers": EndpointKind.SUBSCRIPTION,
@@ -36,11 +37,11 @@ class Ros2Nodes:
         """Print the nodes."""
         refuse_ros1_only(uris_only=wanted.uris_only)
         view = asked(self._graph, lambda tool: tool.settled_snapshot())
-        prefix = f"/{wanted.namespace.strip('/')}".rstrip("/") + "/"
+        namespace = full_node_name(wanted.namespace.rstrip("/"))
         names = [
             name
             for name in sorted(view.nodes)
-            if (wanted.with_uris or not is_hidden(name)) and f"{name}/".startswith(prefix)
+            if (wanted.with_uris or not is_hidden(name)) and in_namespace(name, namespace)
         ]
         if wanted.count_nodes:
             write_line(str(len(names)))
@@ -107,4 +108,4 @@ def _key(title: str) -> str:
 
 
 def _records(found: list[tuple[str, list[str]]]) -> list[dict[str, Any]]:
-    return [{"name": name, "type": types[0] if len(types) == 1 else types} for name, types in found]
+    return [{"name": name, "type": one_or_all(types)} for name, types in found]

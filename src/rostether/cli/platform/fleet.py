@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -134,11 +135,8 @@ def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
 async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> int:
     from rostether.platform.fleet import FleetSender, silence_text
 
-    sender = FleetSender(settings, _report)
-    try:
+    with closing(FleetSender(settings, _report)) as sender:
         await sender.query()
-    finally:
-        sender.close()
     for robot in sender.robots:
         if as_json:
             write_json(_record(robot))
@@ -156,22 +154,17 @@ async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> 
     from rostether.platform.fleet import FleetSender
 
     kind = bytes.fromhex(Registry().message_type(_CONTROL).md5sum[:8])
-    sender = FleetSender(replace(settings, sender=replace(settings.sender, kind=kind)), _report)
-    try:
+    settings = replace(settings, sender=replace(settings.sender, kind=kind))
+    with closing(FleetSender(settings, _report)) as sender:
         await sender.drive(payload, duration_s)
-    finally:
-        sender.close()
     return EXIT_DONE if sender.robots else EXIT_FAILED
 
 
 async def _stop(settings: FleetSettings, as_json: bool) -> int:
     from rostether.platform.fleet import FleetSender, has_stopped, silence_text
 
-    sender = FleetSender(settings, _report)
-    try:
+    with closing(FleetSender(settings, _report)) as sender:
         robots = await sender.stop()
-    finally:
-        sender.close()
     for robot in robots:
         who = f"robot {robot.status.robot_id} at {robot.address[0]}"
         if as_json:

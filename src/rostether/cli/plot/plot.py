@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +17,7 @@ from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.plot.curves import expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotOptions, PlotSession
 from rostether.cli.shell.option_group import option_group
+from rostether.cli.shell.output import shows_live
 from rostether.cli.shell.picture_files import picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
@@ -63,7 +62,7 @@ def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> 
     targets = [expand(field) for field in every]
     if sum(map(len, targets)) > MAX_ARGUMENTS:
         raise click.UsageError(f"at most {MAX_ARGUMENTS} fields can be plotted")
-    is_terminal = sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+    is_terminal = shows_live()
     duration_s = options.duration_s
     if not is_terminal and options.file is None and duration_s is None:
         duration_s = options.window_s or DEFAULT_WINDOW_S

@@ -20,6 +20,7 @@ from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.graph.ports import Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments, parse_arguments
@@ -83,10 +84,8 @@ async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
         ),
         lambda _: warn(f"waiting for a ROS master at {environment.master_uri}"),
     )
-    try:
+    async with closed_at_end(graph):
         yield graph
-    finally:
-        await graph.close()
 
 
 @asynccontextmanager
@@ -96,10 +95,8 @@ async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[
     async with ros2_access(chosen_middleware(ros2=ros2) or Middleware.ZENOH) as access:
         namespace = arguments.special.get("__ns", "/")
         graph = await access.join(name, namespace=namespace, remappings=arguments.remappings)
-        try:
+        async with closed_at_end(graph):
             yield graph
-        finally:
-            await graph.close()
 
 
 def run_role(

@@ -16,8 +16,9 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
+from rostether.names.graph_name import in_namespace
 from rostether.ros2.endpoint_info import EndpointKind
-from rostether.ros2.graph_view import SERVICE_KINDS, GraphView
+from rostether.ros2.graph_view import SERVICE_KINDS, GraphView, one_or_all
 from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
 from rostether.ros2.types.value_form import ValueForm
@@ -39,16 +40,15 @@ class Ros2Services:
         view = asked(self._graph, lambda tool: tool.settled_snapshot())
         names = view.services(with_hidden=wanted.with_hidden)
         if wanted.namespace is not None:
-            prefix = f"/{wanted.namespace.strip('/')}".rstrip("/") + "/"
-            names = [name for name in names if f"{name}/".startswith(prefix)]
+            namespace = f"/{wanted.namespace.strip('/')}"
+            names = [name for name in names if in_namespace(name, namespace)]
         if wanted.count_services:
             write_line(str(len(names)))
             return
         for name in names:
             types, nodes = view.types([EndpointKind.SERVER], name), servers_of(view, name)
             if wanted.as_json:
-                record = {"service": name, "type": types[0] if len(types) == 1 else types, "nodes": nodes}
-                write_json(record)
+                write_json({"service": name, "type": one_or_all(types), "nodes": nodes})
             else:
                 shown = f" [{', '.join(types)}]" if wanted.show_types else ""
                 write_line(escape_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
@@ -77,20 +77,20 @@ class Ros2Services:
     def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
         """Print a service's type, and how many call and offer it."""
         name, view = _view_of(self._graph, service)
-        types = view.types([EndpointKind.SERVER], name)
+        shown_type = view.shown_type([EndpointKind.SERVER], name)
         ends = {kind: view.of(kind, name) for kind in SERVICE_KINDS}
         if as_json:
             nodes = {kind: [end.node_name for end in found] for kind, found in ends.items()}
             write_json(
                 {
                     "service": name,
-                    "type": types[0] if len(types) == 1 else types,
+                    "type": shown_type,
                     "servers": nodes[EndpointKind.SERVER],
                     "clients": nodes[EndpointKind.CLIENT],
                 }
             )
             return
-        write_line(f"Type: {types[0] if len(types) == 1 else types}")
+        write_line(f"Type: {shown_type}")
         write_line(f"Clients count: {len(ends[EndpointKind.CLIENT])}")
         write_line(f"Services count: {len(ends[EndpointKind.SERVER])}")
 

@@ -17,9 +17,9 @@ from rostether.mechanisms.text import fold_line
 EXIT_DONE = 0
 EXIT_FAILED = 1
 EXIT_INTERRUPTED = 130
-# click's names for the types of our options, and plain names for them.
 # How click suggests similar options.
 _SIMILAR = re.compile(r"(?P<problem>.*)\. \(?Did you mean(?: one of:)? (?P<names>.*?)\?\)?")
+# What click says about values of the wrong type, in plain words.
 _PLAINER = {
     "is not a valid float range": "is not a number",
     "is not a valid integer range": "is not a whole number",

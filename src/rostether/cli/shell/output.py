@@ -106,6 +106,11 @@ def has_colors() -> bool:
     return is_wanted and sys.stdout.isatty()
 
 
+def shows_live() -> bool:
+    """Return whether the output is a terminal that can show lines which change."""
+    return sys.stdout.isatty() and os.environ.get("TERM") not in ("dumb", "unknown")
+
+
 def paint_keys(text: str) -> str:
     """Return YAML or labelled lines with colored keys."""
     text = _KEY.sub(lambda found: found[1] + click.style(found[2], fg="cyan"), text)

@@ -14,7 +14,7 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.topic.topics import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
-from rostether.names.graph_name import namespace_of
+from rostether.names.graph_name import in_namespace, namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
 from rostether.ros2.types.native_registry import short_name
@@ -36,10 +36,8 @@ class Ros2TopicListing:
             kinds = (EndpointKind.PUBLISHER,) if wanted.publishers else (EndpointKind.SUBSCRIPTION,)
         names = view.names(kinds, with_hidden=wanted.with_hidden)
         if wanted.namespace is not None:
-            prefix = "/" + wanted.namespace.strip("/")
-            names = [
-                name for name in names if prefix == "/" or name == prefix or name.startswith(f"{prefix}/")
-            ]
+            namespace = f"/{wanted.namespace.strip('/')}"
+            names = [name for name in names if in_namespace(name, namespace)]
         if wanted.as_json:
             for name in names:
                 write_json(_record(view, name))
@@ -58,7 +56,6 @@ class Ros2TopicListing:
     def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
         """Print a topic's type and how many publish and subscribe; each of them with `verbose`."""
         name, view = _view_of(self._graph, topic)
-        types = view.types(TOPIC_KINDS, name)
         publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
         if as_json:
             write_json(
@@ -70,7 +67,7 @@ class Ros2TopicListing:
             )
             return
         gap = "\n" if verbose else ""
-        write_line(f"Type: {types[0] if len(types) == 1 else types}{gap}")
+        write_line(f"Type: {view.shown_type(TOPIC_KINDS, name)}{gap}")
         for title, ends in (("Publisher", publishers), ("Subscription", subscribers)):
             write_line(f"{title} count: {len(ends)}{gap}")
             if verbose:
@@ -102,10 +99,9 @@ def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: 
 
 
 def _record(view: GraphView, name: str) -> dict[str, Any]:
-    types = view.types(TOPIC_KINDS, name)
     return {
         "topic": name,
-        "type": types[0] if len(types) == 1 else types,
+        "type": view.shown_type(TOPIC_KINDS, name),
         "publishers": [end.node_name for end in view.of(EndpointKind.PUBLISHER, name)],
         "subscribers": [end.node_name for end in view.of(EndpointKind.SUBSCRIPTION, name)],
     }

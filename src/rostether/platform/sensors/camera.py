@@ -10,6 +10,7 @@ from dataclasses import asdict
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.platform.sensors.cascade import CascadeDetector, Region
 from rostether.platform.sensors.picture_sources import PictureSource
 from rostether.platform.sensors.readings import publish_readings
@@ -46,10 +47,8 @@ async def publish_pictures(
             await _Camera(graph, sensor, source, None, None).run(report)
             return
         detections = await graph.publisher(f"{description.topic}/detections", DETECTIONS_TYPE)
-        try:
+        async with closed_at_end(detections):
             await _Camera(graph, sensor, source, detector, detections).run(report)
-        finally:
-            await detections.close()
 
 
 class _Camera:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 
@@ -61,8 +62,7 @@ class Leftovers:
 async def unregister_node(master_uri: str, name: str, uri: str) -> None:
     """Remove all registrations that a node has under an URI. Raises GraphError."""
     # Registrations belong to a node: the master removes them only in its name.
-    master = MasterClient(master_uri, name)
-    try:
+    async with closed_at_end(MasterClient(master_uri, name)) as master:
         publishers, subscribers, services = await master.system_state()
         for topic in (topic for topic, names in publishers.items() if name in names):
             await master.unregister_publisher(topic, uri)
@@ -70,5 +70,3 @@ async def unregister_node(master_uri: str, name: str, uri: str) -> None:
             await master.unregister_subscriber(topic, uri)
         for service in (service for service, names in services.items() if name in names):
             await master.unregister_service(service, await master.lookup_service(service))
-    finally:
-        await master.close()

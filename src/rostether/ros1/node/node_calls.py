@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rostether.errors import ConfigError, GraphError, UnknownNameError
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
@@ -91,10 +92,8 @@ async def node_client(name: str, uri: str) -> AsyncIterator[XmlRpcClient]:
         client = XmlRpcClient(uri, peer=f"node {name}", timeout_s=NODE_TIMEOUT_S)
     except ConfigError as error:
         raise GraphError(f"node {name} has registered an invalid address: {error}") from None
-    try:
+    async with closed_at_end(client):
         yield client
-    finally:
-        await client.close()
 
 
 async def ask(client: XmlRpcClient, method: str, *arguments: object) -> Any:

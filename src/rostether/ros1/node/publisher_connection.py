@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 from rostether.errors import ConfigError, GraphError, ProtocolError, TransportError, TypeMismatchError
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.tcpros_connection import ConnectionRecord, connect
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.tcpros.message_framing import MessageDecoder
@@ -181,14 +182,11 @@ class PublisherLink:
             await asyncio.sleep(backoff.next_delay_s())
 
     async def _connect(self) -> PublisherConnection:
-        client = XmlRpcClient(self.uri, peer="the publisher")
-        try:
+        async with closed_at_end(XmlRpcClient(self.uri, peer="the publisher")) as client:
             topic = self._request["topic"]
             code, text, answer = await client.call_status(
                 "requestTopic", self._caller_id, topic, [["TCPROS"]]
             )
-        finally:
-            await client.close()
         if code != 1:
             raise GraphError(f"the publisher refused: {text}")
         match answer:

@@ -16,6 +16,7 @@ from typing import Final
 
 from rostether.errors import ServiceCallError
 from rostether.graph.ports import Graph
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.ros2.action_parts import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 from rostether.ros2.types.native_registry import NativeRegistry, short_name
@@ -127,12 +128,10 @@ class GoalCall:
             handle_feedback,
             on_connection=lambda _: connected.set(),
         )
-        try:
+        async with closed_at_end(subscriber):
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(connected.wait(), CONNECTION_S)
             return await self._run(goal, on_accepted)
-        finally:
-            await subscriber.close()
 
     async def cancel(self) -> None:
         """Ask the server to cancel the goal; `run` returns its status.

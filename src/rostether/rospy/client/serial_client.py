@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from rostether.bridge.supervisor import Supervisor
 from rostether.graph.ports import Graph, Level
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import LOOPBACK
 from rostether.rospy.client.exceptions import ROSInterruptException
 from rostether.rospy.client.logs import TerminalHandler
@@ -117,8 +118,6 @@ async def _serve_until_shutdown(address: Address) -> None:
             node.loop.call(supervisor.close(), timeout_s=_CLOSE_LIMIT_S)
 
     shutdown.before(close)
-    try:
+    async with closed_at_end(supervisor):
         await supervisor.start([address])
         await supervisor.wait_done()
-    finally:
-        await supervisor.close()

@@ -21,6 +21,7 @@ from rostether.gateways.rosbridge.settings import RosbridgeSettings, matches
 from rostether.gateways.rosbridge.values import JsonForm, Style
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, JoinGraph, ServiceHandler
+from rostether.mechanisms.block_end import closed_at_end
 from rostether.serde.codec import Codec
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
@@ -142,12 +143,9 @@ async def offering_rosapi(
     if is_listed and (is_live is None or await is_live(NODE_NAME)):
         yield False
         return
-    node = await join(NODE_NAME)
-    try:
+    async with closed_at_end(await join(NODE_NAME)) as node:
         await rosapi.offer(node)
         yield True
-    finally:
-        await node.close()
 
 
 def _by_name(request: Codec, args: Any) -> Any:

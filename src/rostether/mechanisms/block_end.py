@@ -1,0 +1,38 @@
+"""What ends with a block of code: something that is closed, or a task beside it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Coroutine
+from contextlib import asynccontextmanager
+from typing import Any, Protocol, TypeVar
+
+
+class Closable(Protocol):
+    """Something with an asynchronous `close`."""
+
+    def close(self) -> Awaitable[object]:
+        """Close it."""
+
+
+T = TypeVar("T", bound=Closable)
+
+
+@asynccontextmanager
+async def closed_at_end(opened: T) -> AsyncIterator[T]:
+    """Close at the end of the block, as contextlib.closing does with a `close` that is not asynchronous."""
+    try:
+        yield opened
+    finally:
+        await opened.close()
+
+
+@asynccontextmanager
+async def task_beside(work: Coroutine[Any, Any, object]) -> AsyncIterator[asyncio.Task[object]]:
+    """Run `work` during the block; at its end, cancel it and wait until it has ended, also with an error."""
+    task = asyncio.get_running_loop().create_task(work)
+    try:
+        yield task
+    finally:
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
