@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Final
 
-from rostether.bounded_yaml import load, safe_loader
+from rostether.bounded_yaml import MAX_TEXT_CHARS, load, safe_loader
 from rostether.errors import ConfigError, RobotModelError
 from rostether.expression.python_expression import PythonEvaluator
 from rostether.extras import install_command
 from rostether.mechanisms.text import did_you_mean, fold_line
-from rostether.robot.urdf import parse_robot_xml
+from rostether.robot.urdf import MAX_XML_BYTES, parse_robot_xml
 
 ASSIGNMENT = ":="
 
@@ -56,8 +56,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
     """
     xacro = _xacro(file)
     try:
-        # xacro would expand a DTD without limits.
-        parse_robot_xml(file.read_bytes(), file=str(file))
+        _check_file(file)
     except OSError as error:
         raise RobotModelError(f"{file}: {error.strerror}") from error
     with _packages_found(xacro, packages), bounded(xacro, file):
@@ -134,6 +133,7 @@ def bounded(xacro: Any, file: Path) -> Iterator[None]:
     # Nested quantifiers would take exponential time for an unclosed quote.
     macro_argument = re.compile(xacro.re_macro_arg.pattern.replace(r"""[^\s'\"]+)+""", r"""[^\s'\"])+"""))
     replacements: list[tuple[dict[str, Any], str, Any]] = [
+        (vars(xacro), "parse", _parse(xacro.parse)),
         (vars(xacro), "eval_all", counter.eval_all),
         (vars(xacro), "eval_text", counter.eval_text),
         (vars(xacro), "re_macro_arg", macro_argument),
@@ -187,6 +187,25 @@ class _Counter:
         return result
 
 
+def _check_file(file: Path) -> None:
+    """Raise RobotModelError if a file is too large, or has a DTD: xacro reads and expands without limits."""
+    with file.open("rb") as stream:
+        parse_robot_xml(stream.read(MAX_XML_BYTES + 1), file=str(file))
+
+
+def _parse(parse: Callable[..., Any]) -> Callable[..., Any]:
+    """Return xacro.parse(), which reads included files."""
+
+    def checked(inp: Any, filename: Any = None) -> Any:
+        if inp is None:
+            # xacro reports a file that cannot be read.
+            with suppress(OSError):
+                _check_file(Path(filename))
+        return parse(inp, filename)
+
+    return checked
+
+
 def _load_yaml(xacro: Any) -> Callable[[str], Any]:
     """Return xacro.load_yaml(), with a loader that bounds aliases, merges and numbers."""
 
@@ -195,7 +214,8 @@ def _load_yaml(xacro: Any) -> Callable[[str], Any]:
         for unit in xacro.ConstructUnits:
             loader.add_constructor(unit.value.tag, unit.constructor)
         path = xacro.abs_filename_spec(name)
-        text = Path(path).read_text(encoding="utf-8")
+        with Path(path).open(encoding="utf-8") as stream:
+            text = stream.read(MAX_TEXT_CHARS + 1)
         xacro.filestack.append(path)
         try:
             return xacro.YamlListWrapper.wrap(load(text, loader))

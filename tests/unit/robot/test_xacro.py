@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError, RobotModelError
+from rostether.robot import xacro as xacro_module
 from rostether.robot.urdf import parse_urdf
 from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings, xacro_dependencies
 
@@ -81,6 +82,28 @@ def test_a_dtd_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "bomb.xacro"
     file.write_text('<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"/>')
     with pytest.raises(RobotModelError, match="DTD"):
+        expand(file)
+    outer = tmp_path / "outer.xacro"
+    outer.write_text(
+        '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:include filename="bomb.xacro"/></robot>'
+    )
+    with pytest.raises(RobotModelError, match=r"bomb.xacro:1: .*DTD"):
+        expand(outer)
+
+
+def test_endless_files_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xacro_module, "MAX_XML_BYTES", 1000)
+    monkeypatch.setattr(xacro_module, "MAX_TEXT_CHARS", 1000)
+    file = tmp_path / "endless.xacro"
+    file.symlink_to("/dev/zero")
+    with pytest.raises(RobotModelError, match="not XML"):
+        expand(file)
+    file = tmp_path / "values.xacro"
+    file.write_text(
+        '<robot name="${xacro.load_yaml(\'/dev/zero\')}" xmlns:xacro="http://www.ros.org/wiki/xacro"/>'
+    )
+    with pytest.raises(RobotModelError, match="unacceptable character"):
         expand(file)
 
 
