@@ -308,7 +308,7 @@ class Session:
 
     def note_pause(self) -> None:
         """Record that a simulated board paused with its simulator."""
-        self.watch.loop_speed.note_pause(self._loop.time())
+        self.watch.loop_speed.note_pause()
 
     def _report(self, _event: object) -> None:
         """Report findings at once, without waiting for the next check."""

@@ -30,11 +30,11 @@ SURELY_OURS_S = 2.4
 # A board that is later than 11 s was disconnected, not slow.
 MAX_LATE_S = 9.0
 
-# A request that a pause has delayed may arrive this long before the news of the pause.
-PAUSE_NEWS_S = 0.5
-
 KEPT = 16
 MIN_COUNT = 2
+
+# Between two pauses, a simulator falls behind by up to 250 ms: the median of four intervals is below 100 ms.
+MIN_COUNT_SIMULATED = 4
 
 
 class LoopSpeed:
@@ -45,12 +45,13 @@ class LoopSpeed:
         self.is_ours = False
         self._last_s: float | None = None
         self._asked = 0
+        self._least_count = MIN_COUNT
         self._intervals_s: deque[float] = deque(maxlen=KEPT)
 
     @property
     def late_s(self) -> float | None:
         """The usual delay of the requests; None while unknown."""
-        if len(self._intervals_s) < MIN_COUNT:
+        if len(self._intervals_s) < self._least_count:
             return None
         return max(0.0, median(self._intervals_s) - self._period_s)
 
@@ -75,11 +76,11 @@ class LoopSpeed:
         """Record a reset of the board, which changes when its next request is due."""
         self._last_s = None
 
-    def note_pause(self, now_s: float) -> None:
-        """Record that a simulated board paused, which delays its request as a slow loop() does."""
-        if self._last_s is not None and now_s - self._last_s < PAUSE_NEWS_S and self._intervals_s:
-            self._intervals_s.pop()
+    def note_pause(self) -> None:
+        """Record that a simulated board paused: its requests were late because of the simulator."""
         self._last_s = None
+        self._least_count = MIN_COUNT_SIMULATED
+        self._intervals_s.clear()
 
     def find(self, *, is_listener: bool) -> Finding | None:
         """Return the finding; `is_listener`: the board has subscribers or services."""
