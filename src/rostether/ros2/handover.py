@@ -12,6 +12,8 @@ _Item = TypeVar("_Item")
 
 # Passed on in one turn of the event loop: with 10 us each, a flood holds it for 10 ms.
 MAX_BATCH = 1000
+# Several images or maps in one turn would hold it for 100 ms.
+MAX_BATCH_BYTES = 1 << 20
 
 
 class Handover(Generic[_Item]):
@@ -75,9 +77,13 @@ class Handover(Generic[_Item]):
             self._is_scheduled = False
             if self._is_paused or self._is_closed or not self._queue:
                 return
-            batch = [self._queue.popleft() for _ in range(min(MAX_BATCH, len(self._queue)))]
-            self._size -= sum(size for _, size in batch)
+            batch, batch_size = [], 0
+            while self._queue and len(batch) < MAX_BATCH and batch_size < MAX_BATCH_BYTES:
+                item, size = self._queue.popleft()
+                batch.append(item)
+                batch_size += size
+            self._size -= batch_size
             if self._queue:
                 self._is_scheduled = True
                 self._loop.call_soon(self._run)
-        self._deliver([item for item, _ in batch])
+        self._deliver(batch)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from rostether.ros2.handover import MAX_BATCH, Handover
+from rostether.ros2.handover import MAX_BATCH, MAX_BATCH_BYTES, Handover
 from waiting import until
 
 
@@ -35,6 +35,12 @@ async def test_a_flood_gives_other_work_of_the_loop_its_turns() -> None:
     await until(lambda: batches and batches[-1][-1] == -1)
     assert [len(each) for each in batches] == [MAX_BATCH, MAX_BATCH, MAX_BATCH, 2]
     assert [each for batch in batches for each in batch] == [*range(3 * MAX_BATCH + 1), -1]
+    batches.clear()
+    large: Handover[int] = Handover(batches.append, limit=10 * MAX_BATCH_BYTES)
+    for number in range(4):
+        large.put(number, MAX_BATCH_BYTES // 2 + 1)
+    await until(lambda: len(batches) == 2)
+    assert batches == [[0, 1], [2, 3]]
 
 
 async def test_the_oldest_go_when_there_is_too_much() -> None:
