@@ -44,6 +44,8 @@ class EndpointOpenings:
     """Opens and closes the endpoints of one board's node."""
 
     def __init__(self, notices: Notices) -> None:
+        # Why the graph does not have an endpoint that the board has announced.
+        self.reasons: dict[Endpoint, str] = {}
         self._notices = notices
         self._opening: dict[Endpoint, asyncio.Task[None]] = {}
         self._closing: dict[Slot, asyncio.Task[None]] = {}
@@ -69,6 +71,7 @@ class EndpointOpenings:
         self._log(endpoint, "closing")
         self._unwanted.add(endpoint)
         self._refused.discard(endpoint)
+        self.reasons.pop(endpoint, None)
         self._closing[slot] = self._run(self._close(slot, endpoint, self._closing.get(slot)))
 
     async def finish(self) -> None:
@@ -125,22 +128,25 @@ class EndpointOpenings:
                 if endpoint not in self._unwanted:
                     self._refused.add(endpoint)
                 self._log(endpoint, "refused")
-                self._notices.episode(f"refused {name}", Level.ERROR, f"{name} is not bridged: {error}")
+                self._report(endpoint, f"{name} is not bridged: {error}", str(error))
                 return
             except GraphError as error:
-                self._notices.episode(
-                    f"refused {name}", Level.ERROR, f"{name} is not bridged yet: {error}; trying again"
-                )
+                self._report(endpoint, f"{name} is not bridged yet: {error}; trying again", str(error))
                 await asyncio.sleep(backoff.next_delay_s())
             except Exception as error:  # noqa: BLE001 - the other endpoints go on
-                self._notices.episode(
-                    f"refused {name}", Level.ERROR, f"{name} is not bridged: {reason_of(error)}"
-                )
+                reason = reason_of(error)
+                self._report(endpoint, f"{name} is not bridged: {reason}", reason)
                 return
             else:
                 self._notices.end_episode(f"refused {name}")
+                self.reasons.pop(endpoint, None)
                 self._log(endpoint, "open")
                 return
+
+    def _report(self, endpoint: Endpoint, text: str, reason: str) -> None:
+        if endpoint not in self._unwanted:
+            self.reasons[endpoint] = reason
+        self._notices.episode(f"refused {name_of(endpoint)}", Level.ERROR, text)
 
     async def _close(self, slot: Slot, endpoint: Endpoint, before: asyncio.Task[None] | None) -> None:
         try:

@@ -64,6 +64,11 @@ class EndpointTable:
         for key, endpoint in self._endpoints.items():
             yield key[0], endpoint
 
+    @property
+    def unopened(self) -> dict[str, str]:
+        """By name: why the graph does not have what the board has announced."""
+        return {name_of(endpoint): reason for endpoint, reason in self._openings.reasons.items()}
+
     def is_attached(self, endpoint: Endpoint) -> bool:
         """Whether the board has announced it on the current connection."""
         return any(self._endpoints.get(key) is endpoint for key in self._attached)

@@ -40,6 +40,7 @@ class EndpointFindings:
     def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
         """Evaluate; `too_large_s` is the time when the board reported that its own message was too large."""
         found = _refusals(self._endpoints.refused)
+        found += [_unopened(name, reason) for name, reason in self._endpoints.unopened.items()]
         silent = []
         for _, endpoint in self._endpoints:
             found += self._too_long(endpoint, oversizes, now_s)
@@ -179,6 +180,12 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
     return error(
         Code.NOT_BRIDGED, f"{listed} is not bridged: {reason or text}", advice, topics[0], reported=True
     )
+
+
+def _unopened(name: str, text: str) -> Finding:
+    reason, _, step = text.rpartition("; ")
+    advice = step if reason else "look at the log of this program"
+    return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason or text}", advice, name, reported=True)
 
 
 def _too_large(silent: list[PublisherEndpoint]) -> Finding:

@@ -83,14 +83,8 @@ class SimulatedBoard:
         kind = kind_of(board)
         terminal_link = PtyLink(link_path if link == "pty" else None)
         runner = await in_own_loop(build_runner)
-        arguments = [
-            "--board",
-            kind,
-            "--link",
-            f"tcp:{tcp_port}" if link == "tcp" else link,
-            "--seed",
-            str(seed),
-        ]
+        place = f"tcp:{tcp_port}" if link == "tcp" else link
+        arguments = ["--board", kind, "--link", place, "--seed", str(seed)]
         arguments += [] if uart is None else ["--uart", str(uart)]
         arguments += [] if realtime else ["--fast"]
         arguments += ["--paused"] if paused else []

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -9,6 +10,9 @@ import pytest
 
 from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.table import EndpointTable
+from rostether.bridge.findings.endpoints import EndpointFindings
+from rostether.bridge.findings.finding import Code
+from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.errors import GraphError
 from rostether.graph.memory_graph import MemoryGraph
@@ -209,10 +213,15 @@ async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(w
     await world.advertised("/level")
     world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
     await until(lambda: world.reporter.having("level is not bridged"), "the refusal")
+    findings = EndpointFindings(world.table, lambda _: 0)
+    (finding,) = findings.find(0.0, -math.inf, Oversizes())
+    assert finding.seen.startswith("level is not bridged: ")
+    assert finding.code is Code.NOT_BRIDGED
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("/level", topic_id=126)))
     line.receivers[125]([b"\x07\x00"])
     await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
     await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the good news")
+    assert findings.find(0.0, -math.inf, Oversizes()) == []
 
 
 async def test_the_device_withdraws_a_topic(world: Table) -> None:
