@@ -24,9 +24,8 @@ from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import action_of, expand_action, parse_service
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.msgdef.unknown_type import example_name, explain_unknown
-from rostether.packages.locate import package_folders, workspace_roots
+from rostether.packages.locate import package_folders, package_path
 from rostether.packages.package_xml import is_package_name
-from rostether.packages.search_path import ros_package_path
 
 # Peers' definitions must not fill memory; a large system has about a hundred types.
 MAX_LEARNED_TYPES = 4096
@@ -87,8 +86,7 @@ class Registry:
                     f"--msg-path {path}: no such folder; give a folder of packages or of .msg files"
                 )
         variables = os.environ if environ is None else environ
-        package_path = [*ros_package_path(variables), *_workspace()]
-        return cls(paths, package_path=package_path, nearby=_packages_around)
+        return cls(paths, package_path=package_path(variables), nearby=_packages_around)
 
     def is_at_hand(self, look: Callable[[], object]) -> bool:
         """Return whether `look`, a query of this registry, needs no search of folders.
@@ -305,13 +303,6 @@ class Registry:
                 names.update(found[package].of(kind))
         is_replaced = not self._bundled or self._replacement(package) is not None
         return names if is_replaced else names | bundled_names(package, kind)
-
-
-def _workspace() -> list[Path]:
-    try:
-        return workspace_roots(Path.cwd())
-    except OSError:
-        return []
 
 
 def _packages_around() -> Iterable[Path]:

@@ -57,6 +57,15 @@ def package_roots(environ: Mapping[str, str], cwd: Path) -> list[Path]:
     return list(dict.fromkeys(root for root in roots if root.is_dir()))
 
 
+def package_path(environ: Mapping[str, str]) -> list[Path]:
+    """Return the folders of ROS_PACKAGE_PATH, and those of the workspace around the current folder."""
+    try:
+        return [*ros_package_path(environ), *workspace_roots(Path.cwd())]
+    except OSError:
+        # The current folder was deleted.
+        return ros_package_path(environ)
+
+
 def workspace_roots(cwd: Path) -> list[Path]:
     """Return the folders with the packages of the workspace, or of the repository, around a folder."""
     workspace = workspace_of(cwd)

@@ -26,6 +26,7 @@ from rostether.msgdef.ros2.parse_file import Definition, parse_file
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
 from rostether.msgdef.ros2.to_ros1 import joined_services
 from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
+from rostether.packages.locate import package_path
 
 # A workspace of many packages has a prefix for each; an error is one readable line.
 _SHOWN_FOLDERS = 4
@@ -35,15 +36,17 @@ class Ros2Definitions:
     """Finds, parses and caches ROS 2 definitions; each is read on demand.
 
     `paths` are folders of packages or of plain definitions (--msg-path), of which those that are ROS 2 texts
-    count; `prefixes` are install prefixes as AMENT_PREFIX_PATH names them. Both win over the bundled
-    definitions of `distro`, in the order given: a package replaces the whole bundled one, a plain folder
-    replaces single types. `last_prefixes` are searched last.
+    count; `package_path` are folders of packages (ROS_PACKAGE_PATH); `prefixes` are install prefixes as
+    AMENT_PREFIX_PATH names them. All win over the bundled definitions of `distro`, in the order given: a
+    package replaces the whole bundled one, a plain folder replaces single types. `last_prefixes` are
+    searched last.
     """
 
     def __init__(
         self,
         paths: Iterable[Path | str] = (),
         *,
+        package_path: Iterable[Path] = (),
         prefixes: Iterable[Path | str] = (),
         last_prefixes: Iterable[Path | str] = (),
         distro: str = BUNDLED_DISTRO,
@@ -51,6 +54,7 @@ class Ros2Definitions:
     ) -> None:
         self.distro = distro
         self._paths = [Path(path) for path in paths]
+        self._package_path = list(package_path)
         self._installed = InstalledPackages(Path(prefix) for prefix in prefixes)
         self._installed_last = InstalledPackages(Path(prefix) for prefix in last_prefixes)
         self._bundled = bundled
@@ -66,7 +70,7 @@ class Ros2Definitions:
     def from_environment(
         cls, msg_paths: Iterable[Path | str] = (), environ: Mapping[str, str] | None = None
     ) -> Ros2Definitions:
-        """Use --msg-path folders, AMENT_PREFIX_PATH, COLCON_PREFIX_PATH, ROS_DISTRO and packages from pip.
+        """Use --msg-path folders, the variables of ROS 1 and ROS 2, and packages from pip.
 
         Raises ConfigError for a missing folder.
         """
@@ -77,12 +81,18 @@ class Ros2Definitions:
                 raise ConfigError(f"--msg-path {path}: no such folder; give one of packages or of .msg files")
         distro = named_distro(environ) or BUNDLED_DISTRO
         # Packages from pip may be of another distribution: they only add types.
-        return cls(paths, prefixes=install_prefixes(environ), last_prefixes=python_prefixes(), distro=distro)
+        return cls(
+            paths,
+            package_path=package_path(environ),
+            prefixes=install_prefixes(environ),
+            last_prefixes=python_prefixes(),
+            distro=distro,
+        )
 
     @property
     def is_searched(self) -> bool:
         """Whether all types are found without a search of folders."""
-        is_on_path = self._found is not None or not self._paths
+        is_on_path = self._found is not None or not (self._paths or self._package_path)
         return is_on_path and self._installed.is_searched and self._installed_last.is_searched
 
     def search(self) -> None:
@@ -94,7 +104,8 @@ class Ros2Definitions:
     @property
     def places(self) -> str:
         """The searched places, for errors."""
-        folders = [*(f"--msg-path {path}" for path in self._paths), *map(str, self._installed.prefixes)]
+        folders = [f"--msg-path {path}" for path in self._paths]
+        folders += map(str, (*self._package_path, *self._installed.prefixes))
         if len(folders) > _SHOWN_FOLDERS:
             folders = [*folders[:_SHOWN_FOLDERS], f"{len(folders) - _SHOWN_FOLDERS} more folders"]
         if self._installed_last.prefixes:
@@ -290,7 +301,7 @@ class Ros2Definitions:
 
     def _on_path(self) -> dict[str, PackageFiles]:
         if self._found is None:
-            self._found = find_definitions(self._paths, ())
+            self._found = find_definitions(self._paths, self._package_path)
         return self._found
 
     def _own(self, package: str, kind: Kind) -> Mapping[str, Path]:

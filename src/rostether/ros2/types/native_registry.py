@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from rostether.errors import UnknownTypeError
+from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definition_files import Declared, declared_by
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
@@ -130,15 +131,20 @@ class NativeRegistry(Registry):
     def _has_service(self, package: str, name: str) -> bool:
         if self.definitions.has(f"{package}/srv/{name}"):
             return True
-        try:
-            self._ros1.service(f"{package}/{name}")
-        except UnknownTypeError:
-            return False
-        return True
+        return _is_known(lambda: self._ros1.service(f"{package}/{name}"))
 
     def _has_ros1(self, name: str) -> bool:
-        try:
-            self._ros1.message(name)
-        except UnknownTypeError:
-            return False
-        return True
+        return _is_known(lambda: self._ros1.message(name))
+
+
+def _is_known(look: Callable[[], object]) -> bool:
+    try:
+        look()
+    except UnknownTypeError:
+        return False
+    except DefinitionError as error:
+        if not error.file or declared_by(Path(error.file)) is not Declared.ROS2:
+            raise
+        # A package of ROS 2 near the current folder.
+        return False
+    return True

@@ -137,6 +137,19 @@ def test_reads_installed_packages(tmp_path: Path) -> None:
         definitions.message("my_msgs/msg/Only")
 
 
+def test_reads_packages_of_ros_package_path(tmp_path: Path) -> None:
+    package(tmp_path / "src/my_msgs", Foo="string<=5 short\n")
+    package(tmp_path / "src/old_msgs", Bar="time stamp\n")
+    (tmp_path / "src/old_msgs/package.xml").write_text(
+        "<package><name>old_msgs</name><buildtool_depend>catkin</buildtool_depend></package>"
+    )
+    definitions = Ros2Definitions.from_environment(environ={"ROS_PACKAGE_PATH": str(tmp_path / "src")})
+    assert definitions.message("my_msgs/msg/Foo").fields[0].type.string_bound == 5
+    assert not definitions.has("old_msgs/msg/Bar")
+    with pytest.raises(UnknownTypeError, match=rf"searched: {tmp_path}/src, "):
+        definitions.message("my_msgs/msg/Missing")
+
+
 def test_what_pip_installed_only_adds_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package(tmp_path / "share/std_msgs", String="string<=5 data\n")
     package(tmp_path / "share/pip_msgs", Foo="int8 a\n")

@@ -71,6 +71,22 @@ def test_a_type_that_only_ros1_defines(tmp_path: Path) -> None:
     assert registry.service_type("own_msgs/srv/Take").response.name == "own_msgs/TakeResponse"
 
 
+def test_packages_of_ros2_around_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "ws/src/my_msgs/msg"
+    folder.mkdir(parents=True)
+    (folder.parent / "package.xml").write_text(
+        "<package><name>my_msgs</name><export><build_type>ament_cmake</build_type></export></package>"
+    )
+    (folder / "Foo.msg").write_text("string<=5 short\n")
+    monkeypatch.chdir(tmp_path / "ws")
+    registry = NativeRegistry.from_environment(environ={})
+    assert registry.ros2_message("my_msgs/msg/Foo").fields[0].type.string_bound == 5
+    # Farther up it is not searched for ROS 2, and is no error of ROS 1 either.
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UnknownTypeError, match="no ROS 2 package 'my_msgs' is known"):
+        NativeRegistry.from_environment(environ={}).ros2_message("my_msgs/msg/Foo")
+
+
 def test_tools_and_boards_have_one_hash_of_a_type_of_one_s_own(tmp_path: Path) -> None:
     (tmp_path / "own_msgs" / "msg").mkdir(parents=True)
     (tmp_path / "own_msgs" / "srv").mkdir()
