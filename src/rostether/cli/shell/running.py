@@ -13,6 +13,7 @@ import contextlib
 import os
 import signal
 import socket
+import time
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from typing import Any, TypeVar
@@ -30,6 +31,9 @@ T = TypeVar("T")
 
 # A signal interrupts a loop that is busy for this long; a step of more than 50 ms is already a defect.
 BUSY_S = 2.0
+
+# `timeout -s INT` signals a command and then its group: a user does not press Ctrl-C twice so quickly.
+SAME_SIGNAL_S = 0.1
 
 # The exit code that a shell reports for a program that SIGTERM ended.
 EXIT_TERMINATED = 143
@@ -74,6 +78,7 @@ class _Ending:
         self.exit_code: int | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._loop_answered = False
+        self._arrived_s = 0.0
         self._handler_before = signal.getsignal(signal.SIGINT)
         self._codes = {signal.SIGINT: EXIT_INTERRUPTED, signal.SIGTERM: terminated_code}
         # Windows has no SIGHUP. A closed terminal ends a command as SIGTERM does, unless it runs under nohup.
@@ -118,9 +123,12 @@ class _Ending:
 
     def _arrived(self, number: int, _frame: object) -> None:
         code = self._codes[signal.Signals(number)]
+        now_s = time.monotonic()
         if self.exit_code is not None:
-            os._exit(code)
-        self.exit_code = code
+            if now_s - self._arrived_s > SAME_SIGNAL_S:
+                os._exit(code)
+            return
+        self.exit_code, self._arrived_s = code, now_s
         signal.signal(signal.SIGALRM, self._handle_alarm)
         signal.setitimer(signal.ITIMER_REAL, BUSY_S, BUSY_S)
 
