@@ -81,10 +81,12 @@ def test_only_what_is_used_is_imported() -> None:
 
 
 @pytest.mark.usefixtures("cold_start")
-def test_serve_imports_no_simulator_without_a_simulated_board() -> None:
-    code = "import sys, rostether.cli.bridge.serve; print(*sys.modules)"
+def test_serve_imports_only_what_the_first_message_needs() -> None:
+    code = "import sys, rostether.cli.bridge.serve, rostether.bridge.supervisor; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert not {name for name in loaded.split() if name.startswith("rostether.simulation")}
+    names = {".".join(name.split(".")[:2]) for name in loaded.split()}
+    ours = ("dashboard", "firmware", "gateways", "launch", "recording", "robot", "simulation")
+    assert not names & {"yaml", "rich", "serialx", "websockets", *(f"rostether.{each}" for each in ours)}
 
 
 def fail(error: BaseException) -> int:
