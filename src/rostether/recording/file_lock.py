@@ -6,6 +6,7 @@ import contextlib
 import itertools
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
@@ -96,11 +97,29 @@ def end_active(active: Path, path: Path) -> None:
             active.with_name(active.name + suffix).replace(log)
 
 
-def keep_left_over(active: Path, path: Path) -> Path | None:
-    """Rename the file that a killed recorder has left, if there is one; returns its new name. Raises OSError.
+def lock_active(active: Path, path: Path, report: Callable[[str], None]) -> FileLock:
+    """Lock the file of a new recording; one that a killed recorder has left is renamed and reported.
 
-    The name is that of the finished recording with a number, such as `drive.killed-1.bag`.
+    Raises RecordingError.
     """
+    lock = FileLock(active)
+    try:
+        kept = _keep_left_over(active, path)
+    except OSError as error:
+        lock.release()
+        raise RecordingError(f"cannot rename {active}: {error.strerror or error}") from None
+    if kept is None:
+        return lock
+    lock.release()
+    report(
+        f"{active} is of a recorder that was killed: renamed it to {kept.name}; "
+        f"`rostether bag reindex {kept}` gives it an index"
+    )
+    return FileLock(active)
+
+
+def _keep_left_over(active: Path, path: Path) -> Path | None:
+    """Rename the file to the name of the recording with a number, such as `drive.killed-1.bag`."""
     if not active.exists() or not active.stat().st_size:
         return None
     names = (path.with_name(f"{path.stem}.killed-{number}{path.suffix}") for number in itertools.count(1))

@@ -17,7 +17,7 @@ from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
-from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active, keep_left_over
+from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active, lock_active
 from rostether.recording.recorded import Connection, RecordingWriter
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
 from rostether.recording.recording_start import report_missing, wait_for_time
@@ -236,15 +236,8 @@ class Recorder:
         number = len(self.progress.files)
         self._path = self._name(number)
         active = self._path.with_name(self._path.name + ACTIVE_SUFFIX)
-        lock = FileLock(active)
+        lock = lock_active(active, self._path, self._report)
         try:
-            if kept := _keep_left_over(active, self._path):
-                self._report(
-                    f"{active} is of a recorder that was killed: renamed it to {kept.name}; "
-                    f"`rostether bag reindex {kept}` gives it an index"
-                )
-                lock.release()
-                lock = FileLock(active)
             writer = self._create(active)
         except BaseException:
             lock.release()
@@ -304,10 +297,3 @@ class Recorder:
         )
         self._finish()
         self._ended.set()
-
-
-def _keep_left_over(active: Path, path: Path) -> Path | None:
-    try:
-        return keep_left_over(active, path)
-    except OSError as error:
-        raise RecordingError(f"cannot rename {active}: {error.strerror or error}") from None

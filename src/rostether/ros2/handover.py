@@ -77,7 +77,8 @@ class Handover(Generic[_Item]):
             self._is_scheduled = False
             if self._is_paused or self._is_closed or not self._queue:
                 return
-            batch, batch_size = [], 0
+            batch: list[_Item] = []
+            batch_size = 0
             while self._queue and len(batch) < MAX_BATCH and batch_size < MAX_BATCH_BYTES:
                 item, size = self._queue.popleft()
                 batch.append(item)

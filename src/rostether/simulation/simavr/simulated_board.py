@@ -18,6 +18,7 @@ from types import TracebackType
 from typing import Literal, Self
 
 from rostether.errors import BoardError
+from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.own_loop import in_own_loop
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.compile import build_runner
@@ -230,14 +231,10 @@ class SimulatedBoard:
 
     async def run(self, duration: str | int, *, timeout_s: float = 60.0) -> None:
         """Run for cycles, or for `"20ms"` of the board's time, then pause."""
-        found = asyncio.ensure_future(self.wait_for("stopped", timeout_s=timeout_s))
-        try:
+        async with task_beside(self.wait_for("stopped", timeout_s=timeout_s)) as found:
             await asyncio.sleep(0)
             await self.send_command(f"run {duration}")
             await found
-        finally:
-            found.cancel()
-            await asyncio.gather(found, return_exceptions=True)
 
     async def cycles(self) -> int:
         """Return how many cycles the board has run."""
