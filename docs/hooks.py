@@ -68,13 +68,15 @@ def _context(command: click.Command, path: str) -> click.Context:
 
 
 def _page(command: click.Command, context: click.Context, level: int) -> Iterator[str]:
+    from rostether.cli.shell.option_group import option_sections
+
     yield f"{'#' * level} {context.command_path}\n"
     yield from _paragraphs(command.help or "")
     yield f"```\n{' '.join([context.command_path, *command.collect_usage_pieces(context)])}\n```\n"
-    for parameter in command.get_params(context):
-        record = parameter.get_help_record(context)
-        if record is not None and record[1]:
-            yield f"`{record[0]}`\n:   {_escape(record[1])}\n"
+    for heading, records in option_sections(command, context).items():
+        yield f"{heading}:\n"
+        for spelling, text in records:
+            yield f"`{spelling}`\n:   {_escape(text)}\n"
     examples = getattr(command, "examples", "")
     if examples:
         yield f"Examples:\n\n```sh\n{examples}\n```\n"

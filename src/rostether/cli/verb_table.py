@@ -2,61 +2,108 @@
 
 from __future__ import annotations
 
-from rostether.cli.shell.verbs import verb_entries
+from rostether.cli.shell.verbs import VerbEntry, verb_entries
 
-VERBS = verb_entries(
-    "rostether.cli",
-    {
-        "demo": ("demo.demo:demo", "Run a simulated board; needs no hardware."),
-        "serve": ("bridge.serve:serve", "Connect boards to the ROS graph."),
-        "serial-node": (
-            "bridge.serial_node:serial_node",
-            "Connect one board, with the arguments of serial_node.py.",
-        ),
-        "board": ("groups:board", "Run sketches on simulated boards."),
-        "xbee": ("groups:xbee", "Set up XBee radios, and simulate a network."),
-        "doctor": ("bridge.doctor:doctor", "Diagnose why a board does not connect."),
-        "self-check": ("bridge.self_check:self_check", "Show which optional parts work on this machine."),
-        "monitor": ("bridge.monitor:monitor", "Monitor all boards and their topics live."),
-        "link": ("groups:link", "Record, show and replay the bytes on a board's line."),
-        "conformance": (
-            "link.conformance:conformance",
-            "Check whether a client library speaks the wire protocol.",
-        ),
-        "ports": ("bridge.ports:ports", "List serial ports and the devices on them."),
-        "relay": ("bridge.relay:relay", "Relay topics and services between ROS 1 and ROS 2."),
-        "core": ("bridge.core:core", "Run a ROS master, like roscore."),
-        "topic": ("groups:topic", "List, print, publish and measure topics."),
-        "node": ("groups:node", "List, show, ping and stop nodes."),
-        "service": ("groups:service", "List, show and call services."),
-        "sensor": ("platform.sensor:sensor", "List, show and rename sensors."),
-        "fleet": ("platform.fleet:fleet", "List, drive and stop many robots."),
-        "tf": ("groups:tf", "Show and publish transforms between frames."),
-        "urdf": ("robot.urdf:urdf", "Check and show robot descriptions."),
-        "xacro": ("robot.urdf:xacro", "Expand a xacro file."),
-        "param": ("groups:param", "Read and write parameters."),
-        "msg": ("msg.group:msg", "Show message definitions."),
-        "srv": ("msg.group:srv", "Show service definitions."),
-        "interface": ("msg.interface:interface", "Show definitions of ROS 2, like ros2 interface."),
-        "run": ("launch.run:run", "Run a node of a package, like rosrun."),
-        "launch": ("launch.launch:launch", "Start the nodes of launch files, like roslaunch."),
-        "up": ("platform.up:up", "Run all parts of a robot, from one file."),
-        "install": ("platform.install:install", "Start a robot's parts at boot."),
-        "uninstall": ("platform.install:uninstall", "Stop starting parts at boot."),
-        "status": ("platform.install:status", "Show what starts at boot, and whether it runs."),
-        "pkg": ("launch.pkg:pkg", "Create, list and find packages."),
-        "role": ("role.group:role", "Run a standard ROS node that launch files start."),
-        "bag": ("groups:bag", "Record, replay and inspect bags."),
-        "export": ("bag.export:export", "Export a recording to CSV or Parquet."),
-        "dashboard": ("dashboard.dashboard:dashboard", "Show the robot in a browser."),
-        "foxglove": ("gateway.foxglove:foxglove", "Connect Foxglove to the graph."),
-        "rosbridge": ("gateway.rosbridge:rosbridge", "Connect web pages to the graph, like rosbridge."),
-        "graph": ("plot.graph:show_graph", "Show nodes and topics as text or as a picture."),
-        "plot": ("plot.plot:plot", "Plot topic values over time, live or to a file."),
-        "firmware": ("groups:firmware", "Build, measure and flash sketches; generate their library."),
-        "new": ("firmware.new:new", "Write a new sketch."),
-        "flash": ("launch.flash:flash", "Build and flash a sketch, and connect the board."),
-        "env": ("launch.shims:env", "Type roslaunch, rostopic and other ROS 1 commands as before."),
-        "completion": ("shell.completion:completion", "Print shell completion code."),
-    },
-)
+_PACKAGE = "rostether.cli"
+
+VERBS: dict[str, VerbEntry] = {
+    **verb_entries(
+        _PACKAGE,
+        {
+            "demo": ("demo.demo:demo", "Run a simulated board; needs no hardware."),
+            "serve": ("bridge.serve:serve", "Connect boards to the ROS graph."),
+            "serial-node": (
+                "bridge.serial_node:serial_node",
+                "Connect one board, with the arguments of serial_node.py.",
+            ),
+            "doctor": ("bridge.doctor:doctor", "Diagnose why a board does not connect."),
+            "monitor": ("bridge.monitor:monitor", "Monitor all boards and their topics live."),
+            "ports": ("bridge.ports:ports", "List serial ports and the devices on them."),
+            "board": ("groups:board", "Run sketches on simulated boards."),
+            "link": ("groups:link", "Record, show and replay the bytes on a board's line."),
+            "xbee": ("groups:xbee", "Set up XBee radios, and simulate a network."),
+            "conformance": (
+                "link.conformance:conformance",
+                "Check whether a client library speaks the wire protocol.",
+            ),
+        },
+        heading="Boards",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "new": ("firmware.new:new", "Write a new sketch."),
+            "firmware": ("groups:firmware", "Build, measure and flash sketches; generate their library."),
+            "flash": ("launch.flash:flash", "Build and flash a sketch, and connect the board."),
+        },
+        heading="Sketches",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "dashboard": ("dashboard.dashboard:dashboard", "Show the robot in a browser."),
+            "graph": ("plot.graph:show_graph", "Show nodes and topics as text or as a picture."),
+            "plot": ("plot.plot:plot", "Plot topic values over time, live or to a file."),
+            "foxglove": ("gateway.foxglove:foxglove", "Connect Foxglove to the graph."),
+            "rosbridge": ("gateway.rosbridge:rosbridge", "Connect web pages to the graph, like rosbridge."),
+        },
+        heading="Views",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "core": ("bridge.core:core", "Run a ROS master, like roscore."),
+            "topic": ("groups:topic", "List, print, publish and measure topics."),
+            "node": ("groups:node", "List, show, ping and stop nodes."),
+            "service": ("groups:service", "List, show and call services."),
+            "param": ("groups:param", "Read and write parameters."),
+            "msg": ("msg.group:msg", "Show message definitions."),
+            "srv": ("msg.group:srv", "Show service definitions."),
+            "interface": ("msg.interface:interface", "Show definitions of ROS 2, like ros2 interface."),
+            "tf": ("groups:tf", "Show and publish transforms between frames."),
+            "relay": ("bridge.relay:relay", "Relay topics and services between ROS 1 and ROS 2."),
+        },
+        heading="ROS graph",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "bag": ("groups:bag", "Record, replay and inspect bags."),
+            "export": ("bag.export:export", "Export a recording to CSV or Parquet."),
+        },
+        heading="Recordings",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "run": ("launch.run:run", "Run a node of a package, like rosrun."),
+            "launch": ("launch.launch:launch", "Start the nodes of launch files, like roslaunch."),
+            "role": ("role.group:role", "Run a standard ROS node that launch files start."),
+            "pkg": ("launch.pkg:pkg", "Create, list and find packages."),
+            "urdf": ("robot.urdf:urdf", "Check and show robot descriptions."),
+            "xacro": ("robot.urdf:xacro", "Expand a xacro file."),
+            "env": ("launch.shims:env", "Type roslaunch, rostopic and other ROS 1 commands as before."),
+        },
+        heading="Packages and launch files",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "up": ("platform.up:up", "Run all parts of a robot, from one file."),
+            "install": ("platform.install:install", "Start a robot's parts at boot."),
+            "uninstall": ("platform.install:uninstall", "Stop starting parts at boot."),
+            "status": ("platform.install:status", "Show what starts at boot, and whether it runs."),
+            "sensor": ("platform.sensor:sensor", "List, show and rename sensors."),
+            "fleet": ("platform.fleet:fleet", "List, drive and stop many robots."),
+        },
+        heading="Robots and fleets",
+    ),
+    **verb_entries(
+        _PACKAGE,
+        {
+            "self-check": ("bridge.self_check:self_check", "Show which optional parts work on this machine."),
+            "completion": ("shell.completion:completion", "Print shell completion code."),
+        },
+        heading="This machine",
+    ),
+}

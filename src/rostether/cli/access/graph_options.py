@@ -209,7 +209,7 @@ def graph_options(
     if not ros:
         # The verb may have --ros1 and --ros2 with another meaning.
         build = partial(_chosen_graph, ros1=True, ros2=None)
-    return option_group("graph", build, options)
+    return option_group("graph", build, options, heading="ROS graph")
 
 
 def ros_arguments() -> Mapping[str, str]:

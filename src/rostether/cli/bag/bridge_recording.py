@@ -71,7 +71,7 @@ def _bag_recording(
 
 
 # Adds --record and its options; the verb gets a BagRecording, or None, as `bags`.
-bag_recording_options = option_group("bags", _bag_recording, _OPTIONS)
+bag_recording_options = option_group("bags", _bag_recording, _OPTIONS, heading="Recording")
 
 
 @asynccontextmanager

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from rostether.cli.shell.option_group import OptionalValueOption, add_option, option_group
+from rostether.cli.shell.option_group import Decorator, OptionalValueOption, add_option, option_group
 from rostether.errors import ConfigError
 from rostether.ports.config_paths import certificates_folder
 
@@ -23,6 +21,7 @@ _PLACE = re.compile(
 _MAX_PORT = 65535
 _ORIGIN = re.compile(r"\*|null|[a-zA-Z][\w+.-]*://[^/\s]*/?")
 
+_HEADING = "Web clients"
 
 AUTO = "auto"
 
@@ -97,9 +96,14 @@ _VIEW_OPTIONS = (
 )
 
 
-def _place_option(spelling: str, text: str) -> Callable[[Any], Any]:
+def _place_option(spelling: str, text: str) -> Decorator:
     return add_option(
-        f"{spelling} [HOST:PORT]", text, cls=OptionalValueOption, alone=DEFAULT_PLACE, is_value=is_place
+        f"{spelling} [HOST:PORT]",
+        text,
+        cls=OptionalValueOption,
+        alone=DEFAULT_PLACE,
+        is_value=is_place,
+        heading=_HEADING,
     )
 
 
@@ -134,14 +138,18 @@ def _checked(
     )
 
 
+def _client_group(*options: Decorator) -> Decorator:
+    return option_group("gateways", _checked, options, heading=_HEADING)
+
+
 # Adds --token and --origin, for nodes with parameters for TLS; the verb gets a GatewayOptions as `gateways`.
-client_options = option_group("gateways", _checked, _CLIENT_OPTIONS)
+client_options = _client_group(*_CLIENT_OPTIONS)
 # Also adds --tls.
-access_options = option_group("gateways", _checked, _ACCESS_OPTIONS)
+access_options = _client_group(*_ACCESS_OPTIONS)
 # Also adds --view-token, for gateways with view-only clients.
-viewer_access_options = option_group("gateways", _checked, (*_ACCESS_OPTIONS, *_VIEW_OPTIONS))
+viewer_access_options = _client_group(*_ACCESS_OPTIONS, *_VIEW_OPTIONS)
 # Adds an option for each gateway as well.
-gateway_options = option_group("gateways", _checked, (*_PLACE_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS))
+gateway_options = _client_group(*_PLACE_OPTIONS, *_ACCESS_OPTIONS, *_VIEW_OPTIONS)
 
 
 @dataclass(frozen=True, slots=True)

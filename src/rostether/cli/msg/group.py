@@ -15,7 +15,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, VerbEntry, verb
+from rostether.cli.shell.verbs import LazyGroup, VerbEntry, verb, verb_entries
 from rostether.errors import UnknownTypeError
 from rostether.mechanisms.text import did_you_mean
 
@@ -71,14 +71,14 @@ _SERVICES = _Kind("srv", "service", ".srv", "std_srvs/SetBool", "rostether servi
 def _verbs(kind: _Kind) -> dict[str, VerbEntry]:
     group, what = kind.group, kind.what
     verbs = {
-        "show": (f"{group}_show", f"Show the fields of a {what} type."),
-        "info": (f"{group}_show", "The same as show."),
-        "list": (f"{group}_list", f"List all {what} types."),
-        "md5": (f"{group}_md5", f"Print the md5sum of a {what} type."),
-        "package": (f"{group}_package", f"List the {what} types of one package."),
-        "packages": (f"{group}_packages", f"List the packages that have {what} types."),
+        "show": (f"group:{group}_show", f"Show the fields of a {what} type."),
+        "info": (f"group:{group}_show", "The same as show."),
+        "list": (f"group:{group}_list", f"List all {what} types."),
+        "md5": (f"group:{group}_md5", f"Print the md5sum of a {what} type."),
+        "package": (f"group:{group}_package", f"List the {what} types of one package."),
+        "packages": (f"group:{group}_packages", f"List the packages that have {what} types."),
     }
-    return {name: VerbEntry(f"{__name__}:{target}", summary) for name, (target, summary) in verbs.items()}
+    return verb_entries("rostether.cli.msg", verbs)
 
 
 @click.group(cls=LazyGroup, verbs=_verbs(_MESSAGES), examples="rostether msg show sensor_msgs/Range")

@@ -51,6 +51,15 @@ FILE: Final[click.Path] = click.Path(path_type=Path, dir_okay=False)
 EXISTING_FILE: Final[click.Path] = click.Path(path_type=Path, dir_okay=False, exists=True)
 
 _DECORATOR: Final = "decorator"
+DEFAULT_HEADING: Final = "Options"
+
+
+class HeadedOption(click.Option):
+    """An option with the heading that it has in the help."""
+
+    def __init__(self, *args: Any, heading: str = DEFAULT_HEADING, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.heading = heading
 
 
 def add_option(spellings: str, text: str, **settings: Any) -> Decorator:
@@ -70,7 +79,7 @@ def _option(spellings: str, name: tuple[str, ...], text: str, settings: dict[str
         settings = {"metavar": last, **settings}
     else:
         words.append(last)
-    return click.option(*words, *name, help=text, **settings)
+    return click.option(*words, *name, help=text, **{"cls": HeadedOption, **settings})
 
 
 def add_flag(spellings: str, text: str, **settings: Any) -> Decorator:
@@ -117,9 +126,9 @@ def shared(decorator: Decorator, default: Any) -> Any:
 
 
 def option_group(
-    name: str, build: Callable[..., object], options: Sequence[Decorator] = ()
+    name: str, build: Callable[..., object], options: Sequence[Decorator] = (), *, heading: str = ""
 ) -> Callable[[Function], Function]:
-    """Return a decorator that adds click options to a verb.
+    """Return a decorator that adds click options to a verb; the help shows them under the heading.
 
     The verb gets one argument `name`, which is what `build` returns. The parameters of `build` have the names
     of the options; a parameter whose option the verb does not have keeps its default, and a `partial` has no
@@ -137,11 +146,27 @@ def option_group(
             return function(*args, **{name: build(**typed)}, **kwargs)
 
         decorated: Any = with_value
+        others = len(getattr(decorated, "__click_params__", ()))
         for each in reversed(options):
             decorated = each(decorated)
+        if heading:
+            for parameter in getattr(decorated, "__click_params__", ())[others:]:
+                parameter.heading = heading
         return decorated  # type: ignore[no-any-return]
 
     return decorate
+
+
+def option_sections(command: click.Command, context: click.Context) -> dict[str, list[tuple[str, str]]]:
+    """Return the spelling and the text of each option that the help shows, by heading."""
+    sections: dict[str, list[tuple[str, str]]] = {DEFAULT_HEADING: []}
+    for parameter in command.get_params(context):
+        record = parameter.get_help_record(context)
+        # Some versions of click have one for an argument as well, without a text.
+        if record is not None and record[1]:
+            heading = parameter.heading if isinstance(parameter, HeadedOption) else DEFAULT_HEADING
+            sections.setdefault(heading, []).append(record)
+    return {heading: records for heading, records in sections.items() if records}
 
 
 def ignored_options(*names: str, **flags: str) -> Callable[[Function], Function]:
@@ -165,7 +190,7 @@ def ignored_options(*names: str, **flags: str) -> Callable[[Function], Function]
     return decorate
 
 
-class OptionalValueOption(click.Option):
+class OptionalValueOption(HeadedOption):
     """An option whose value may be omitted.
 
     Args:

@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from itertools import groupby
 from textwrap import dedent
 from types import MappingProxyType
 from typing import Any
@@ -15,7 +16,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from rostether.cli.shell.interrupts import raise_at_interrupt
-from rostether.cli.shell.option_group import OptionalValueOption
+from rostether.cli.shell.option_group import OptionalValueOption, option_sections
 
 # Maximum width of help text: longer lines are hard to read on wide terminals.
 HELP_WIDTH = 100
@@ -39,15 +40,23 @@ _COMMENTED = re.compile(r"(\S.*?) {2,}(\S.*)")
 
 @dataclass(frozen=True, slots=True)
 class VerbEntry:
-    """The location of a verb (`module:attribute`) and its line in the help, shown without importing it."""
+    """The location of a verb (`module:attribute`), and its line and heading in the help.
+
+    The help is shown without an import of the verb.
+    """
 
     target: str
     summary: str
+    heading: str
 
 
-def verb_entries(package: str, verbs: Mapping[str, tuple[str, str]]) -> dict[str, VerbEntry]:
+def verb_entries(
+    package: str, verbs: Mapping[str, tuple[str, str]], *, heading: str = "Commands"
+) -> dict[str, VerbEntry]:
     """Return a table of verbs from pairs of a location, relative to a package, and a line in the help."""
-    return {name: VerbEntry(f"{package}.{target}", summary) for name, (target, summary) in verbs.items()}
+    return {
+        name: VerbEntry(f"{package}.{target}", summary, heading) for name, (target, summary) in verbs.items()
+    }
 
 
 class _Formatter(click.HelpFormatter):
@@ -117,6 +126,12 @@ class Verb(click.Command):
             name, equals, value = each.partition("=")
             renamed.append(self.old_options.get(name, name) + equals + value)
         return renamed + arguments[end:]
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options under their headings."""
+        for heading, records in option_sections(self, ctx).items():
+            with formatter.section(heading):
+                formatter.write_dl(records)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples below the options, line by line as given."""
@@ -196,9 +211,11 @@ class LazyGroup(click.Group):
                     yield group_name
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the verbs with their one-line summaries."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, entry.summary) for name, entry in self.verbs.items()])
+        """Write the verbs with their one-line summaries, in columns of one width under their headings."""
+        width = max(map(len, self.verbs)) if formatter.width >= _WIDTH_FOR_COLUMNS else 0
+        for heading, group in groupby(self.verbs.items(), lambda item: item[1].heading):
+            with formatter.section(heading):
+                formatter.write_dl([(name.ljust(width), entry.summary) for name, entry in group])
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples below the commands, line by line as given."""

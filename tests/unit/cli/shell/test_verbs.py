@@ -42,6 +42,14 @@ def test_help_is_a_word_too(shell: Shell, words: tuple[str, ...]) -> None:
     assert shell.output("topic", "help", "echo") == shell.output("topic", "echo", "--help")
 
 
+def test_help_has_headings(shell: Shell) -> None:
+    lines = shell.output("--help").splitlines()
+    assert lines.index("Boards:") < lines.index("  serve        Connect boards to the ROS graph.")
+    assert lines.index("Sketches:") < lines.index("  new          Write a new sketch.")
+    _, own, graph = shell.output("topic", "list", "--help").partition("\nROS graph:\n")
+    assert own and "--master" in graph and "[NAMESPACE]" not in graph
+
+
 def test_help_fits_a_narrow_terminal(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     before_examples = shell.output("doctor", "--help").partition("Examples:")[0].splitlines()
