@@ -20,7 +20,10 @@ class Footprint:
 
 
 def start_to_first_message_s() -> float:
-    """Time from starting `serve` until a waiting roscpp subscriber prints the device's first message."""
+    """Time from starting `serve` until a waiting roscpp subscriber prints the device's first message.
+
+    roscpp waits twice for its own poll of 0.1 s: before it requests the topic, and before it connects.
+    """
     port = free_port()
     with Bench() as bench:
         listener = bench.roscpp("listen", "/flood", "1")
