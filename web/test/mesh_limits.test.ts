@@ -23,6 +23,15 @@ test("an STL file has the triangles that it names", () => {
   checkStl(new TextEncoder().encode("solid x\nendsolid x\n"));
   assert.throws(() => checkStl(stl(0xffffffff, 2)), /ends after 2 of 4294967295 triangles/);
   assert.throws(() => checkStl(new Uint8Array(10)), /no triangles/);
+  const facet = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
+  checkStl(new TextEncoder().encode(`solid x\n${facet.repeat(1000)}endsolid x\n`.repeat(2)));
+  const unended = [
+    "solid ".repeat(3000),
+    `solid ${"facet ".repeat(3000)}endsolid`,
+    `solid ${facet.repeat(1000)}`,
+  ];
+  for (const text of unended)
+    assert.throws(() => checkStl(new TextEncoder().encode(text)), /has no end/, text.slice(0, 20));
 });
 
 test("nodes of a Collada file that double at each level are refused", () => {
@@ -30,4 +39,8 @@ test("nodes of a Collada file that double at each level are refused", () => {
   assert.throws(() => checkCollada(nodes(40, "")), /more than 100000 nodes/);
   assert.throws(() => checkCollada(nodes(2, "n0")), /more than 100000 nodes/);
   assert.throws(() => checkCollada("<node>".repeat(200)), /more than 100 levels/);
+  const began = performance.now();
+  for (const start of ["<node ", "<instance_node "]) checkCollada(start.repeat(20_000));
+  // Through the whole file for each start of a tag, it took ten seconds.
+  assert.ok(performance.now() - began < 1000);
 });

@@ -3,11 +3,14 @@
 /** A header and the number of triangles; then 50 bytes for each. */
 const STL_HEAD_BYTES = 84;
 const STL_TRIANGLE_BYTES = 50;
+/** What follows the last triangle of a text file: a name. */
+const MAX_STL_REST = 10_000;
 
 /** A thousand times the parts of a robot's link. */
 const MAX_NODES = 100_000;
 const MAX_DEPTH = 100;
-const NODES = /<(\/?)node\b([^>]*)>|<instance_node\b[^>]*?\burl\s*=\s*["']#([^"']*)["']/g;
+// Without `<` in a tag: otherwise each start of a tag without an end is followed through the whole file.
+const NODES = /<(\/?)node\b([^<>]*)>|<instance_node\b[^<>]*?\burl\s*=\s*["']#([^"']*)["']/g;
 const ID = /\bid\s*=\s*["']([^"']*)["']/;
 
 interface Content {
@@ -15,13 +18,27 @@ interface Content {
   instances: string[];
 }
 
-/** Throw an Error if a binary STL file promises more triangles than it has: a loader makes room for all. */
+/**
+ * Throw an Error if an STL file has other triangles than it promises.
+ *
+ * A loader makes room for all of a binary file. In a text it searches the end of each through the whole file.
+ */
 export function checkStl(bytes: Uint8Array): void {
-  if (new TextDecoder().decode(bytes.subarray(0, 200)).trimStart().startsWith("solid")) return;
+  if (new TextDecoder().decode(bytes.subarray(0, 200)).trimStart().startsWith("solid")) {
+    checkTextStl(new TextDecoder().decode(bytes));
+    return;
+  }
   const room = Math.floor((bytes.length - STL_HEAD_BYTES) / STL_TRIANGLE_BYTES);
   if (room < 0) throw new Error("it has no triangles");
   const count = new DataView(bytes.buffer, bytes.byteOffset).getUint32(STL_HEAD_BYTES - 4, true);
   if (count > room) throw new Error(`it ends after ${room} of ${count} triangles`);
+}
+
+function checkTextStl(text: string): void {
+  const solids = text.split("endsolid");
+  const isEnded = (solids.at(-1) ?? "").length <= MAX_STL_REST;
+  if (!isEnded || solids.some((each) => each.length - each.lastIndexOf("endfacet") > MAX_STL_REST))
+    throw new Error("a solid or a triangle has no end");
 }
 
 /** Throw an Error if the nodes of a Collada file, which may each contain others twice, are too many. */
