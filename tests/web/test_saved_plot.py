@@ -1,12 +1,15 @@
-"""What the page's plots save, read by rostether's own reader."""
+"""What the page's plots save, read by rostether's own reader, and for ROS 2 by rosbags."""
 
 from __future__ import annotations
 
 import contextlib
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
 from rostether.cli.dashboard.view import read_view
 from rostether.msgdef.registry import Registry
@@ -24,7 +27,19 @@ async def test_a_saved_plot_is_a_recording(robot: Robot, browser: Browser, tmp_p
     )
     # Nothing but the plot receives the topic.
     await browser.wait_for(page, "rostether.feed('/ultrasound').rate.hertz(performance.now()) > 0")
-    file = tmp_path / "plot.mcap"
+    await _check(page, browser, tmp_path / "plot.mcap")
+    # As on a graph of ROS 2 alone.
+    metadata = "{ ...rostether.info.value.metadata, recording_format: 'mcap' }"
+    script = f"void (rostether.info.value = {{ ...rostether.info.value, metadata: {metadata} }})"
+    await browser.do("evaluate", page=page, script=script)
+    file = tmp_path / "ros2.mcap"
+    await _check(page, browser, file)
+    with AnyReader([file], default_typestore=get_typestore(Stores.EMPTY)) as reader:
+        read: list[Any] = [reader.deserialize(raw, each.msgtype) for each, _, raw in reader.messages()]
+    assert all(0.02 < message.data < 5 for message in read)
+
+
+async def _check(page: int, browser: Browser, file: Path) -> None:
     await browser.do(
         "download", page=page, selector="[aria-label='Save what is shown as MCAP']", path=str(file)
     )

@@ -1,4 +1,4 @@
-// The data of a plot as an MCAP file: each series is a topic with std_msgs/Float64, as in a ROS 1 recording.
+// The data of a plot as an MCAP file: each series is a topic with std_msgs/Float64, as in a recording of ROS 1 or 2.
 // Source: https://mcap.dev/spec. The records are neither compressed nor indexed; readers then scan the file.
 import type { Series } from "../../plot/series.ts";
 
@@ -11,8 +11,25 @@ const MESSAGE = 0x05;
 const DATA_END = 0x0f;
 const SCHEMA_ID = 1;
 const RECORD_HEAD_BYTES = 9;
-// Channel, sequence number, two times, and the number.
-const MESSAGE_BYTES = 2 + 4 + 8 + 8 + 8;
+// Channel, sequence number and two times, before the payload.
+const MESSAGE_HEAD_BYTES = 2 + 4 + 8 + 8;
+const NUMBER_BYTES = 8;
+const ROS1 = {
+  profile: "ros1",
+  encoding: "ros1",
+  schemaEncoding: "ros1msg",
+  type: "std_msgs/Float64",
+  head: [],
+};
+// CDR begins with four bytes: little endian, no options.
+const ROS2 = {
+  profile: "ros2",
+  encoding: "cdr",
+  schemaEncoding: "ros2msg",
+  type: "std_msgs/msg/Float64",
+  head: [0, 1, 0, 0],
+};
+type Format = typeof ROS1 | typeof ROS2;
 const utf8 = new TextEncoder();
 
 interface Point {
@@ -22,14 +39,15 @@ interface Point {
 }
 
 /** Returns the bytes of a file with the values between two times, in seconds since 1970. */
-export function toMcap(series: readonly Series[], fromS: number, toS: number): BlobPart[] {
+export function toMcap(series: readonly Series[], fromS: number, toS: number, isRos2: boolean): BlobPart[] {
+  const format = isRos2 ? ROS2 : ROS1;
   const points = series.flatMap((each, index) => pointsOf(each, index + 1, fromS, toS));
   points.sort((a, b) => a.timeS - b.timeS);
   const schema = record(
     SCHEMA,
     u16(SCHEMA_ID),
-    text("std_msgs/Float64"),
-    text("ros1msg"),
+    text(format.type),
+    text(format.schemaEncoding),
     text("float64 data"),
   );
   const channels = series.map((each, index) =>
@@ -38,16 +56,16 @@ export function toMcap(series: readonly Series[], fromS: number, toS: number): B
       u16(index + 1),
       u16(SCHEMA_ID),
       text(topicOf(each.id)),
-      text("ros1"),
+      text(format.encoding),
       map("unit", each.unit),
     ),
   );
   return [
     new Uint8Array(MAGIC),
-    record(HEADER, text("ros1"), text("rostether")),
+    record(HEADER, text(format.profile), text("rostether")),
     schema,
     ...channels,
-    messages(points),
+    messages(points, format),
     // No checksums, no summary.
     record(DATA_END, new Uint8Array(4)),
     record(FOOTER, new Uint8Array(20)),
@@ -73,20 +91,23 @@ function pointsOf({ buffer }: Series, channel: number, fromS: number, toS: numbe
   return points;
 }
 
-function messages(points: readonly Point[]): Uint8Array<ArrayBuffer> {
-  const size = RECORD_HEAD_BYTES + MESSAGE_BYTES;
-  const view = new DataView(new ArrayBuffer(points.length * size));
+function messages(points: readonly Point[], { head }: Format): Uint8Array<ArrayBuffer> {
+  const messageBytes = MESSAGE_HEAD_BYTES + head.length + NUMBER_BYTES;
+  const size = RECORD_HEAD_BYTES + messageBytes;
+  const bytes = new Uint8Array(points.length * size);
+  const view = new DataView(bytes.buffer);
   points.forEach(({ channel, timeS, value }, index) => {
     const start = index * size;
     const timeNs = BigInt(Math.round(timeS * 1e6)) * 1000n;
     view.setUint8(start, MESSAGE);
-    view.setBigUint64(start + 1, BigInt(MESSAGE_BYTES), true);
+    view.setBigUint64(start + 1, BigInt(messageBytes), true);
     view.setUint16(start + RECORD_HEAD_BYTES, channel, true);
     view.setBigUint64(start + RECORD_HEAD_BYTES + 6, timeNs, true);
     view.setBigUint64(start + RECORD_HEAD_BYTES + 14, timeNs, true);
-    view.setFloat64(start + RECORD_HEAD_BYTES + 22, value, true);
+    bytes.set(head, start + RECORD_HEAD_BYTES + MESSAGE_HEAD_BYTES);
+    view.setFloat64(start + size - NUMBER_BYTES, value, true);
   });
-  return new Uint8Array(view.buffer);
+  return bytes;
 }
 
 function record(kind: number, ...parts: Uint8Array[]): Uint8Array<ArrayBuffer> {

@@ -155,7 +155,9 @@ function PlotsPage({ context }: { context: PanelContext }) {
           isDisabled={overTime.length === 0}
           onClick={() => {
             const { fromS, toS } = shownSpan();
-            saveFile(`plot-${fileTime()}.mcap`, toMcap(overTime, fromS, toS), "application/octet-stream");
+            const isRos2 = robot.info.value?.metadata?.recording_format === "mcap";
+            const parts = toMcap(overTime, fromS, toS, isRos2);
+            saveFile(`plot-${fileTime()}.mcap`, parts, "application/octet-stream");
           }}
         />
         <CopyButton
