@@ -139,6 +139,12 @@ async def test_a_graph_fits_into_the_width(robot: Robot, browser: Browser) -> No
     )
     await browser.do("click", page=page, selector="[aria-label=Larger]")
     await browser.wait_for(page, f"{scroll}.scrollWidth > {scroll}.clientWidth")
+    # By keyboard.
+    press = "new KeyboardEvent('keydown', { key: 'Enter', bubbles: true })"
+    focus = "document.querySelector('.graph-node').focus()"
+    script = f"void ({focus}, document.activeElement.dispatchEvent({press}))"
+    await browser.do("evaluate", page=page, script=script)
+    await browser.wait_for(page, "location.hash.startsWith('#/topics')")
 
 
 async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:

@@ -47,7 +47,11 @@ async def test_pins_are_live_and_the_surroundings_change(tmp_path: Path, browser
         tap = "pin.dispatchEvent(new MouseEvent('click', { bubbles: true }))"
         twice = f"(pin => void [{tap}, {tap}])(document.querySelector('[data-pin=D7]'))"
         await browser.do("evaluate", page=page, script=twice)
-        await browser.do("click", page=page, selector="[data-pin=D7]")
+        # By keyboard.
+        press = "new KeyboardEvent('keydown', { key: 'Enter', bubbles: true })"
+        focus = "document.querySelector('[data-pin=D7]').focus()"
+        enter = f"void ({focus}, document.activeElement.dispatchEvent({press}))"
+        await browser.do("evaluate", page=page, script=enter)
         await browser.wait_for(page, f"{_level('D13')} === '1'")
         await browser.do("click", page=page, selector="[data-pin=D7]")
         await browser.wait_for(page, f"{_level('D13')} === '0'")

@@ -166,7 +166,7 @@ function Item({ box, context }: { box: Box; context: PanelContext }) {
       class={`graph-${box.kind}`}
       transform={`translate(${box.x - box.width / 2} ${box.y - box.height / 2})`}
       role="button"
-      tabIndex={0}
+      tabindex={0}
       onClick={open}
       onKeyDown={(event) => {
         if (event.key !== "Enter" && event.key !== " ") return;

@@ -74,7 +74,7 @@ function PinView({ pin, state, isDisabled, tap, x, y }: Drawn & { pin: Pin; x: n
     <g
       class={`pin ${direction} ${driven === undefined ? "" : "driven"}`}
       role="button"
-      tabIndex={isDisabled ? -1 : 0}
+      tabindex={isDisabled ? -1 : 0}
       aria-label={t.pin(name, direction, level)}
       aria-pressed={driven !== undefined}
       data-pin={name}
