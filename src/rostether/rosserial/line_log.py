@@ -71,9 +71,9 @@ class LineLog:
         if from_device and topic_id in ids.ANNOUNCEMENTS:
             return self._announcement(topic_id, payload)
         if topic_id == ids.TIME:
-            return "requests the time" if from_device else "tells the time"
+            return "requests the time" if from_device else "answers with the time"
         if topic_id == ids.TX_STOP:
-            return "says stop"
+            return "requests a stop"
         if topic_id == ids.LOG:
             log = Log.decode(payload)
             return f"logs {log.level.name} {log.text!r}" if log is not None else "an invalid log line"

@@ -78,9 +78,9 @@ def test_control_frames_in_words() -> None:
         return entry.what
 
     assert says(encode_frame(ids.TOPIC_REQUEST, b""), from_device=False) == "asks for topics"
-    assert says(encode_frame(ids.TX_STOP, b""), from_device=False) == "says stop"
+    assert says(encode_frame(ids.TX_STOP, b""), from_device=False) == "requests a stop"
     assert says(encode_frame(ids.TIME, bytes(8)), from_device=True) == "requests the time"
-    assert says(encode_frame(ids.TIME, bytes(8)), from_device=False) == "tells the time"
+    assert says(encode_frame(ids.TIME, bytes(8)), from_device=False) == "answers with the time"
     logged = encode_frame(ids.LOG, Log(LogLevel.WARN, "hot\x1b[2J").encode())
     assert says(logged, from_device=True) == "logs WARN 'hot\\x1b[2J'"
     assert says(encode_frame(ids.LOG, b"\1\2"), from_device=True) == "an invalid log line"

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from rostether.bridge.reporter import Reporter
 from rostether.cli.access.graph_options import Middleware
 from rostether.cli.access.served_graphs import UsedMaster, master_answers, own_master, used_master
-from rostether.cli.demo.view import our_command
+from rostether.cli.demo.view import command_to_type
 from rostether.errors import GraphError, RostetherError, UnknownNameError
 from rostether.extras import install_command
 from rostether.graph.ports import JoinGraph, Level, ParamValue
@@ -74,7 +74,8 @@ async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -
             return None
         stack.push_async_callback(joined.pop_all().aclose)
     reporter.line(
-        Level.INFO, f"{access.line}; to watch it, run: {our_command()} topic echo --ros2 zenoh /ultrasound"
+        Level.INFO,
+        f"{access.line}; to watch it, run: {command_to_type()} topic echo --ros2 zenoh /ultrasound",
     )
     return access.join
 

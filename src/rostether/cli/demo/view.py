@@ -86,7 +86,7 @@ class DemoFacts:
 
     def next_steps(self) -> list[str]:
         """Return the commands for a second terminal."""
-        us = our_command()
+        us = command_to_type()
         is_usual = parse_rpc_uri(self.master_uri).port == DEFAULT_MASTER_PORT
         steps = [] if is_usual else [f"export ROS_MASTER_URI={self.master_uri.rstrip('/')}"]
         steps += [f"{us} topic echo /ultrasound", f"{us} topic pub -1 /toggle_led std_msgs/Empty"]
@@ -185,7 +185,7 @@ class DemoView:
         return codec.decode(payload)
 
 
-def our_command() -> str:
+def command_to_type() -> str:
     """Return the command for another terminal: `rostether` if it is on PATH there, else its path."""
     found = shutil.which("rostether")
     if found is None:

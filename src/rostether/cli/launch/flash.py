@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from rostether.cli.firmware.build import upload_sketch
 from rostether.cli.firmware.options import build_options, port_option
 from rostether.cli.launch.run import replace_process
-from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.output import write_line
+from rostether.cli.shell.own_command import our_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 

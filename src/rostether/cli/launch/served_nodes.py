@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from rostether.cli.shell.own_command import our_command
 from rostether.packages.executables import library_folders
 
 _SERIAL = ("serial-node",)
@@ -119,12 +119,6 @@ _PROGRAMS = {("xacro", "xacro"): ("xacro",)}
 def served_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
     return {node: our_command(*words) for node, words in SERVED_NODES.items() if _exists(words)}
-
-
-def our_command(*words: str) -> list[str]:
-    """Return the command line of a rostether verb, run by this Python."""
-    # Without -P, a file in the current folder could replace one of rostether's modules.
-    return [sys.executable, "-P", "-m", "rostether", *words]
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.own_command import our_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.user_folders import Kind, user_folder

@@ -1,11 +1,10 @@
-"""The interface of `rostether node` to a graph, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether node` to a graph."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Protocol
 
-from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.shell.option_group import argument, flag, shared
 from rostether.cli.shell.output import json_option
 
@@ -29,14 +28,3 @@ class Nodes(Protocol):
 
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to and serve."""
-
-
-def nodes_of(graph: GraphOptions) -> Nodes:
-    """Return the nodes of the graph that the command line selects."""
-    if graph.ros2 is None:
-        from rostether.cli.node.ros1_nodes import Ros1Nodes
-
-        return Ros1Nodes(graph)
-    from rostether.cli.node.ros2_nodes import Ros2Nodes
-
-    return Ros2Nodes(graph)

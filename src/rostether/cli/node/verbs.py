@@ -1,4 +1,4 @@
-"""`rostether node list|info|ping|kill|cleanup|machine`: the nodes of a graph."""
+"""`rostether node list|info|ping|kill|cleanup|machine`: the nodes of a ROS 1 or ROS 2 graph."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import click
 from rostether.cli.access.completions import complete_nodes
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros2
-from rostether.cli.node.nodes import NodeListing, nodes_of
+from rostether.cli.node.nodes import NodeListing, Nodes
 from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import COUNT, add_flag, add_option, option_group
 from rostether.cli.shell.output import json_option
@@ -17,6 +17,17 @@ from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.ros1.environment import RosEnvironment
+
+
+def nodes_of(graph: GraphOptions) -> Nodes:
+    """Return the nodes of the graph that the command line selects."""
+    if graph.ros2 is None:
+        from rostether.cli.node.ros1_nodes import Ros1Nodes
+
+        return Ros1Nodes(graph)
+    from rostether.cli.node.ros2_nodes import Ros2Nodes
+
+    return Ros2Nodes(graph)
 
 
 @verb("list", "rostether node list\nrostether node list -a\nrostether node list /robot1")

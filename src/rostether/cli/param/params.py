@@ -1,4 +1,4 @@
-"""The interface of `rostether param` to a graph, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether param` to a graph."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Protocol
 
 from rostether.cli.access.completions import complete_params
-from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, shared
 from rostether.cli.shell.output import json_option
 
@@ -74,14 +73,3 @@ class Params(Protocol):
 
     def load(self, file: Path, namespace: str, *, verbose: bool) -> None:
         """Set the parameters of a YAML file."""
-
-
-def params_of(graph: GraphOptions) -> Params:
-    """Return the parameters of the graph that the command line selects."""
-    if graph.ros2 is None:
-        from rostether.cli.param.ros1_params import Ros1Params
-
-        return Ros1Params(graph)
-    from rostether.cli.param.ros2_params import Ros2Params
-
-    return Ros2Params(graph)

@@ -8,13 +8,24 @@ import click
 
 from rostether.cli.access.completions import complete_params
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.param.params import GetOptions, ParamListing, SetOptions, params_of, verbose_option
+from rostether.cli.param.params import GetOptions, ParamListing, Params, SetOptions, verbose_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
 # `param set /x -5` sets minus five.
 _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
+
+
+def params_of(graph: GraphOptions) -> Params:
+    """Return the parameters of the graph that the command line selects."""
+    if graph.ros2 is None:
+        from rostether.cli.param.ros1_params import Ros1Params
+
+        return Ros1Params(graph)
+    from rostether.cli.param.ros2_params import Ros2Params
+
+    return Ros2Params(graph)
 
 
 @verb("list", "rostether param list\nrostether param list /board")

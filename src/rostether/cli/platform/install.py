@@ -22,6 +22,7 @@ from rostether.cli.shell.option_group import (
     option_group,
 )
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.own_command import our_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.platform.boot.service_files import path_below
@@ -178,7 +179,7 @@ def _installation(for_user: bool | None) -> Installation:
     is_system = os.geteuid() == 0 if for_user is None else not for_user
     program = shutil.which("rostether")
     return Installation(
-        program=(program,) if program is not None else (sys.executable, "-m", "rostether"),
+        program=(program,) if program is not None else tuple(our_command()),
         robot_file=default_robot_file(is_system),
         is_system=is_system,
         user=os.environ.get("SUDO_USER", "") if is_system else "",

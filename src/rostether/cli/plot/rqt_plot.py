@@ -9,9 +9,9 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.launch.run import replace_process
-from rostether.cli.launch.served_nodes import our_command
 from rostether.cli.role.node import RoleVerb
 from rostether.cli.shell.output import warn
+from rostether.cli.shell.own_command import our_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError

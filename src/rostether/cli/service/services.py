@@ -1,4 +1,4 @@
-"""The interface of `rostether service` to a graph, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether service` to a graph."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Protocol
 
 from rostether.cli.access.completions import complete_services
-from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import POSITIVE, argument, flag, option, shared
 from rostether.cli.shell.output import json_option
@@ -66,14 +65,3 @@ class Services(Protocol):
 
     def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
         """Call a service and print its response."""
-
-
-def services_of(graph: GraphOptions) -> Services:
-    """Return the services of the graph that the command line selects."""
-    if graph.ros2 is None:
-        from rostether.cli.service.ros1_services import Ros1Services
-
-        return Ros1Services(graph)
-    from rostether.cli.service.ros2_services import Ros2Services
-
-    return Ros2Services(graph)

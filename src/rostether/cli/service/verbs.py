@@ -1,4 +1,4 @@
-"""`rostether service`: lists, shows and calls services."""
+"""`rostether service`: lists, shows and calls services of a ROS 1 or ROS 2 graph."""
 
 from __future__ import annotations
 
@@ -9,12 +9,23 @@ import click
 from rostether.cli.access.completions import complete_service_types, complete_services
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option, refuse_ros2
-from rostether.cli.service.services import CallOptions, ServiceListing, services_of
+from rostether.cli.service.services import CallOptions, ServiceListing, Services
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
 _service_argument = click.argument("service", shell_complete=complete_services)
+
+
+def services_of(graph: GraphOptions) -> Services:
+    """Return the services of the graph that the command line selects."""
+    if graph.ros2 is None:
+        from rostether.cli.service.ros1_services import Ros1Services
+
+        return Ros1Services(graph)
+    from rostether.cli.service.ros2_services import Ros2Services
+
+    return Ros2Services(graph)
 
 
 @verb("list", "rostether service list\nrostether service list -n /demo_board")

@@ -17,13 +17,11 @@ MAX_FILE_BYTES = 64 << 20
 
 STDIN = Path("-")
 
-
 # Commands are short; a longer line is not a command.
 MAX_LINE_BYTES = 1 << 16
 _READ_BYTES = 1 << 16
 _BACKGROUND_S = 1.0
 _FILE_PAUSE_S = 0.01
-
 
 SEPARATOR = "---"
 

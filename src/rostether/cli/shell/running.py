@@ -15,7 +15,6 @@ import signal
 import socket
 import time
 from collections.abc import Callable, Coroutine
-from contextlib import suppress
 from typing import Any, TypeVar
 
 import click
@@ -190,7 +189,7 @@ async def notifying_systemd(main: Coroutine[Any, Any, T]) -> T:
 
         def send(state: bytes) -> None:
             # A manager that has ended or is slow must not end its service.
-            with suppress(OSError):
+            with contextlib.suppress(OSError):
                 notifications.sendto(state, address)
 
         async def keep_alive() -> None:

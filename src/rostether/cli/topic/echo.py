@@ -9,7 +9,8 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import ignored_options, option_group
 from rostether.cli.shell.verbs import verb
-from rostether.cli.topic.topics import EchoOptions, topics_of
+from rostether.cli.topic.options import EchoOptions
+from rostether.cli.topic.topics import topics_of
 
 
 @verb(

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.shell.output import warn, write_json
-from rostether.cli.topic.topics import EchoOptions
+from rostether.cli.topic.options import EchoOptions
 from rostether.errors import SerializationError
 
 if TYPE_CHECKING:

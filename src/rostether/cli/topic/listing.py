@@ -12,7 +12,8 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
-from rostether.cli.topic.topics import TopicListing, hidden_topics_option, topics_of
+from rostether.cli.topic.options import TopicListing, hidden_topics_option
+from rostether.cli.topic.topics import topics_of
 
 
 @verb(

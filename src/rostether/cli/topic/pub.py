@@ -11,7 +11,8 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import qos_habits
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.verbs import Verb, verb
-from rostether.cli.topic.topics import PubOptions, topics_of
+from rostether.cli.topic.options import PubOptions
+from rostether.cli.topic.topics import topics_of
 
 # Not -1, which publishes once.
 _NEGATIVE = re.compile(r"-(?!1$)(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")

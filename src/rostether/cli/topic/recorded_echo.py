@@ -9,8 +9,8 @@ import click
 
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.topic.options import EchoOptions, with_field
 from rostether.cli.topic.ros1_echo import Ros1Printer
-from rostether.cli.topic.topics import EchoOptions, with_field
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.recording.decoding import Decoder

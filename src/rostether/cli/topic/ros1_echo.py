@@ -11,8 +11,8 @@ from rostether.cli.access.ros1_access import joined, read_environment
 from rostether.cli.shell.output import paint_keys, warn, write_line
 from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
+from rostether.cli.topic.options import EchoOptions
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
-from rostether.cli.topic.topics import EchoOptions
 from rostether.errors import GraphError
 from rostether.rostime import Time
 

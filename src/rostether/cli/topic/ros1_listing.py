@@ -10,9 +10,9 @@ from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve, type_store
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
+from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
 from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris, unknown_topic
-from rostether.cli.topic.topics import TopicListing
 from rostether.mechanisms.text import escape_line
 from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri

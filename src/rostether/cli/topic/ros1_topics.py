@@ -18,8 +18,8 @@ from rostether.cli.access.ros1_access import joined, read_environment, resolve, 
 from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.running import run
+from rostether.cli.topic.options import EchoOptions, PubOptions, with_field
 from rostether.cli.topic.ros1_listing import Ros1TopicListing
-from rostether.cli.topic.topics import EchoOptions, PubOptions, with_field
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.interface import ANY_TYPE

@@ -11,7 +11,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.shell.output import write_json, write_line, write_result
-from rostether.cli.topic.topics import TopicListing
+from rostether.cli.topic.options import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import in_namespace, namespace_of
@@ -109,18 +109,16 @@ def _record(view: GraphView, name: str) -> dict[str, Any]:
 
 def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
     """Return a topic's full name and the graph it is in. Raises UnknownNameError."""
-    resolved, view = "", GraphView((), ())
 
-    async def ask(tool: ToolNode) -> None:
-        nonlocal resolved, view
-        resolved = tool.graph.resolve(topic)
-        await tool.snapshot_when(lambda seen: resolved in seen.topics(with_hidden=True))
-        view = await tool.settled_snapshot()
+    async def ask(tool: ToolNode) -> tuple[str, GraphView]:
+        name = tool.graph.resolve(topic)
+        await tool.snapshot_when(lambda seen: name in seen.topics(with_hidden=True))
+        return name, await tool.settled_snapshot()
 
-    asked(graph, ask)
-    if resolved not in view.topics(with_hidden=True):
-        raise unknown_topic(resolved, view.topics())
-    return resolved, view
+    name, view = asked(graph, ask)
+    if name not in view.topics(with_hidden=True):
+        raise unknown_topic(name, view.topics())
+    return name, view
 
 
 def unknown_topic(name: str, known: Iterable[str]) -> UnknownNameError:

@@ -18,9 +18,9 @@ from rostether.cli.shell.output import paint_keys, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
+from rostether.cli.topic.options import EchoOptions, PubOptions
 from rostether.cli.topic.ros2_chosen_topic import ChosenRos2Topic, choose_ros2_topic
 from rostether.cli.topic.ros2_listing import Ros2TopicListing
-from rostether.cli.topic.topics import EchoOptions, PubOptions
 from rostether.errors import GraphError
 from rostether.ros2.types.message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name

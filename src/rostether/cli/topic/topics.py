@@ -1,27 +1,16 @@
-"""The interface of `rostether topic` to a graph, its options, and the choice between ROS 1 and ROS 2."""
+"""The interface of `rostether topic` to a graph, and the choice between ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-import click
-
-from rostether.cli.access.completions import complete_topics
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import COUNT, PATH, POSITIVE, add_flag, argument, flag, option, shared
-from rostether.cli.shell.output import json_option
 
 if TYPE_CHECKING:
     from rostether.cli.topic.meter import TopicMeter
-
-hidden_topics_option = add_flag(
-    "--include-hidden-topics with_hidden", "With --ros2, include hidden topics (_name)."
-)
+    from rostether.cli.topic.options import EchoOptions, PubOptions, TopicListing
 
 
 class Topics(Protocol):
@@ -63,110 +52,3 @@ def topics_of(graph: GraphOptions) -> Topics:
     from rostether.cli.topic.ros2_topics import Ros2Topics
 
     return Ros2Topics(graph)
-
-
-@dataclass(frozen=True, slots=True)
-class TopicListing:
-    """The options of `topic list`."""
-
-    namespace: str | None = argument(required=False, shell_complete=complete_topics)
-    bag: Path | None = option("-b --bag FILE", "List the topics of this recording.", type=PATH)
-    verbose: bool = flag("-v --verbose", "Show types and how many nodes publish and subscribe.")
-    publishers: bool = flag("-p", "Only topics that are published.")
-    subscribers: bool = flag("-s", "Only topics that are subscribed to.")
-    by_host: bool = flag("--host", "Group by machine.")
-    show_types: bool = flag("-t --show-types", "Show types.")
-    count_topics: bool = flag("-c --count-topics", "Print only the number of topics.")
-    with_hidden: bool = shared(hidden_topics_option, False)
-    as_json: bool = shared(json_option, False)
-
-
-@dataclass(frozen=True, slots=True)
-class EchoOptions:
-    """The options of `topic echo`; `expression` decides which messages are shown."""
-
-    bag: Path | None = option("-b --bag FILE", "Print the messages of this recording.", type=PATH)
-    all_topics: bool = flag("-a --all", "With -b, print the messages of all topics.")
-    count: int | None = option("-n --count COUNT", "Stop after COUNT messages.", type=COUNT)
-    once: bool = flag("--once", "Stop after one message.")
-    plot: bool = flag("-p", "Print comma-separated values, for plotting.")
-    as_json: bool = shared(json_option, False)
-    clear: bool = flag("-c --clear", "Clear the screen before each message.")
-    noarr: bool = flag("--noarr --no-arr", "Leave arrays out.")
-    nostr: bool = flag("--nostr --no-str", "Leave strings out.")
-    number_width: int | None = option("-w WIDTH", "Width of a number in columns.", type=click.IntRange(min=2))
-    offset: bool = flag("--offset", "Print times relative to now, in seconds.")
-    expression: str | None = option(
-        "--filter EXPRESSION", "Print only messages m for which the Python expression is true."
-    )
-    field: str = option("--field FIELD", "Print only this field, e.g. header.stamp.", default="")
-    csv: bool = flag("--csv", "With --ros2, print comma-separated values.")
-    full_length: bool = flag("-f --full-length", "With --ros2, do not truncate arrays and strings.")
-    truncate_length: int | None = option(
-        "-l --truncate-length LENGTH",
-        "With --ros2, truncate arrays and strings to LENGTH (128).",
-        type=click.IntRange(min=0),
-    )
-    flow_style: bool = flag("--flow-style", "With --ros2, print each message on one line.")
-    timeout_s: float | None = option(
-        "--timeout SECONDS", "With --ros2, give up after SECONDS.", type=POSITIVE
-    )
-    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
-
-    @property
-    def wanted_count(self) -> int | None:
-        """How many messages to show, None without a limit."""
-        return 1 if self.once else self.count
-
-    def compiled_filter(self) -> Callable[[object, str], bool] | None:
-        """Return the filter, None to show all messages. Raises ConfigError for a wrong expression."""
-        if self.expression is None:
-            return None
-        from rostether.expression.compiler import compile_filter
-
-        return compile_filter(self.expression)
-
-
-def with_field(topic: str, options: EchoOptions) -> str:
-    """Return `TOPIC/FIELD`, ROS 1's form of ROS 2's `--field`."""
-    return f"{topic}/{options.field.replace('.', '/')}" if options.field else topic
-
-
-@dataclass(frozen=True, slots=True)
-class PubOptions:
-    """The options of `topic pub`."""
-
-    once: bool = flag("-1 --once", "Publish one message, wait until it arrives, and exit.")
-    rate_hz: float | None = option(
-        "-r --rate HZ", "Publish repeatedly, this many times a second.", type=POSITIVE
-    )
-    latch: bool = flag("-l --latch", "Also latch with -r, -f and pipes; a single message is always latched.")
-    file: Path | None = option("-f --file", "Read the messages from a YAML file.", type=PATH)
-    substitute_keywords: bool = flag(
-        "-s --substitute-keywords", "With -r, fill `now` and `auto` in each time."
-    )
-    use_rostime: bool = flag("--use-rostime", "Stamp with ROS time, not with this machine's clock.")
-    verbose: bool = flag("-v", "Show what is published.")
-    times: int = option(
-        "-t --times --count COUNT",
-        "With --ros2, stop after COUNT messages.",
-        type=click.IntRange(min=0),
-        default=0,
-    )
-    wait_for: int | None = option(
-        "-w --wait-matching-subscriptions COUNT",
-        "With --ros2, wait for COUNT subscribers (1 with -1 and -t, else 0).",
-        type=click.IntRange(min=0),
-    )
-    max_wait_s: float | None = option(
-        "--max-wait-time-secs SECONDS", "With --ros2, give up waiting for subscribers.", type=POSITIVE
-    )
-    print_nth: int | None = option(
-        "-p --print N", "With --ros2, show only every N-th message.", type=click.IntRange(min=0)
-    )
-    qos_durability: str | None = option(
-        "--qos-durability DURABILITY",
-        "With --ros2, transient_local is the same as -l.",
-        type=click.Choice(["volatile", "transient_local", "system_default"]),
-    )
-    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())

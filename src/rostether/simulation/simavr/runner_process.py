@@ -69,7 +69,7 @@ class RunnerProcess:
 
     @property
     def exit_code(self) -> int | None:
-        """Return the exit code; None while it runs, negative for a signal."""
+        """The exit code; None while it runs, negative for a signal."""
         return self._process.returncode
 
     async def send_command(self, line: str) -> None:

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from rostether.bridge.health.diagnostics import BoardView, EndpointView
-from rostether.cli.demo.view import DemoFacts, DemoScreen, DemoView, RecentLines, our_command
+from rostether.cli.demo.view import DemoFacts, DemoScreen, DemoView, RecentLines, command_to_type
 from rostether.graph.ports import Level
 from unit.cli.command_shell import STORE
 
@@ -101,9 +101,9 @@ def test_our_command_is_a_path_where_only_we_are_on_path(
     program.parent.mkdir(parents=True)
     program.touch(0o755)
     monkeypatch.setenv("PATH", str(program.parent))
-    assert our_command() == "rostether"
+    assert command_to_type() == "rostether"
     monkeypatch.setattr("sys.prefix", str(tmp_path / ".cache"))
-    assert our_command() == str(program)
+    assert command_to_type() == str(program)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr("sys.argv", ["./rostether"])
-    assert our_command() == "./rostether"
+    assert command_to_type() == "./rostether"
