@@ -17,7 +17,7 @@ T = TypeVar("T")
 # As many characters as MAX_VALUES allow in long texts.
 MAX_TEXT_CHARS: Final = 64 << 20
 
-# Of one document, with aliases expanded; each takes 350 bytes. A colour image of 640 x 480 has 921,600.
+# Of one document, with aliases expanded; each takes 350 bytes. A color image of 640 x 480 has 921,600.
 MAX_VALUES: Final = 1_000_000
 
 # Those that aliases and merges add. Files that people write repeat about a hundred.

@@ -183,7 +183,7 @@ def as_genmsg(registry: Registry, name: str) -> dict[str, Any]:
     }
 
 
-def normalised(value: Any) -> str:
+def normalized(value: Any) -> str:
     """Return a text that is equal for equal answers; as a text, NaN equals NaN."""
     return json.dumps(value, sort_keys=True)
 
@@ -193,7 +193,7 @@ def test_every_debian_message_has_genmsgs_md5sum_and_full_text() -> None:
     assert len(messages) > 100
     registry = debian_registry()
     for name, expected in messages.items():
-        assert normalised(as_genmsg(registry, name)) == normalised(expected), name
+        assert normalized(as_genmsg(registry, name)) == normalized(expected), name
 
 
 def test_every_debian_service_has_genmsgs_md5sums_and_full_texts() -> None:
@@ -205,7 +205,7 @@ def test_every_debian_service_has_genmsgs_md5sums_and_full_texts() -> None:
         assert ours.md5sum == expected["md5sum"], name
         for half in ("request", "response"):
             described = as_genmsg(registry, getattr(ours, half).name)
-            assert normalised(described) == normalised(expected[half]), name
+            assert normalized(described) == normalized(expected[half]), name
 
 
 def test_bundled_definitions_have_debians_md5sums() -> None:
@@ -217,7 +217,7 @@ def test_bundled_definitions_have_debians_md5sums() -> None:
         if name.partition("/")[0] in both:
             ours = bundled.message(name)
             assert bundled.message_type(name).md5sum == expected["md5sum"], name
-            assert normalised([[c.type, c.name, c.value, c.text] for c in ours.constants]) == normalised(
+            assert normalized([[c.type, c.name, c.value, c.text] for c in ours.constants]) == normalized(
                 expected["constants"]
             ), name
     for name, expected in answer["services"].items():
@@ -280,7 +280,7 @@ def compare_odd_texts(folder: Path, texts: dict[str, str]) -> tuple[list[str], i
         # Bundled dependencies have no prose; the odd texts themselves are compared whole.
         if "definition" in theirs and "definition" in ours:
             theirs["definition"], ours["definition"] = (own_part(theirs), own_part(ours))
-        if normalised(theirs) != normalised(ours):
+        if normalized(theirs) != normalized(ours):
             differences.append(f"{short_name} {text!r}:\n  genmsg {theirs}\n  ours   {ours}")
     return differences, read
 

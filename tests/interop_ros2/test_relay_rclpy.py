@@ -1,6 +1,6 @@
 """Two of `rostether relay` as their users run them, between Debian's ROS 1 and real rclpy.
 
-The two recognise each other: together they do what one does alone.
+The two recognize each other: together they do what one does alone.
 """
 
 from __future__ import annotations

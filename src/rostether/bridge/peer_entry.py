@@ -1,4 +1,4 @@
-"""Recognises the sender of a datagram as a board by a frame, and proves its address by an answer.
+"""Recognizes the sender of a datagram as a board by a frame, and proves its address by an answer.
 
 A sender with a forged address receives nothing from us, so it does not know when to answer.
 """

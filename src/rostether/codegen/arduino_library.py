@@ -134,7 +134,7 @@ def _selected(
 
 
 def keywords_with_classes(library_keywords: str, classes: Iterable[str]) -> str:
-    """Return a keywords.txt, which the Arduino IDE uses to colour words, with more classes."""
+    """Return a keywords.txt, which the Arduino IDE uses to color words, with more classes."""
     lines = library_keywords.rstrip("\n").splitlines()
     known = {line.partition("\t")[0] for line in lines}
     lines.extend(f"{name}\tKEYWORD1" for name in sorted(set(classes) - known))

@@ -17,7 +17,7 @@ Check: TypeAlias = "Callable[[CheckedClient], Awaitable[None]]"
 
 
 class Deviation(Exception):  # noqa: N818 - a finding, not an error of this program
-    """A difference between the client's behaviour and the requirement of a case."""
+    """A difference between the client's behavior and the requirement of a case."""
 
 
 class Verdict(StrEnum):

@@ -34,7 +34,7 @@ class Shown:
 
 
 def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool = False) -> Shown:
-    """Select the parts that are one of `names` or in such a namespace, and their neighbours. Raises
+    """Select the parts that are one of `names` or in such a namespace, and their neighbors. Raises
     UnknownNameError for a name that is not in the graph.
     """
     nodes = [each for each in snapshot.nodes if with_hidden or not _is_hidden_node(each)]

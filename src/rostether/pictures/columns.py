@@ -24,25 +24,25 @@ def column_choices(keys: Sequence[str], edges: Sequence[Ends]) -> Iterator[dict[
     """
     yield _longest_paths(keys, _without_cycles(keys, edges))
     depths = _shortest_paths(keys, edges)
-    neighbours: dict[str, list[str]] = {key: [] for key in keys}
+    neighbors: dict[str, list[str]] = {key: [] for key in keys}
     for source, target in edges:
-        neighbours[source].append(target)
-        neighbours[target].append(source)
+        neighbors[source].append(target)
+        neighbors[target].append(source)
     for width in range(max(depths.values(), default=0) + 1, MIN_COLUMNS - 1, -1):
-        yield _apart({key: _folded(depth, width) for key, depth in depths.items()}, neighbours)
+        yield _apart({key: _folded(depth, width) for key, depth in depths.items()}, neighbors)
 
 
 def _folded(depth: int, width: int) -> int:
-    """Return the column of a depth: 0 1 2 1 0 1 2 for three columns. Neighbours stay neighbours."""
+    """Return the column of a depth: 0 1 2 1 0 1 2 for three columns. Neighbors stay neighbors."""
     place = depth % (2 * width - 2)
     return min(place, 2 * width - 2 - place)
 
 
-def _apart(wanted: Mapping[str, int], neighbours: Mapping[str, Sequence[str]]) -> dict[str, int]:
-    """Return the columns nearest to the wanted ones that separate all neighbours, without empty columns."""
+def _apart(wanted: Mapping[str, int], neighbors: Mapping[str, Sequence[str]]) -> dict[str, int]:
+    """Return the columns nearest to the wanted ones that separate all neighbors, without empty columns."""
     placed: dict[str, int] = {}
     for key in sorted(wanted, key=lambda each: wanted[each]):
-        taken = {placed[each] for each in neighbours[key] if each in placed}
+        taken = {placed[each] for each in neighbors[key] if each in placed}
         tried = (wanted[key] + offset for step in count() for offset in (step, -step))
         placed[key] = next(each for each in tried if each >= 0 and each not in taken)
     numbers = {column: number for number, column in enumerate(sorted(set(placed.values())))}

@@ -1,7 +1,7 @@
 """Places the vertices of a directed graph in columns from left to right, with few crossings.
 
 Sugiyama's method: every vertex gets a column (see `columns`), and edges over several columns get a bend in
-each of them. Each column is ordered by the mean position of the neighbours, and heights are as near to that
+each of them. Each column is ordered by the mean position of the neighbors, and heights are as near to that
 mean as the sizes allow.
 """
 
@@ -117,24 +117,24 @@ class _Columns:
         return sum(widths) + gap * (len(self._rows) - 1), max(heights, default=0.0)
 
     def order(self) -> None:
-        """Order each column by the mean of its neighbours, in both directions; keep the best order."""
+        """Order each column by the mean of its neighbors, in both directions; keep the best order."""
         best, fewest = [list(row) for row in self._rows], self._crossings()
         for sweep in range(_ORDERING_SWEEPS):
             is_forward = sweep % 2 == 0
-            neighbours = self._before if is_forward else self._behind
+            neighbors = self._before if is_forward else self._behind
             places = self._places()
             for row in self._rows if is_forward else reversed(self._rows):
-                self._sort(row, neighbours, places)
+                self._sort(row, neighbors, places)
             crossings = self._crossings()
             if crossings < fewest:
                 best, fewest = [list(row) for row in self._rows], crossings
         self._rows = best
 
     @staticmethod
-    def _sort(row: list[str], neighbours: Mapping[str, list[str]], places: dict[str, int]) -> None:
+    def _sort(row: list[str], neighbors: Mapping[str, list[str]], places: dict[str, int]) -> None:
         middles = {}
         for place, key in enumerate(row):
-            near = [places[each] for each in neighbours[key]]
+            near = [places[each] for each in neighbors[key]]
             middles[key] = sum(near) / len(near) if near else float(place)
         row.sort(key=lambda key: middles[key])
         places.update((key, place) for place, key in enumerate(row))
@@ -154,7 +154,7 @@ class _Columns:
         return count
 
     def across(self, gap: float) -> dict[str, float]:
-        """Return the x of each centre."""
+        """Return the x of each center."""
         xs, left = {}, 0.0
         for row in self._rows:
             width = max((self._sizes[key][0] for key in row), default=0.0)
@@ -163,7 +163,7 @@ class _Columns:
         return xs
 
     def heights(self) -> dict[str, float]:
-        """Return the y of each centre; the top of the highest vertex is at 0."""
+        """Return the y of each center; the top of the highest vertex is at 0."""
         ys = {}
         for row in self._rows:
             ys.update(_spread(self._distances(row), dict.fromkeys(row, 0.0)))
@@ -190,7 +190,7 @@ class _Columns:
 def _spread(distances: Sequence[tuple[str, float]], wanted: Mapping[str, float]) -> dict[str, float]:
     """Return the positions nearest to the wanted ones (least squares) that keep order and distances.
 
-    This is an isotonic regression after subtracting the distances: neighbours that would overlap form blocks.
+    This is an isotonic regression after subtracting the distances: neighbors that would overlap form blocks.
     """
     shift, blocks = 0.0, []
     for key, distance in distances:

@@ -90,6 +90,6 @@ def rectangle(x: float, y: float, width: float, height: float) -> Sequence[Point
 
 
 def ellipse(x: float, y: float, width: float, height: float) -> Sequence[Point]:
-    """Return points on the ellipse with a centre, width and height."""
+    """Return points on the ellipse with a center, width and height."""
     turns = [2 * math.pi * step / _ELLIPSE_POINTS for step in range(_ELLIPSE_POINTS)]
     return [(x + width / 2 * math.cos(turn), y + height / 2 * math.sin(turn)) for turn in turns]

@@ -21,7 +21,7 @@ from collections import deque
 
 from rostether.mechanisms.median import median
 
-# A stamp further off is not the synchronised clock's: answers come every 2.5 s.
+# A stamp further off is not the synchronized clock's: answers come every 2.5 s.
 SOUND_S = 5.0
 
 # Stamps from before the answer may still be in progress for this long.

@@ -17,7 +17,7 @@ from rostether.msgdef.registry import Registry
 
 EXTRAS = client_library() / "extras" / "tests"
 WARNINGS = ("-std=gnu++11", "-Wall", "-Wextra", "-Werror")
-# Messages of the undefined behaviour sanitizer would double the time to compile: it traps, and the address
+# Messages of the undefined behavior sanitizer would double the time to compile: it traps, and the address
 # sanitizer names the function.
 _SANITIZERS = ("-fsanitize=address,undefined", "-fsanitize-undefined-trap-on-error")
 # clang's address sanitizer is a package of its own; its char is unsigned here, as on an ARM.

@@ -16,7 +16,7 @@ from pathlib import Path
 from rostether.codegen.cpp_names import qualified_class
 from rostether.codegen.type_index import TypeIndex
 
-# A message for each kind of undefined behaviour would double the time to compile.
+# A message for each kind of undefined behavior would double the time to compile.
 SANITIZERS = ("-fsanitize=address,undefined", "-fsanitize-undefined-trap-on-error")
 KEPT_S = 3600.0  # other test processes may be running an older program
 ARENA_BYTES = 1 << 20  # what arrays of strings and of messages may take besides the payload

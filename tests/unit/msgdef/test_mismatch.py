@@ -78,17 +78,17 @@ def test_two_fields_in_different_places_are_found() -> None:
     assert "lacks 'float32 temperature', lacks 'float32[] cell_temperature'" in line
 
 
-def test_an_older_marker_is_recognised() -> None:
+def test_an_older_marker_is_recognized() -> None:
     line = explain_mismatch(Registry(), "visualization_msgs/Marker", "18326976df9d29249efc939e00342cde")
     assert "lacks the constant 'uint8 DELETEALL=3'" in line
 
 
-def test_the_md5sum_of_another_type_is_recognised() -> None:
+def test_the_md5sum_of_another_type_is_recognized() -> None:
     line = explain_mismatch(Registry(), "std_msgs/Int8", "8524586e34fbd7cb1c08c5f5f1ca0e57")
     assert "it belongs to std_msgs/Int16" in line
 
 
-def test_an_earlier_version_that_we_bring_along_is_recognised() -> None:
+def test_an_earlier_version_that_we_bring_along_is_recognized() -> None:
     line = explain_mismatch(Registry(), "turtlebot3_msgs/SensorState", "d537ed7b8d95065b6c83830430b93911")
     assert "it belongs to turtlebot3_msgs 0.1.4, which has 'uint8 cliff' for 'float32 cliff'" in line
 

@@ -70,7 +70,7 @@ def test_a_packages_own_src_is_not_a_workspace(tmp_path: Path) -> None:
     assert workspace_of(arm / "src") is None
 
 
-def test_without_a_workspace_the_package_around_and_its_neighbours_are_found(tmp_path: Path) -> None:
+def test_without_a_workspace_the_package_around_and_its_neighbors_are_found(tmp_path: Path) -> None:
     arm = make_package(tmp_path / "checkout" / "arm_folder", "arm")
     leg = make_package(tmp_path / "checkout" / "leg")
     make_package(tmp_path / "elsewhere" / "hand")

@@ -31,7 +31,7 @@ def robot(nodes: int, topics: int, seed: int) -> tuple[list[str], list[tuple[str
         [("0", "1"), ("1", "2"), ("0", "2")],
     ],
 )
-def test_neighbours_never_share_a_column(edges: list[tuple[str, str]]) -> None:
+def test_neighbors_never_share_a_column(edges: list[tuple[str, str]]) -> None:
     keys = list(dict.fromkeys(key for ends in edges for key in ends))
     choices = list(column_choices(keys, edges))
     assert choices

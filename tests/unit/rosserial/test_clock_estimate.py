@@ -84,7 +84,7 @@ def test_nothing_is_reported_of_a_clock_that_was_not_seen_long_enough() -> None:
     assert estimate.drift_ppm is None
 
 
-def test_stamps_that_are_not_of_the_synchronised_clock_are_skipped() -> None:
+def test_stamps_that_are_not_of_the_synchronized_clock_are_skipped() -> None:
     estimate = ClockEstimate()
     estimate.answered(EPOCH_NS, 0.0)
     for tenth in range(20):

@@ -17,7 +17,7 @@ class Port:
     description: str = "Arduino Uno"
 
 
-def test_a_port_that_is_not_there_has_neighbours() -> None:
+def test_a_port_that_is_not_there_has_neighbors() -> None:
     ports = [Port("/dev/ttyACM0"), Port("/dev/ttyUSB3")]
     facts = read_port_facts("/dev/ttyACM9", lambda: ports)
     assert not facts.exists

@@ -1,4 +1,4 @@
-// Colours of values.
+// Colors of values.
 /** Red, green and blue (0 to 1) of a share from 0 to 1: blue over green to red ("turbo", approximated). */
 export function rainbow(share: number, out: Float32Array, at: number): void {
   const s = share < 0 ? 0 : Math.min(share, 1);
@@ -7,12 +7,12 @@ export function rainbow(share: number, out: Float32Array, at: number): void {
   out[at + 2] = clamp(1.5 - Math.abs(4 * s - 1));
 }
 
-/** A colour of a message, 0 to 1 as a screen shows it, as the amount of light that the scene works with. */
+/** A color of a message, 0 to 1 as a screen shows it, as the amount of light that the scene works with. */
 export function toLinear(shown: number): number {
   return shown <= 0.04045 ? shown / 12.92 : ((shown + 0.055) / 1.055) ** 2.4;
 }
 
-/** The same for colours of 8 bits. */
+/** The same for colors of 8 bits. */
 export const LINEAR: ArrayLike<number> = Float32Array.from({ length: 256 }, (_, byte) =>
   toLinear(byte / 255),
 );

@@ -29,7 +29,7 @@ export interface DisplayContext {
   invalidate(): void;
   /** A sentence for the user about this display; empty when all is well. */
   report(problem: string): void;
-  /** Colour of this topic, from the page's series colours. */
+  /** Color of this topic, from the page's series colors. */
   readonly color: string;
 }
 

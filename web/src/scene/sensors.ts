@@ -37,7 +37,7 @@ abstract class PointsDisplay<Message> extends HeaderDisplay<Message> {
   }
 }
 
-/** sensor_msgs/LaserScan: a point for each range within the limits, coloured by intensity or distance. */
+/** sensor_msgs/LaserScan: a point for each range within the limits, colored by intensity or distance. */
 export class LaserScanDisplay extends PointsDisplay<LaserScan> {
   constructor(context: DisplayContext) {
     super(context, 3);
@@ -180,7 +180,7 @@ function reader(field: PointField | undefined, little: boolean): ReadNumber | un
 
 const FIELD_BYTES = [0, 1, 1, 2, 2, 4, 4, 4, 8];
 
-/** sensor_msgs/PointCloud2: coloured by rgb, intensity or height. */
+/** sensor_msgs/PointCloud2: colored by rgb, intensity or height. */
 export class PointCloudDisplay extends PointsDisplay<PointCloud2> {
   constructor(context: DisplayContext) {
     super(context, 2);

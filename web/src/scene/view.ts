@@ -102,7 +102,7 @@ export class SceneView {
     this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 0.5)));
   }
 
-  /** Read the colours from the page's style again, after a switch between dark and light. */
+  /** Read the colors from the page's style again, after a switch between dark and light. */
   applyTheme(): void {
     const style = getComputedStyle(this.host);
     const color = (name: string, fallback: string) =>

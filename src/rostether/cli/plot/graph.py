@@ -54,7 +54,7 @@ def show_graph(
 ) -> None:
     """Show which nodes publish and subscribe to which topics, as rqt_graph does.
 
-    If you give NAMEs of nodes, topics or namespaces, it shows only these and their neighbours. In text, -> is
+    If you give NAMEs of nodes, topics or namespaces, it shows only these and their neighbors. In text, -> is
     a published topic, <- a subscribed topic, => an offered service. Pictures show nodes as ellipses and
     topics as boxes; PNG needs `pip install 'rostether[pictures]'`.
     """

@@ -129,7 +129,7 @@ def _undo(kind: int, row: bytearray, above: bytes, pixel: int) -> None:
 
 
 def _paeth(left: int, up: int, corner: int) -> int:
-    """Return the neighbour that is nearest to left + up - corner."""
+    """Return the neighbor that is nearest to left + up - corner."""
     near_left, near_up, near_corner = abs(up - corner), abs(left - corner), abs(left + up - 2 * corner)
     if near_left <= near_up and near_left <= near_corner:
         return left

@@ -197,7 +197,7 @@ def _convention(axes: str) -> tuple[bool, tuple[int, int, int], bool, bool]:
         letters = letters[::-1]
     i, j = _LETTERS.index(letters[0]), _LETTERS.index(letters[1])
     if i == j or letters[1] == letters[2]:
-        raise ValueError(f"{axes!r} are not axes; two neighbouring axes must differ")
+        raise ValueError(f"{axes!r} are not axes; two neighboring axes must differ")
     return turning, (i, j, 3 - i - j), letters[0] == letters[2], (j - i) % 3 != 1
 
 

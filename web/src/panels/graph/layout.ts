@@ -46,7 +46,7 @@ const PLUMBING = ["/rosout", "/rosout_agg", "/clock", "/parameter_events", "/dia
 /**
  * Lay out the matching part.
  *
- * @param filter part of the name of a node or topic; its neighbours are drawn too.
+ * @param filter part of the name of a node or topic; its neighbors are drawn too.
  * @param withPlumbing draw /rosout and similar topics, and the page's own subscriptions.
  * @param ownNode the node that receives for the page.
  * @param boxHeight in pixels.

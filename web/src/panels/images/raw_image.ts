@@ -66,7 +66,7 @@ function putColor(out: Uint8ClampedArray, to: number, y: number, cb: number, cr:
   out[to + 3] = 255;
 }
 
-/** Two pixels share their colour: bytes u y v y (uyvy) or y u y v (yuyv). */
+/** Two pixels share their color: bytes u y v y (uyvy) or y u y v (yuyv). */
 function yuv422(firstY: 0 | 1): Fill {
   const u = 1 - firstY;
   const v = u + 2;
@@ -97,7 +97,7 @@ function planes(firstU: 0 | 1, shared: 0 | 1): Fill {
 }
 
 /**
- * Colours of the first four cells, row by row: each pixel uses the nearest cells of the other colours.
+ * Colors of the first four cells, row by row: each pixel uses the nearest cells of the other colors.
  * Of cells with 16 bits the upper 8 are shown.
  */
 function bayer(pattern: string, bytes: 1 | 2): Fill {
@@ -106,7 +106,7 @@ function bayer(pattern: string, bytes: 1 | 2): Fill {
     const at = (x: number, y: number) => data[y * step + x * bytes + upper] as number;
     for (let y = 0; y < height; y++)
       for (let x = 0; x < width; x++) {
-        // The 2 x 2 block that begins here has each colour once, and green twice.
+        // The 2 x 2 block that begins here has each color once, and green twice.
         const x0 = Math.min(x, width - 2);
         const y0 = Math.min(y, height - 2);
         let [r, g, b] = [0, 0, 0];
