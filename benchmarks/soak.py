@@ -38,11 +38,11 @@ class Count:
         self.damaged: set[int] = set()
         self.sent = self.reconnects = self.lost = self.strangers = 0
 
-    def take(self, heard: set[int]) -> None:
+    def take(self, received: set[int]) -> None:
         """Compare with what was heard, and begin anew."""
         self.sent += len(self.whole)
-        self.lost += len(self.whole - heard)
-        self.strangers += len(self.damaged & heard)
+        self.lost += len(self.whole - received)
+        self.strangers += len(self.damaged & received)
         self.whole.clear()
         self.damaged.clear()
 
@@ -58,10 +58,10 @@ class Soaked:
     grown_mb: float
 
 
-async def one_line(board: Board, heard: list[int], count: Count, number: int, rng: random.Random) -> int:
+async def one_line(board: Board, received: list[int], count: Count, number: int, rng: random.Random) -> int:
     """Connect, settle, send with faults for some seconds, hang up; returns the next number."""
     await board.connect(rng.randbytes(rng.randrange(2000)))
-    await board.settle(heard, number)
+    await board.settle(received, number)
     number += 1
     end_s = time.monotonic() + rng.uniform(*LINE_S)
     while time.monotonic() < end_s:
@@ -77,7 +77,7 @@ async def one_line(board: Board, heard: list[int], count: Count, number: int, rn
         await asyncio.sleep(PERIOD_S)
     # What is lost never comes; a busy machine may bring the rest late.
     last_s = time.monotonic() + PATIENCE_S
-    while not count.whole.issubset(heard) and time.monotonic() < last_s:
+    while not count.whole.issubset(received) and time.monotonic() < last_s:
         await asyncio.sleep(0.05)
     await asyncio.sleep(0.5)
     await board.hang_up()
@@ -88,14 +88,14 @@ async def one_line(board: Board, heard: list[int], count: Count, number: int, rn
 async def one_device(kind: str, folder: Path, end_s: float, count: Count, rng: random.Random) -> None:
     """Serve one link with its device until then."""
     async with line(kind, folder) as (bridge, board):
-        heard = await bridge.listen("/count")
+        received = await bridge.listen("/count")
         number = 1
         while time.monotonic() < end_s:
-            number = await one_line(board, heard, count, number, rng)
+            number = await one_line(board, received, count, number, rng)
             bridge.reporter.lines.clear()
             bridge.network.logs.clear()
-            count.take(set(heard))
-            heard.clear()
+            count.take(set(received))
+            received.clear()
 
 
 async def soak(seconds: float, *, warm_up_s: float = WARM_UP_S) -> Soaked:

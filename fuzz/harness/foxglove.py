@@ -240,8 +240,8 @@ async def _converse(lines: list[str]) -> None:
         topics = network.snapshot().topics.values()
         own = [topic for topic in topics if "/gateway" in topic.publishers and topic.name not in OWN]
         assert len(own) <= MAX_EACH, "more topics are published than may be"
-        heard = [topic for topic in topics if "/gateway" in topic.subscribers]
-        assert len(heard) <= MAX_EACH, "more topics are subscribed to than may be"
+        arrived = [topic for topic in topics if "/gateway" in topic.subscribers]
+        assert len(arrived) <= MAX_EACH, "more topics are subscribed to than may be"
         client.closed()
         assert not failed.texts, failed.texts
     finally:

@@ -50,8 +50,8 @@ def _body(source: random.Random) -> bytes:
     """Return the header lines that tell of a body, and the body."""
     body = b"x" * (near(source, MAX_BODY_BYTES) % 500 if source.random() < 0.6 else source.randint(0, 9))
     if source.random() < 0.5:
-        said = len(body) if source.random() < 0.9 else near(source, MAX_BODY_BYTES)
-        return b"Content-Length: %d\r\n\r\n" % said + body
+        reported = len(body) if source.random() < 0.9 else near(source, MAX_BODY_BYTES)
+        return b"Content-Length: %d\r\n\r\n" % reported + body
     size = source.randint(1, 60)
     chunks = [body[start : start + size] for start in range(0, len(body), size)]
     coded = b"".join(b"%x\r\n%s\r\n" % (len(chunk), chunk) for chunk in chunks)

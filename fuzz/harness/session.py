@@ -91,7 +91,7 @@ class _Board:
 
     def __init__(self, transport: MemoryTransport) -> None:
         self.transport = transport
-        self.heard = bytearray()
+        self.received = bytearray()
         self.is_sound = False
         self.error: TransportError | None = None
         self.is_lost = False
@@ -99,7 +99,7 @@ class _Board:
 
     def data_received(self, data: bytes) -> None:
         """Hear the host, and answer its topic requests once the script is over."""
-        self.heard += data
+        self.received += data
         if self.is_sound and any(request in data for request in _TOPIC_REQUESTS):
             self._announce()
 
@@ -124,7 +124,7 @@ class _Board:
         for _ in range(int(ANSWER_LIMIT_S)):
             self.transport.write(question)
             await asyncio.sleep(1.0)
-            if any(answer in self.heard for answer in answers):
+            if any(answer in self.received for answer in answers):
                 return True
         return False
 
@@ -150,7 +150,7 @@ async def _converse(data: bytes) -> None:
         theirs.write(received)
         publisher.publish_raw([b"\1\0\0\0y"])
         await asyncio.sleep(pause_s)
-        board.heard.clear()
+        board.received.clear()
     board.is_sound = True
     await asyncio.sleep(SILENCE_S)
     assert await board.is_answered(_QUESTION, _ANSWERS), "a question is not answered any more"

@@ -111,7 +111,7 @@ def handle(frames: list[bytes]) -> None:
             case TransmitStatus() as status:
                 queue.finished(status)
             case RadioPacket() as packet:
-                queue.heard(packet.source)
+                queue.note_received(packet.source)
                 queue.put(packet.source, packet.payload)
                 assert queue.waiting_bytes(packet.source) <= QUEUE_LIMIT_BYTES
         assert 1 <= radio.packet_bytes <= MAX_PAYLOAD_BYTES

@@ -214,9 +214,9 @@ async def test_a_subscriber_may_leave_out_nodes(join: JoinGraph) -> None:
 
     await until(says_the_rest)
     count = inbox.payloads.count(string("from 1"))
-    heard = witness.payloads.count(string("from 1"))
+    received = witness.payloads.count(string("from 1"))
     publishers[1].publish_raw([string("from 1")])
-    await until(lambda: witness.payloads.count(string("from 1")) > heard)
+    await until(lambda: witness.payloads.count(string("from 1")) > received)
     assert inbox.payloads.count(string("from 1")) == count
 
 

@@ -61,10 +61,10 @@ def test_plan_is_that_of_roslaunch(file: Path, roslaunch: dict[str, Any]) -> Non
 def test_recorded_vectors_equal_the_output_of_roslaunch(roslaunch: dict[str, Any]) -> None:
     noted = expected()
     assert noted.keys() == {file.stem for file in RIGHT}
-    said = {name: {**roslaunch[name]} for name in noted}
-    for result in said.values():
+    reported = {name: {**roslaunch[name]} for name in noted}
+    for result in reported.values():
         result.pop("warnings", None)
-    assert exact(noted) == exact(said)
+    assert exact(noted) == exact(reported)
 
 
 @pytest.mark.parametrize("file", WRONG, ids=lambda file: file.stem)

@@ -66,8 +66,8 @@ def teller(tmp_path: Path) -> Path:
     return folder
 
 
-def environment(peers: Ros1Peers, packages: Path, told: Path) -> None:
-    peers.environment.update(ENVIRON, ROS_PACKAGE_PATH=f"{packages}:/usr/share", TELL_INTO=str(told))
+def environment(peers: Ros1Peers, packages: Path, reported: Path) -> None:
+    peers.environment.update(ENVIRON, ROS_PACKAGE_PATH=f"{packages}:/usr/share", TELL_INTO=str(reported))
 
 
 async def parameters(master_uri: str) -> Any:
@@ -83,16 +83,16 @@ async def run_both(peers: Ros1Peers, tmp_path: Path, *words: str) -> list[tuple[
     """Run the same launch with both; return for each what its nodes reported, and the parameters after."""
     results = []
     for name, command in (("theirs", ("roslaunch",)), ("ours", OURS)):
-        told = tmp_path / name
-        told.mkdir()
-        environment(peers, tmp_path / "packages", told)
+        reported = tmp_path / name
+        reported.mkdir()
+        environment(peers, tmp_path / "packages", reported)
         client = MasterClient(peers.master_uri, "/test")
         await client.set_param("/old", 1)
         await client.set_param("/left/gone", 1)
         await client.close()
         await peers.run(*command, *words)
-        said = {file.name: json.loads(file.read_text()) for file in sorted(told.iterdir())}
-        results.append((said, await parameters(peers.master_uri)))
+        output = {file.name: json.loads(file.read_text()) for file in sorted(reported.iterdir())}
+        results.append((output, await parameters(peers.master_uri)))
     return results
 
 

@@ -44,7 +44,7 @@ class FakeNode:
     """A node that answers, and remembers what it was told last."""
 
     server: XmlRpcServer
-    told: list[tuple[str, str, Any]] = field(default_factory=list)
+    reported: list[tuple[str, str, Any]] = field(default_factory=list)
 
     @classmethod
     async def start(cls) -> FakeNode:
@@ -61,7 +61,7 @@ class FakeNode:
         return node
 
     def receive(self, what: str, key: str, value: Any) -> list[Any]:
-        self.told.append((what, key, value))
+        self.reported.append((what, key, value))
         return [1, "", 0]
 
 
@@ -98,7 +98,7 @@ class Side:
     def publishers_told(self) -> list[dict[str, Any]]:
         """Return for each node that lives the publishers of each topic that it was told last."""
         return [
-            {topic: self.normal(uris) for what, topic, uris in node.told if what == "publishers"}
+            {topic: self.normal(uris) for what, topic, uris in node.reported if what == "publishers"}
             for node in self.nodes[: len(NODES)]
         ]
 
@@ -212,7 +212,7 @@ async def test_the_same_calls_get_the_same_answers(sides: tuple[Side, Side], see
 def view_of(node: FakeNode, key: str) -> Any:
     """Return the value of a parameter as the node knows it, from all it was told in order."""
     tree = ParameterTree()
-    for what, name, value in node.told:
+    for what, name, value in node.reported:
         if what == "param":
             tree.set(name, copy.deepcopy(value))
     return without_empty(tree.get(key)) if tree.has(key) else {}
@@ -267,7 +267,7 @@ async def test_a_replaced_node_is_shut_down_by_both(sides: tuple[Side, Side]) ->
     for side in sides:
         for uri in ("uri:0", "uri:4"):
             await side.call("registerSubscriber", ["/a", "/t", "std_msgs/String", uri])
-        await until(lambda side=side: side.nodes[0].told)  # type: ignore[misc]
+        await until(lambda side=side: side.nodes[0].reported)  # type: ignore[misc]
         reason = "[/a] Reason: new node registered with same name"
-        assert side.nodes[0].told == [("shutdown", "", reason)]
-        assert side.nodes[4].told == []
+        assert side.nodes[0].reported == [("shutdown", "", reason)]
+        assert side.nodes[4].reported == []

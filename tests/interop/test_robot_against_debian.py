@@ -100,8 +100,8 @@ def compare_with_kinematics(robot: str, found: dict[str, list[Any]]) -> None:
         for parent, child, at, place, turn in found[topic]:
             stamped = StampedTransform(parent, child, at, Transform(tuple(place), tuple(turn)))
             assert not buffer.set_transform(stamped, is_static=topic == "/tf_static")
-    told = dict(zip(names, positions, strict=True))
-    stands = forward_kinematics(model, with_mimics(model, told))
+    reported = dict(zip(names, positions, strict=True))
+    stands = forward_kinematics(model, with_mimics(model, reported))
     compared = 0
     for link, expected in stands.items():
         if link in buffer.frames and link != model.root:

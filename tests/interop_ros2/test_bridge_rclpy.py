@@ -89,13 +89,13 @@ async def test_rclpy_publishes_to_boards(boards: Boards, peer: RclpyPeer) -> Non
     device = await boards.connect()
     for name in MESSAGES:
         topic = f"in_{name.partition('/')[2]}"
-        heard: list[Any] = []
-        device.subscriber(topic, name, heard.append)
+        arrived: list[Any] = []
+        device.subscriber(topic, name, arrived.append)
         await boards.announced("subscriber", topic)
         await peer.ask("advertise", topic=f"/{topic}", type=ros2_name(name))
         await peer.ask("publish", topic=f"/{topic}", messages=[MESSAGES[name]])
-        await until(lambda: heard, name)  # noqa: B023 - awaited at once
-        assert without_seq(to_plain(heard[0])) == MESSAGES[name]
+        await until(lambda: arrived, name)  # noqa: B023 - awaited at once
+        assert without_seq(to_plain(arrived[0])) == MESSAGES[name]
 
 
 async def test_rclpy_calls_a_board(boards: Boards, peer: RclpyPeer) -> None:

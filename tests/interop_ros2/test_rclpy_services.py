@@ -76,8 +76,8 @@ async def test_a_call_of_another_type_is_refused(join: JoinGraph, peer: RclpyPee
     node = await join("/board")
     while "/theirs/typed" not in (await node.snapshot()).services:
         await asyncio.sleep(0.01)
-    told = "/theirs/typed is std_srvs/srv/SetBool, not std_srvs/srv/Trigger"
-    with pytest.raises(TypeMismatchError, match=told):
+    reported = "/theirs/typed is std_srvs/srv/SetBool, not std_srvs/srv/Trigger"
+    with pytest.raises(TypeMismatchError, match=reported):
         await node.call_service("/theirs/typed", store.registry.service_type("std_srvs/Trigger"), b"")
 
 

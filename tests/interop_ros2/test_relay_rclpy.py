@@ -159,10 +159,10 @@ async def test_both_ways_without_an_echo(sides: Sides) -> None:
     await received(sides.ros2, "/chatter", 20)
     await talker.stop()
     await sides.ros2.ask("advertise", topic="/chatter", type="std_msgs/msg/String")
-    said = 0
+    reported = 0
     while "from ROS 2" not in echo.text:
-        said += 1
-        await sides.ros2.ask("publish", topic="/chatter", messages=[{"data": f"from ROS 2: {said}"}])
+        reported += 1
+        await sides.ros2.ask("publish", topic="/chatter", messages=[{"data": f"from ROS 2: {reported}"}])
         await asyncio.sleep(0.1)
     texts = [each["data"] for each in await sides.ros2.ask("receive", topic="/chatter", count=0)]
     assert len(texts) == len(set(texts))

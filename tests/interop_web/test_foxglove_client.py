@@ -30,7 +30,7 @@ STRING = STORE.codec("std_msgs/String")
 
 
 @asynccontextmanager
-async def robot(join: JoinGraph, said: list[str]) -> AsyncIterator[None]:
+async def robot(join: JoinGraph, reported: list[str]) -> AsyncIterator[None]:
     """A node with one of everything."""
     graph = TypedGraph(await join("/robot"), STORE)
     latched = await graph.publisher("/latched", "std_msgs/String", latch=True)
@@ -52,7 +52,7 @@ async def robot(join: JoinGraph, said: list[str]) -> AsyncIterator[None]:
 
     async def listen() -> None:
         async for message in graph.messages("/said", "std_msgs/String"):
-            said.append(message.data)
+            reported.append(message.data)
 
     tasks = [asyncio.ensure_future(talk()), asyncio.ensure_future(listen())]
     try:
@@ -79,8 +79,8 @@ async def test_foxglove_client_uses_the_graph(
     model = tmp_path / "robot_model"
     (model / "meshes").mkdir(parents=True)
     (model / "meshes/arm.stl").write_text("solid arm")
-    said: list[str] = []
-    async with IMPLEMENTATIONS[ros].open() as join, robot(join, said):
+    reported: list[str] = []
+    async with IMPLEMENTATIONS[ros].open() as join, robot(join, reported):
         graph = await join("/foxglove_bridge")
         find = partial(probe, join.keywords["master_uri"]) if isinstance(join, partial) else None
         gateway = FoxgloveGateway(
@@ -94,12 +94,12 @@ async def test_foxglove_client_uses_the_graph(
             output = await web_peers.run(
                 "foxglove_client.mjs", f"ws://127.0.0.1:{gateway.port}", protocol, timeout_s=180
             )
-            await until(lambda: len(said) >= 2)
+            await until(lambda: len(reported) >= 2)
         await graph.close()
-    check_found([json.loads(line) for line in output.splitlines()], said)
+    check_found([json.loads(line) for line in output.splitlines()], reported)
 
 
-def check_found(lines: list[dict[str, Any]], said: list[str]) -> None:
+def check_found(lines: list[dict[str, Any]], reported: list[str]) -> None:
     assert not [line for line in lines if "error" in line]
     found = {line["check"]: line["found"] for line in lines}
     assert found["greeting"] == {
@@ -117,7 +117,7 @@ def check_found(lines: list[dict[str, Any]], said: list[str]) -> None:
     assert found["nestedSchema"] == STORE.registry.message_type("geometry_msgs/PoseStamped").definition
     assert found["latched"] == {"isNow": True, "payload": STRING.encode({"data": "kept"}).hex()}
     assert found["manyInOrder"] is True
-    assert sorted(said) == ["json", "raw"]
+    assert sorted(reported) == ["json", "raw"]
     assert (found["service"]["type"], found["service"]["request"]["schema"]) == (
         "std_srvs/SetBool",
         "bool data\n",

@@ -49,15 +49,15 @@ async def connected_page(url: str, board: UsbBoard, browser: Browser) -> int:
 async def test_the_board_of_a_page_is_a_node(served: tuple[str, str], browser: Browser) -> None:
     url, master = served
     async with UsbBoard() as board, rostether.join("probe", master=master) as graph:
-        heard: list[str] = []
+        received: list[str] = []
 
         async def follow() -> None:
             async for message in graph.messages("/heard", "std_msgs/String"):
-                heard.append(message.data)
+                received.append(message.data)
 
         async def talk(text: str) -> None:
             async with asyncio.timeout(PATIENCE_S):
-                while text not in heard:
+                while text not in received:
                     spoken.publish(data=text)
                     await asyncio.sleep(POLL_S)
 

@@ -36,10 +36,10 @@ class UsbBoard:
 
     async def __aenter__(self) -> Self:
         self._server = await serve(self._relay, "127.0.0.1", 0, compression=None)
-        heard = self._device.publisher("heard", "std_msgs/String")
+        received = self._device.publisher("heard", "std_msgs/String")
 
         def answer(message: Any) -> None:
-            heard.publish(data=message.data)
+            received.publish(data=message.data)
 
         self._device.subscriber("spoken", "std_msgs/String", answer)
         await self._device.__aenter__()

@@ -85,7 +85,11 @@ class BoardRegistry:
                 self._cancel_leave_timer(board)
                 return board
             session = board.session
-            if replaces_silent and session is not None and self._clock() - session.heard_at_s > HALF_OPEN_S:
+            if (
+                replaces_silent
+                and session is not None
+                and self._clock() - session.received_at_s > HALF_OPEN_S
+            ):
                 session.abandon()
                 return board
             if not has_waited:

@@ -75,7 +75,7 @@ class Session:
         self.receivers: dict[int, Callable[[list[bytes]], None]] = {}
         self.unbridged_count = 0
         self._loop = asyncio.get_running_loop()
-        self.heard_at_s = self._loop.time()
+        self.received_at_s = self._loop.time()
         self._notices = node.notices
         self.outbox = Outbox(
             transport,
@@ -88,7 +88,7 @@ class Session:
         self._parameters = ParameterRelay(
             self.link, node.graph, node.notices, node.settings, self.outbox.flush, node.device.access
         )
-        self.watch = node.health.connected(baud, self.link.statistics, self.heard_at_s)
+        self.watch = node.health.connected(baud, self.link.statistics, self.received_at_s)
         self._stamps = Stamps(node.health.clock, node.graph.now)
         self._no_answer: asyncio.TimerHandle | None = None
         self._timer: asyncio.TimerHandle | None = None
@@ -161,7 +161,7 @@ class Session:
         """Handle a chunk from the transport."""
         if self._ended.done():
             return
-        now_s = self.heard_at_s = self._loop.time()
+        now_s = self.received_at_s = self._loop.time()
         try:
             events = self.link.receive_data(data, now_s)
             is_quiet = self.link.is_quiet

@@ -54,7 +54,7 @@ class CheckedClient:
         self._transport: Transport | None = None
         self._decoder = FrameDecoder()
         self._arrived = asyncio.Event()
-        self._began_s = self._heard_s = self._loop.time()
+        self._began_s = self._received_at_s = self._loop.time()
         self._frames: list[Frame] = []
         self._position = 0
         self._parameters: dict[str, ParameterResponse] = {}
@@ -240,9 +240,9 @@ class CheckedClient:
     def data_received(self, data: bytes) -> None:
         """Read data from the client, and answer its requests."""
         now_s = self._loop.time()
-        is_torn = self._decoder.pending_bytes > 0 and now_s - self._heard_s > TORN_AFTER_S
+        is_torn = self._decoder.pending_bytes > 0 and now_s - self._received_at_s > TORN_AFTER_S
         torn = self._decoder.abandon(now_s) if is_torn else []
-        self._heard_s = now_s
+        self._received_at_s = now_s
         for each in (*torn, *self._decoder.feed(data, now_s)):
             if isinstance(each, FrameDiscarded):
                 if len(self.damage) < MAX_KEPT_DAMAGE:

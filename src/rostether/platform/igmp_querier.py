@@ -19,7 +19,7 @@ async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | 
 
     Returns None if it cannot listen: it needs root or CAP_NET_RAW, and an existing interface.
     """
-    heard = asyncio.Event()
+    received = asyncio.Event()
     sockets: list[socket.socket] = []
     loop = asyncio.get_running_loop()
     try:
@@ -28,10 +28,10 @@ async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | 
         except OSError:
             return None
         for sock in sockets:
-            loop.add_reader(sock, _read, sock, heard)
+            loop.add_reader(sock, _read, sock, received)
         try:
             async with asyncio.timeout(duration_s):
-                await heard.wait()
+                await received.wait()
         except TimeoutError:
             return False
         return True
@@ -54,7 +54,7 @@ def _open(interface: str) -> socket.socket:
     return sock
 
 
-def _read(sock: socket.socket, heard: asyncio.Event) -> None:
+def _read(sock: socket.socket, received: asyncio.Event) -> None:
     for _ in range(_BURST):
         try:
             packet = sock.recv(_MAX_BYTES)
@@ -63,4 +63,4 @@ def _read(sock: socket.socket, heard: asyncio.Event) -> None:
         # The IP header, whose length is in 4-byte words, comes first.
         igmp = packet[4 * (packet[0] & 0x0F) :] if packet else b""
         if igmp and igmp[0] == _MEMBERSHIP_QUERY:
-            heard.set()
+            received.set()

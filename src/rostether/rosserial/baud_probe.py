@@ -121,7 +121,7 @@ class BaudProbe:
         self._received = bytearray()
         self._noise = bytearray()
         self._foreign_bytes = 0
-        self._heard_s = float("-inf")
+        self._received_at_s = float("-inf")
         self._text: tuple[int, bytes] | None = None
         self._is_doubted = False
         self._damaged: BoardFound | None = None
@@ -137,7 +137,7 @@ class BaudProbe:
         if self.result is not None:
             return
         self._received += data[: MAX_KEPT_BYTES - len(self._received)]
-        self._heard_s = now_s
+        self._received_at_s = now_s
         self._handle_events(self._link.receive_data(data, now_s), now_s)
 
     def get_timer(self) -> float | None:
@@ -214,7 +214,7 @@ class BaudProbe:
         """Whether the device still sends without a request; then it is not a board that waits for a
         request.
         """
-        return self._step is not Step.ASK and now_s - self._heard_s < QUIET_S
+        return self._step is not Step.ASK and now_s - self._received_at_s < QUIET_S
 
     def _judge_text(self) -> None:
         if len(self._noise) < MIN_TEXT_BYTES or not _is_text(self._noise):
@@ -226,7 +226,7 @@ class BaudProbe:
 
     def _listening_steps(self) -> Iterator[tuple[Step, int, float]]:
         yield Step.LISTEN, self._bauds[0], LISTEN_S
-        if self._heard_s > float("-inf"):
+        if self._received_at_s > float("-inf"):
             for baud in self._bauds:
                 yield Step.SURVEY, baud, SURVEY_DWELL_S
                 if self._text is not None and self._text[0] == baud:

@@ -35,7 +35,7 @@ EQUAL_ROUNDS = 4
 EMPTY_CONFIRMATIONS = 2
 
 # Sixteen times the endpoints of a link; a device that invents new ids cannot fill the memory.
-MAX_HEARD = 4096
+MAX_ANNOUNCED = 4096
 
 
 class Completeness:
@@ -45,7 +45,7 @@ class Completeness:
         self.rounds = 0
         self.is_lossy = False
         self._complete: dict[EndpointKey, Announcement] = {}
-        self._heard: dict[EndpointKey, Announcement] = {}
+        self._announced: dict[EndpointKey, Announcement] = {}
         self._round: set[EndpointKey] = set()
         self._previous_round: set[EndpointKey] = set()
         self._equal_rounds = 0
@@ -59,15 +59,15 @@ class Completeness:
         return frozenset(self._complete)
 
     @property
-    def has_heard_anything(self) -> bool:
+    def has_announcements(self) -> bool:
         """Whether the device has ever announced anything."""
-        return bool(self._heard or self._complete)
+        return bool(self._announced or self._complete)
 
     def begin(self, *, is_lossy: bool) -> None:
         """Begin a negotiation. `is_lossy`: data was lost before."""
         self.rounds = 0
         self.is_lossy = is_lossy
-        self._heard = {}
+        self._announced = {}
         self._quiet_rounds = 0
         self._previous_round = set()
         self._equal_rounds = 0
@@ -93,55 +93,57 @@ class Completeness:
     def note_announcement(self, kind: int, info: TopicInfo) -> None:
         """Add an announcement to this round."""
         key = key_of(kind, info)
-        if key not in self._heard and len(self._heard) >= MAX_HEARD:
+        if key not in self._announced and len(self._announced) >= MAX_ANNOUNCED:
             return
         self._round.add(key)
-        if self._heard.get(key) != (kind, info):
-            self._heard[key] = kind, info
+        if self._announced.get(key) != (kind, info):
+            self._announced[key] = kind, info
             self._has_news = True
 
     def close_round(self) -> bool:
         """End the round; return whether all announcements were received."""
-        if not self._round and (self._heard or self._complete):
+        if not self._round and (self._announced or self._complete):
             self.is_lossy = True
             return False
         self._before_close = self.rounds, self._quiet_rounds
         self.rounds += 1
-        is_missing = len(self._heard) > len(self._round) or not self._complete.keys() <= self._heard.keys()
+        is_missing = (
+            len(self._announced) > len(self._round) or not self._complete.keys() <= self._announced.keys()
+        )
         self.is_lossy = self.is_lossy or is_missing
         self._quiet_rounds = 0 if self._has_news or self.rounds == 1 else self._quiet_rounds + 1
         self._equal_rounds = self._equal_rounds + 1 if self._round == self._previous_round else 1
         self._previous_round = self._round
         if self._quiet_rounds < self._needed_rounds():
             return False
-        if len(self._heard) > len(self._round) and self._equal_rounds >= LOSSY_CONFIRMATIONS:
+        if len(self._announced) > len(self._round) and self._equal_rounds >= LOSSY_CONFIRMATIONS:
             if self._equal_rounds < EQUAL_ROUNDS:
                 return False
-            self._heard = {key: self._heard[key] for key in self._round if key in self._heard}
+            self._announced = {key: self._announced[key] for key in self._round if key in self._announced}
         return True
 
     def accept(self, *, is_confirmed: bool) -> None:
         """Accept the announcements as the complete state; without confirmation, only add them to it."""
-        self._complete = dict(self._heard) if is_confirmed else self._complete | self._heard
+        self._complete = dict(self._announced) if is_confirmed else self._complete | self._announced
 
     def _needed_rounds(self) -> int:
         if self.is_lossy:
             return LOSSY_CONFIRMATIONS
-        if not self._heard:
+        if not self._announced:
             return EMPTY_CONFIRMATIONS
-        if self._heard == self._complete:
+        if self._announced == self._complete:
             return 0
-        return CLEAN_CONFIRMATIONS if _looks_whole(self._heard) else LOSSY_CONFIRMATIONS
+        return CLEAN_CONFIRMATIONS if _looks_whole(self._announced) else LOSSY_CONFIRMATIONS
 
 
-def _looks_whole(heard: dict[EndpointKey, Announcement]) -> bool:
+def _looks_whole(announced: dict[EndpointKey, Announcement]) -> bool:
     """Return whether the ids have no gaps in both directions, and services have both halves."""
     for sends in (False, True):
-        numbers = [key.topic_id for key in heard if key.sends is sends]
+        numbers = [key.topic_id for key in announced if key.sends is sends]
         if numbers and max(numbers) - min(numbers) >= len(numbers):
             return False
     names: dict[int, list[str]] = {kind: [] for kind in ANNOUNCEMENTS}
-    for kind, info in heard.values():
+    for kind, info in announced.values():
         names[kind].append(info.topic_name)
     return all(
         sorted(names[one]) == sorted(names[other])

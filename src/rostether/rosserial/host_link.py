@@ -333,7 +333,7 @@ class HostLink:
             self.unread.forget()
             self._negotiation.set_version(None, now_s)
             self._negotiation.ask(now_s)
-            events.append(DeviceSilent(now_s - self._presence.heard_s))
+            events.append(DeviceSilent(now_s - self._presence.received_at_s))
             events += self._handle_decoded(unfinished, now_s)
 
     def _on_reset(self, now_s: float, events: list[HostEvent]) -> None:

@@ -126,7 +126,7 @@ class Negotiation:
         self._search_step = 0
         self._has_rechecked = False
         self._quiet_s = QUIET_S
-        self._heard_s = float("-inf")
+        self._received_at_s = float("-inf")
         self._bursts = 0
         self._request: int | None = None
         self._due_s: float | None = None
@@ -188,7 +188,7 @@ class Negotiation:
 
     def time_requested(self, now_s: float) -> TimeRequestMeaning:
         """Handle a time request, which may begin an answer; return its meaning."""
-        has_topics = self._completeness.has_heard_anything
+        has_topics = self._completeness.has_announcements
         meaning = self._answers.time_requested(now_s, has_topics=has_topics)
         if meaning is TimeRequestMeaning.ANSWER:
             self._answered_s = now_s
@@ -212,7 +212,7 @@ class Negotiation:
         self._answers.announced(key_of(kind, info), now_s, is_known=is_known)
         if self.phase is Phase.SETTLED and is_known:
             return
-        pause_s = now_s - self._heard_s
+        pause_s = now_s - self._received_at_s
         is_same_burst = self.phase is not Phase.ASKED
         if self.phase is Phase.ASKED and pause_s <= MAX_QUIET_S:
             is_same_burst = self._completeness.is_continued_by(kind, info)
@@ -240,7 +240,7 @@ class Negotiation:
         if self._completeness.close_round():
             return self._settle(is_confirmed=True)
         self._bursts += 1
-        if self._bursts >= MAX_ROUNDS and self._completeness.has_heard_anything:
+        if self._bursts >= MAX_ROUNDS and self._completeness.has_announcements:
             return self._settle(is_confirmed=False)
         if self.requests == 0:
             # Without a request, a device may announce only a part: endpoints missing in it were not lost.
@@ -257,13 +257,13 @@ class Negotiation:
             self._begin(now_s, is_lossy=False)
         if self._advance(Input.ANSWER):
             self._due_s = now_s + self._quiet_s
-        self._heard_s = now_s
+        self._received_at_s = now_s
 
     def _go_unanswered(self, now_s: float) -> bool:
         if self.version is not None:
             if self._answer_delay_s is not None and self._answer_delay_s < RETRY_S / 2:
                 self._completeness.is_lossy = True
-            if self._unanswered >= MAX_UNANSWERED and self._completeness.has_heard_anything:
+            if self._unanswered >= MAX_UNANSWERED and self._completeness.has_announcements:
                 return self._settle(is_confirmed=False)
         self._send_if_room(Input.UNANSWERED, now_s)
         return False

@@ -118,7 +118,7 @@ class Presence:
     def __init__(self, name: str = "") -> None:
         self.state = State.ABSENT
         self._name = name
-        self.heard_s = 0.0
+        self.received_at_s = 0.0
         self._changed_s = 0.0
         self._time_request_s = float("-inf")
         self._alarms = 0
@@ -134,7 +134,7 @@ class Presence:
     def frame_received(self, now_s: float) -> None:
         """Handle any valid frame."""
         self._note_stall(now_s)
-        self.heard_s = now_s
+        self.received_at_s = now_s
 
     def message(self, now_s: float) -> None:
         """Handle a message on an announced id: only a configured board sends one."""
@@ -143,7 +143,7 @@ class Presence:
 
     def sign(self, now_s: float) -> None:
         """Handle another sign of a configured board."""
-        self.heard_s = now_s
+        self.received_at_s = now_s
         if self.state is not State.PRESENT:
             self._step(Input.SIGN, now_s)
         self._changed_s = now_s
@@ -156,7 +156,7 @@ class Presence:
 
     def time_request(self, now_s: float, *, is_excused: bool = False) -> Verdict | None:
         """Handle a time request; `is_excused`: it may answer an earlier topic request."""
-        self.heard_s = now_s
+        self.received_at_s = now_s
         # After a pause of this process, a request that waited seems late, and the next one early.
         is_measured = now_s - self._stalled_s >= EARLY_S
         is_early = now_s - self._time_request_s < EARLY_S and is_measured and not is_excused
@@ -174,11 +174,13 @@ class Presence:
         """Return when to call `handle_timer`. `probes`: whether the device may be asked now."""
         if self.state is State.ABSENT:
             return None
-        silent_s = self.heard_s + SILENT_AFTER_S
+        silent_s = self.received_at_s + SILENT_AFTER_S
         if not probes or self.state is State.MISSED:
             self._due_s = silent_s
         else:
-            self._due_s = min(silent_s, self.heard_s + OVERDUE_S, self._changed_s + _PATIENCE_S[self.state])
+            self._due_s = min(
+                silent_s, self.received_at_s + OVERDUE_S, self._changed_s + _PATIENCE_S[self.state]
+            )
         return self._due_s
 
     def handle_timer(self, now_s: float, *, probes: bool) -> Verdict | None:
@@ -186,11 +188,11 @@ class Presence:
         self._note_stall(now_s)
         if self.state is State.ABSENT:
             return None
-        if now_s >= self.heard_s + SILENT_AFTER_S:
+        if now_s >= self.received_at_s + SILENT_AFTER_S:
             return self._step(Input.SILENCE, now_s)
         if not probes or self.state is State.MISSED:
             return None
-        if now_s >= self.heard_s + OVERDUE_S:
+        if now_s >= self.received_at_s + OVERDUE_S:
             return self._step(Input.OVERDUE, now_s)
         if now_s >= self._changed_s + _PATIENCE_S[self.state]:
             return self._step(Input.QUIET, now_s)

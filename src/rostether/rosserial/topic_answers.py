@@ -52,7 +52,7 @@ class TopicAnswers:
         self._burst = _Burst.NONE
         self._first: EndpointKey | None = None
         self._is_repetition = False
-        self._heard_s = float("-inf")
+        self._received_at_s = float("-inf")
         self._damaged_s = float("-inf")
 
     def damaged(self, now_s: float) -> None:
@@ -75,7 +75,7 @@ class TopicAnswers:
 
     def announced(self, key: EndpointKey, now_s: float, *, is_known: bool) -> None:
         """Handle the announcement of an endpoint; `is_known`: it belongs to the last complete state."""
-        if self._burst is _Burst.OPENED and now_s - self._heard_s <= OPENING_S:
+        if self._burst is _Burst.OPENED and now_s - self._received_at_s <= OPENING_S:
             self._burst = _Burst.ANSWER
             self._first = key
             self._waiting_until_s = now_s + LATE_ANSWER_S
@@ -85,12 +85,12 @@ class TopicAnswers:
             is_repeated = self._burst is not _Burst.INTRODUCTION or self._is_repetition
             self._is_repetition = is_known and is_whole and is_repeated
             self._burst = _Burst.INTRODUCTION
-        self._heard_s = now_s
+        self._received_at_s = now_s
 
     def time_requested(self, now_s: float, *, has_topics: bool) -> TimeRequestMeaning:
         """Handle a time request; `has_topics`: an answer would have announcements."""
         before, self._burst = self._burst, _Burst.NONE
-        pause_s, self._heard_s = now_s - self._heard_s, now_s
+        pause_s, self._received_at_s = now_s - self._received_at_s, now_s
         if before is _Burst.INTRODUCTION and pause_s <= CLOSING_S:
             return TimeRequestMeaning.INTRODUCTION if self._is_repetition else TimeRequestMeaning.ALONE
         if before is _Burst.OPENED and has_topics:

@@ -77,7 +77,7 @@ class PeerTransport(Generic[PeerKey]):
         self.key = key
         self.quality = table.medium.quality_of(key)
         self.expires = expires
-        self.heard_at_s = table.now_s()
+        self.received_at_s = table.now_s()
         # Whether it has answered. Until then, its address may be forged, and it gets no more bytes than it
         # sent.
         self.has_answered = not expires or table.entry is None
@@ -111,7 +111,7 @@ class PeerTransport(Generic[PeerKey]):
     def is_replaceable(self, now_s: float) -> bool:
         """Return whether it was silent long enough for a new peer to replace it."""
         limit_s = SILENT_LIMIT_S if self.has_answered else UNANSWERED_LIMIT_S
-        return self.expires and now_s - self.heard_at_s >= limit_s
+        return self.expires and now_s - self.received_at_s >= limit_s
 
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once. Bytes received earlier are kept."""
@@ -153,7 +153,7 @@ class PeerTransport(Generic[PeerKey]):
 
     def deliver(self, data: bytes) -> None:
         """Handle data from this peer."""
-        self.heard_at_s = self._table.now_s()
+        self.received_at_s = self._table.now_s()
         if not self.has_answered:
             self._seek_answer(data)
         if self._receiver is not None and not self._paused and not self._held:
@@ -284,7 +284,7 @@ class PeerTable(Generic[PeerKey]):
             return
         silent = [peer for peer in self._peers.values() if peer.is_replaceable(now_s)]
         if silent:
-            peer = min(silent, key=lambda peer: (peer.has_answered, peer.heard_at_s))
+            peer = min(silent, key=lambda peer: (peer.has_answered, peer.received_at_s))
             peer.end(
                 TransportClosedError(
                     f"{peer.peer} was silent; disconnected it to make room for another board"
@@ -312,7 +312,7 @@ class PeerTable(Generic[PeerKey]):
     def expire(self, now_s: float) -> None:
         """End every peer that was silent for too long."""
         for peer in list(self._peers.values()):
-            if peer.expires and now_s - peer.heard_at_s >= self._idle_limit_s:
+            if peer.expires and now_s - peer.received_at_s >= self._idle_limit_s:
                 silence = f"{peer.peer} was silent for {self._idle_limit_s:g} s"
                 peer.end(TransportClosedError(f"{silence}; check its power and its network"))
 

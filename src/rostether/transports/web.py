@@ -90,7 +90,7 @@ class WebTransport:
         self._error: TransportError | None = None
         self._loss_reported = False
         self._ended = asyncio.Event()
-        self._heard_s = self._loop.time()
+        self._received_at_s = self._loop.time()
         self._timer = self._loop.call_later(HELLO_LIMIT_S, self._refuse, "the page did not name its board")
 
     @property
@@ -129,7 +129,7 @@ class WebTransport:
     def resume_reading(self) -> None:
         """Deliver again. Idempotent."""
         self._is_reading = True
-        self._heard_s = self._loop.time()
+        self._received_at_s = self._loop.time()
         self._loop.call_soon(self._catch_up)
 
     def close(self) -> None:
@@ -151,7 +151,7 @@ class WebTransport:
         """Handle a message of the page."""
         if self._ended.is_set():
             return
-        self._heard_s = self._loop.time()
+        self._received_at_s = self._loop.time()
         try:
             if self.hello is None:
                 self._handle_hello(message)
@@ -210,7 +210,7 @@ class WebTransport:
         if self._ended.is_set():
             self._report_loss()
         elif self._is_reading:
-            self._heard_s = self._loop.time()
+            self._received_at_s = self._loop.time()
             self._socket.resume_reading()
 
     def _send(self) -> None:
@@ -233,8 +233,8 @@ class WebTransport:
 
     def _check_alive(self) -> None:
         # A page whose messages are not read cannot report.
-        is_heard = self._receiver is not None and self._is_reading
-        if is_heard and self._loop.time() - self._heard_s > ALIVE_LIMIT_S:
+        is_read = self._receiver is not None and self._is_reading
+        if is_read and self._loop.time() - self._received_at_s > ALIVE_LIMIT_S:
             self._socket.abort()
             self._end(TransportClosedError(f"{self.peer} is away: its page does not answer"))
             return

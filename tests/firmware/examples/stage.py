@@ -43,38 +43,38 @@ class Ear:
     """Hears a topic from now on."""
 
     def __init__(self) -> None:
-        self.heard: list[Message] = []
+        self.received: list[Message] = []
         self._came = asyncio.Event()
 
     def take(self, message: Message) -> None:
         """Hear one message."""
-        self.heard.append(message)
+        self.received.append(message)
         self._came.set()
 
     async def next(self, meets: Meets = lambda _message: True, *, timeout_s: float = PATIENCE_S) -> Message:
         """Return the first message to come that meets a condition; fails with the last one."""
-        seen = len(self.heard)
+        seen = len(self.received)
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout_s):
                 while True:
                     self._came.clear()
-                    for message in self.heard[seen:]:
+                    for message in self.received[seen:]:
                         if meets(message):
                             return message
-                    seen = len(self.heard)
+                    seen = len(self.received)
                     await self._came.wait()
-        raise AssertionError(f"no such message; of {len(self.heard)} the last is\n{self.heard[-1:]}")
+        raise AssertionError(f"no such message; of {len(self.received)} the last is\n{self.received[-1:]}")
 
     async def reached(self, count: int) -> None:
         """Wait until so many messages were heard altogether."""
-        if len(self.heard) < count:
-            await self.next(lambda _message: len(self.heard) >= count)
+        if len(self.received) < count:
+            await self.next(lambda _message: len(self.received) >= count)
 
     async def several(self, count: int) -> list[Message]:
         """Return the next messages."""
-        first = len(self.heard)
+        first = len(self.received)
         await self.reached(first + count)
-        return self.heard[first : first + count]
+        return self.received[first : first + count]
 
 
 class Stage:

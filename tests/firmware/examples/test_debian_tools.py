@@ -51,9 +51,9 @@ async def test_rosservice_call_is_answered(tmp_path: Path) -> None:
         try:
             await stage.service("/test_srv")
             assert "rosserial_arduino/Test" in await peers.run("rosservice", "type", "/test_srv")
-            for said in ("hello", "world"):
+            for reported in ("hello", "world"):
                 printed = await peers.run("rosservice", "call", "/test_srv", "input: anybody there?")
-                assert printed.strip() == f'output: "{said}"'
+                assert printed.strip() == f'output: "{reported}"'
         finally:
             await peers.close()
 

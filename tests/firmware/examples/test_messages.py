@@ -84,7 +84,7 @@ async def test_button_example(kind: str) -> None:
         assert await board.pin_level("D13")
         await board.drive_pin("D7", None)
         await pushed.reached(2)
-        assert [each.data for each in pushed.heard] == [True, False]
+        assert [each.data for each in pushed.received] == [True, False]
 
 
 async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> None:
@@ -97,4 +97,4 @@ async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> Non
             await stage.memory_becomes("_ZN7TwoWire8txBufferE", sent)
         blinkm.publish(data="")
         await log.next(lambda line: line.msg == "colours are r g b y c m w o")
-        assert "no BlinkM answers on I2C" in [line.msg for line in log.heard]
+        assert "no BlinkM answers on I2C" in [line.msg for line in log.received]

@@ -38,8 +38,8 @@ async def duty(stage: Stage, pin: str, wanted: float) -> None:
     """Wait until a motor gets this part of the supply's voltage."""
 
     def is_so() -> bool:
-        told = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
-        return bool(told) and abs(told[-1]["duty"] - wanted) < 0.02
+        reported = [each for each in stage.board.recent if each.name == "pwm" and each["pin"] == pin]
+        return bool(reported) and abs(reported[-1]["duty"] - wanted) < 0.02
 
     async with asyncio.timeout(PATIENCE_S):
         while not is_so():

@@ -29,9 +29,9 @@ async def test_servo_control(kind: str) -> None:
 
 async def test_time_tf(kind: str) -> None:
     async with running("TimeTF", kind) as stage:
-        heard = await stage.listen("/tf", TF)
-        await heard.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
-        messages = await heard.several(5)
+        received = await stage.listen("/tf", TF)
+        await received.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
+        messages = await received.several(5)
         now_s = time.time()
         stamps = []
         for message in messages:
@@ -48,9 +48,9 @@ async def test_time_tf(kind: str) -> None:
 async def test_odom_drives_in_a_circle(kind: str) -> None:
     radius, turn_rate = 0.2 / 0.36, 0.36
     async with running("Odom", kind) as stage:
-        heard = await stage.listen("/tf", TF)
-        await heard.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
-        frames = [message.transforms[0] for message in await heard.several(30)]
+        received = await stage.listen("/tf", TF)
+        await received.next(lambda message: message.transforms[0].header.stamp.secs)  # it has the time
+        frames = [message.transforms[0] for message in await received.several(30)]
         for frame in frames:
             assert (frame.header.frame_id, frame.child_frame_id) == ("odom", "base_link")
             yaw = yaw_of(frame.transform.rotation)

@@ -13,8 +13,8 @@ from waiting import until
 
 async def test_tcp_hello_world(kind: str) -> None:
     async with running("TcpHelloWorld", kind, ["watch serial"], uses_network=True) as stage:
-        heard = await stage.listen("/chatter", "std_msgs/String")
-        assert [message.data for message in await heard.several(2)] == ["hello world!"] * 2
+        received = await stage.listen("/chatter", "std_msgs/String")
+        assert [message.data for message in await received.several(2)] == ["hello world!"] * 2
         # The cable is free for the sketch's own words.
         assert stage.board.serial == b"my address is 192.168.0.177\r\n"
         asked = [event["asked"] for event in stage.board.recent if event.name == "network"]
@@ -40,8 +40,8 @@ async def test_tcp_shared_key(kind: str, tmp_path: Path) -> None:
     file.write_text(f"{the_key()}\n")
     psk = f"&psk={file}"
     async with running("TcpSharedKey", kind, ["watch serial"], uses_network=True, options=psk) as stage:
-        heard = await stage.listen("/chatter", "std_msgs/String")
-        assert [message.data for message in await heard.several(2)] == ["hello, friend"] * 2
+        received = await stage.listen("/chatter", "std_msgs/String")
+        assert [message.data for message in await received.several(2)] == ["hello, friend"] * 2
         assert stage.board.serial == b""
 
 

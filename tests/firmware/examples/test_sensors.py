@@ -13,16 +13,16 @@ RANGE = "sensor_msgs/Range"
 
 async def test_ultrasound(kind: str) -> None:
     async with running("Ultrasound", kind, ["hcsr04 trig=D6,echo=D5", "range 0.5"]) as stage:
-        heard = await stage.listen("/ultrasound", RANGE)
+        received = await stage.listen("/ultrasound", RANGE)
         for metres in (0.5, 0.03, 1.234, 2.9):
             await stage.board.set_range(metres)
-            await heard.several(2)  # one may have been on its way
-            for measured in await heard.several(3):
+            await received.several(2)  # one may have been on its way
+            for measured in await received.several(3):
                 assert measured.range == pytest.approx(metres, abs=0.01)
         await stage.board.set_range(None)
-        assert math.isinf((await heard.next(lambda measured: measured.range > 4)).range)
+        assert math.isinf((await received.next(lambda measured: measured.range > 4)).range)
 
-        last, former = heard.heard[-1], heard.heard[0]
+        last, former = received.received[-1], received.received[0]
         assert last.radiation_type == 0
         assert last.header.frame_id == "ultrasound"
         assert last.min_range == pytest.approx(0.02)
@@ -32,39 +32,39 @@ async def test_ultrasound(kind: str) -> None:
 
 async def test_ultrasound_measures_twenty_times_a_second() -> None:
     async with running("Ultrasound", words=["hcsr04 trig=D6,echo=D5", "range 1"]) as stage:
-        heard = await stage.listen("/ultrasound", RANGE)
-        stamps = [message.header.stamp.to_s() for message in (await heard.several(20))[4:]]
+        received = await stage.listen("/ultrasound", RANGE)
+        stamps = [message.header.stamp.to_s() for message in (await received.several(20))[4:]]
         assert (stamps[-1] - stamps[0]) / (len(stamps) - 1) == pytest.approx(0.05, rel=0.1)
 
 
 async def test_ir_ranger(kind: str) -> None:
     async with running("IrRanger", kind) as stage:
-        heard = await stage.listen("/range_data", RANGE)
+        received = await stage.listen("/range_data", RANGE)
         for centimetres in (4.5, 10, 17, 25):
             await stage.board.set_adc("A0", 12.2 / (centimetres + 0.42))
-            await heard.several(2)
-            for measured in await heard.several(2):
+            await received.several(2)
+            for measured in await received.several(2):
                 assert measured.range == pytest.approx(centimetres / 100, abs=0.005)
                 assert measured.radiation_type == 1
         await stage.board.set_adc("A0", 0.1)
-        assert math.isinf((await heard.next(lambda measured: measured.range > 1)).range)
+        assert math.isinf((await received.next(lambda measured: measured.range > 1)).range)
 
 
 async def test_temperature(kind: str) -> None:
     async with running("Temperature", kind, ["adc A0=0.75"]) as stage:
-        heard = await stage.listen("/temperature", "std_msgs/Float32")
-        assert (await heard.next()).data == pytest.approx(25, abs=0.5)
+        received = await stage.listen("/temperature", "std_msgs/Float32")
+        assert (await received.next()).data == pytest.approx(25, abs=0.5)
         await stage.board.set_adc("A0", 0.4)
-        assert (await heard.next(lambda measured: measured.data < 0)).data == pytest.approx(-10, abs=0.5)
+        assert (await received.next(lambda measured: measured.data < 0)).data == pytest.approx(-10, abs=0.5)
 
 
 async def test_adc(kind: str) -> None:
     volts = {"A0": 0.0, "A1": 1.0, "A2": 2.5, "A3": 3.3, "A4": 4.2, "A5": 5.0}
     words = "adc " + " ".join(f"{pin}={value}" for pin, value in volts.items())
     async with running("ADC", kind, [words]) as stage:
-        heard = await stage.listen("/adc", "rosserial_arduino/Adc")
-        await heard.several(2)
-        adc = await heard.next()
+        received = await stage.listen("/adc", "rosserial_arduino/Adc")
+        await received.several(2)
+        adc = await received.next()
         for index, value in enumerate(volts.values()):
             assert getattr(adc, f"adc{index}") == pytest.approx(min(value / 5 * 1024, 1023), abs=1)
 
@@ -87,4 +87,4 @@ async def test_clapper(kind: str) -> None:
         await hear_one("800ms")
         await board.send_command("run")
         await claps.reached(2)
-        assert len(claps.heard) == 2
+        assert len(claps.received) == 2

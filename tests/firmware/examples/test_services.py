@@ -16,11 +16,11 @@ TEXT = "std_msgs/String"
 async def test_service_server(kind: str) -> None:
     async with running("ServiceServer", kind) as stage:
         await stage.service("/test_srv")
-        for said in ("hello", "world", "hello"):
+        for reported in ("hello", "world", "hello"):
             answer = await stage.graph.call(
                 "/test_srv", "rosserial_arduino/Test", {"input": "anybody there?"}, timeout_s=60
             )
-            assert answer.output == said
+            assert answer.output == reported
         assert (await stage.message("/chatter", TEXT)).data == "hello world!"
 
 
@@ -64,7 +64,7 @@ async def test_parameters_that_are_not_set(kind: str) -> None:
         gains = await stage.listen("/gains", "std_msgs/Float32MultiArray")
         assert (await gains.next()).data == pytest.approx([1.0, 0.0, 0.1])
         assert (await stage.message("/name", TEXT)).data == "nobody"
-        assert all(line.level <= 4 for line in log.heard)
+        assert all(line.level <= 4 for line in log.received)
 
 
 async def test_logging(kind: str) -> None:
@@ -72,7 +72,7 @@ async def test_logging(kind: str) -> None:
         log = await stage.log()
         await log.next(lambda line: line.level == 16)
         await log.next(lambda line: line.level == 16)
-        round_ = [line for line in log.heard if line.name == "/board" and line.level != 1][-4:]
+        round_ = [line for line in log.received if line.name == "/board" and line.level != 1][-4:]
         assert [line.level for line in round_] == [2, 4, 8, 16]
         assert [line.msg for line in round_] == [
             "all is well",
@@ -80,4 +80,4 @@ async def test_logging(kind: str) -> None:
             "broken",
             "nothing works",
         ]
-        assert (1, "a detail") in [(line.level, line.msg) for line in log.heard]
+        assert (1, "a detail") in [(line.level, line.msg) for line in log.received]

@@ -17,7 +17,7 @@ FRAMES = effort(20_000, thorough=100_000)
 @pytest.mark.parametrize("compiler", ["gcc", "gcc-small"])
 def test_any_frame_leaves_the_node_whole(compiler: str, test_library: Path) -> None:
     program = built(compiler, "fuzz", test_library, "-Og")
-    said = run(program, "1", str(FRAMES), timeout_s=120)
-    frames, delivered = [int(word) for word in said.split() if word.isdigit()][:2]
+    reported = run(program, "1", str(FRAMES), timeout_s=120)
+    frames, delivered = [int(word) for word in reported.split() if word.isdigit()][:2]
     # Damage that most messages survive, or that none does, would prove nothing.
     assert frames == FRAMES and 0.05 < delivered / frames < 0.8

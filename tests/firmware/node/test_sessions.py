@@ -50,14 +50,14 @@ def test_recorded_host_is_understood(name: str, test_library: Path) -> None:
     chunks = "".join(f"{int(each.time_s * 1000)} {each.data.hex()}\n" for each in capture.of_host())
     program = built("gcc", "sessions", test_library)
     lines = run(program, *endpoints(capture), stdin=chunks).splitlines()
-    told = [int(line.split()[1]) for line in lines if line.startswith("sent")]
-    heard = sum(line.startswith("heard") for line in lines)
+    reported = [int(line.split()[1]) for line in lines if line.startswith("sent")]
+    received = sum(line.startswith("heard") for line in lines)
     messages = sum(count for each, count in sent.items() if each >= topic_id.FIRST_USER_ID)
     # A response that came between two calls belongs to nobody.
-    assert 0 < heard <= messages if "client" in endpoints(capture) else heard == messages
+    assert 0 < received <= messages if "client" in endpoints(capture) else received == messages
     # Each question for the topics is answered, beside the introductions that nobody asked for.
-    assert told.count(topic_id.PUBLISHER) >= sent[topic_id.PUBLISHER]
-    assert told.count(topic_id.TIME) >= sent[topic_id.PUBLISHER]
+    assert reported.count(topic_id.PUBLISHER) >= sent[topic_id.PUBLISHER]
+    assert reported.count(topic_id.TIME) >= sent[topic_id.PUBLISHER]
     answers = sent.get(topic_id.TIME, 0)
     now = int(lines[-1].split()[1])
     assert (now > 1_000_000_000) == (answers > 0)

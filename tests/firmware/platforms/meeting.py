@@ -71,9 +71,9 @@ class Meeting:
         await self.graph.set_param("/greeting", "good morning")
         assert await self.ask("parameter") == "good morning"
         assert await self.ask("service") == "pulled"
-        for data, said in ((True, "on"), (False, "off")):
+        for data, reported in ((True, "on"), (False, "off")):
             response = await self.graph.call("/switch", "std_srvs/SetBool", {"data": data})
-            assert (response.success, response.message) == (data, said)
+            assert (response.success, response.message) == (data, reported)
         assert self.reporter.having("here I am"), self.reporter.texts
 
 

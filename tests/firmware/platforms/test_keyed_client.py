@@ -35,8 +35,8 @@ def run_client(program: Path, data: bytes, *, stays: bool = False) -> tuple[int,
         [program, KEY, "stays" if stays else "leaves"], input=data, capture_output=True, timeout=120
     )
     assert done.returncode == 0, done.stderr.decode()
-    refusal, left, said = done.stdout.split(b" ", 2)
-    return int(refusal), int(left), said
+    refusal, left, reported = done.stdout.split(b" ", 2)
+    return int(refusal), int(left), reported
 
 
 def test_digests_are_those_of_python(program: Path) -> None:
@@ -48,11 +48,11 @@ def test_digests_are_those_of_python(program: Path) -> None:
 
 
 def test_our_listener_takes_its_proof(program: Path) -> None:
-    refusal, _, said = run_client(program, GREETING)
+    refusal, _, reported = run_client(program, GREETING)
     assert refusal == NO_ANSWER
     listener = ListenerHello({None: KEY.encode()}, NONCE)
     assert listener.greeting == GREETING
-    assert listener.receive(said + b"\xff\xfe") is not None
+    assert listener.receive(reported + b"\xff\xfe") is not None
     others = {run_client(program, f"RSPSK1 {bytes([first] * 16).hex()}\n".encode())[2] for first in range(4)}
     assert len({each.split()[1] for each in others}) == 4, "nonces are its own each time"
 
@@ -60,8 +60,8 @@ def test_our_listener_takes_its_proof(program: Path) -> None:
 def test_a_host_without_the_key_is_refused(program: Path) -> None:
     assert run_client(program, GREETING + b"RSPSK1 " + b"0" * 64 + b"\n\xff\xfe")[:2] == (WRONG_KEY, 2)
     # Its own proof, sent back to it.
-    _, _, said = run_client(program, GREETING)
-    proof = said.split()[2]
+    _, _, reported = run_client(program, GREETING)
+    proof = reported.split()[2]
     assert run_client(program, GREETING + b"RSPSK1 " + proof + b"\n")[0] == WRONG_KEY
 
 

@@ -29,7 +29,7 @@ async def test_messages_of_280_bytes_all_come_back() -> None:
             wanted = f"{number:03}".ljust(LONGEST_TEXT - (number % 3), "abcdefg"[number % 7])
             publisher.publish(data=wanted)
             await ear.reached(number + 1)
-            assert ear.heard[-1].data == wanted
+            assert ear.received[-1].data == wanted
 
 
 @pytest.mark.timeout(300)
@@ -43,7 +43,7 @@ async def test_sixty_four_bits_come_back_exactly() -> None:
         for count, batch in enumerate(batches, 1):
             publisher.raw.publish_raw([layout_and("q", batch)])
             await ear.reached(count)
-            assert list(ear.heard[-1].data) == batch
+            assert list(ear.received[-1].data) == batch
 
 
 @pytest.mark.timeout(300)
@@ -75,7 +75,7 @@ async def test_doubles_come_back_as_the_nearest_floats() -> None:
         for count, batch in enumerate(batches, 1):
             publisher.raw.publish_raw([layout_and("d", batch)])
             await ear.reached(count)
-            assert _bits(ear.heard[-1]) == [_nearest(each) for each in batch]
+            assert _bits(ear.received[-1]) == [_nearest(each) for each in batch]
 
 
 def _bits(message: Message) -> list[bytes]:

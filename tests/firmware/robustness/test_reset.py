@@ -34,9 +34,9 @@ async def test_messages_flow_again_with_our_bridge() -> None:
         await ear.reached(2)
         for _ in range(2):
             before = await stage.board.cycles()
-            heard = len(ear.heard)
+            received = len(ear.received)
             await stage.board.reset()
-            await ear.reached(heard + 1)
+            await ear.reached(received + 1)
             took_s = (await stage.board.cycles() - before) / 16e6
             # A second of sleep in the sketch, and what a busy machine takes to answer.
             assert took_s < 2, took_s

@@ -66,15 +66,15 @@ async def eventually(ask: Callable[[], Awaitable[Any]], is_it: Callable[[Any], o
     return answer
 
 
-async def heard_of(peer: RclpyPeer, topic: str, said: Callable[[], Awaitable[Any]]) -> list[Any]:
+async def received_on(peer: RclpyPeer, topic: str, reported: Callable[[], Awaitable[Any]]) -> list[Any]:
     """Say something until it is answered: there is no telling when the way back is open."""
 
     async def ask() -> list[Any]:
-        heard: list[Any] = await peer.ask("receive", topic=topic, count=0)
-        if not heard:
-            await said()
+        received: list[Any] = await peer.ask("receive", topic=topic, count=0)
+        if not received:
+            await reported()
             await asyncio.sleep(0.2)
-        return heard
+        return received
 
     found: list[Any] = await eventually(ask, bool)
     return found
@@ -90,8 +90,8 @@ async def test_messages_go_to_the_board_and_come_from_it(peer: RclpyPeer, name: 
     async def publish() -> None:
         await peer.ask("publish", topic=there, messages=[MIRRORED[name]])
 
-    heard = await heard_of(peer, back, publish)
-    assert heard[0] == {**MIRRORED[name], **ADDED.get(name, {})}
+    received = await received_on(peer, back, publish)
+    assert received[0] == {**MIRRORED[name], **ADDED.get(name, {})}
 
 
 async def test_the_board_serves(peer: RclpyPeer) -> None:
@@ -205,5 +205,5 @@ async def test_best_effort_ends_meet_the_board(peer: RclpyPeer) -> None:
     async def publish() -> None:
         await peer.ask("publish", topic="/lab/in_Range", messages=[MIRRORED["sensor_msgs/Range"]])
 
-    heard = await heard_of(peer, "sensor", publish)
-    assert heard[0] == {**MIRRORED["sensor_msgs/Range"], **ADDED["sensor_msgs/Range"]}
+    received = await received_on(peer, "sensor", publish)
+    assert received[0] == {**MIRRORED["sensor_msgs/Range"], **ADDED["sensor_msgs/Range"]}

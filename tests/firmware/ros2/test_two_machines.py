@@ -68,8 +68,8 @@ class Fleet:
 
     async def flows(self) -> None:
         """Wait until the board is heard and hears; from then on, nothing may be missing."""
-        heard = len(self.numbers("/count"))
-        await until(lambda: len(self.numbers("/count")) > heard, "the count")
+        received = len(self.numbers("/count"))
+        await until(lambda: len(self.numbers("/count")) > received, "the count")
         for _ in range(100):
             self._said += 1
             await self.node.do("publish", "/say", messages=[{"data": self._said}])
@@ -80,11 +80,11 @@ class Fleet:
 
     async def fallen_silent(self) -> int:
         """Wait until nothing comes any more; returns how many counts were heard."""
-        heard = -1
-        while len(self.numbers("/count")) != heard:
-            heard = len(self.numbers("/count"))
+        received = -1
+        while len(self.numbers("/count")) != received:
+            received = len(self.numbers("/count"))
             await asyncio.sleep(0.3)
-        return heard
+        return received
 
     async def require_all(self, count: int) -> None:
         """Check that so many messages pass both ways, each once and in order."""
@@ -148,9 +148,9 @@ async def test_a_board_and_a_node_meet(fleet: Fleet) -> None:
 async def test_a_router_restarts(fleet: Fleet, name: str) -> None:
     await fleet.flows()
     await fleet.routers[name].stop()
-    heard = await fleet.fallen_silent()
+    received = await fleet.fallen_silent()
     await fleet.routers[name].start()
-    await until(lambda: len(fleet.numbers("/count")) > heard, "the count again")
+    await until(lambda: len(fleet.numbers("/count")) > received, "the count again")
     await fleet.flows()
     await fleet.require_all(50)
     assert await fleet.call()

@@ -109,7 +109,7 @@ async def world(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[World
         yield World(bridge, ros1, await session.join("/onlooker"), sdk)
 
 
-async def heard_back(world: World, name: str, payload: bytes, there: str, back: str) -> bytes:
+async def received_back(world: World, name: str, payload: bytes, there: str, back: str) -> bytes:
     """Publish in ROS 2 what comes back from the board in ROS 2."""
     message_type, inbox = STORE.registry.message_type(name), Inbox()
     await world.ros2.subscribe(back, message_type, inbox.take, on_connection=inbox.take_header)
@@ -125,7 +125,7 @@ async def heard_back(world: World, name: str, payload: bytes, there: str, back: 
 async def test_messages_go_to_the_board_and_come_from_it(world: World, name: str) -> None:
     short, codec = name.partition("/")[2], STORE.codec(name)
     payload = codec.encode(with_times(MIRRORED[name]))
-    back = await heard_back(world, name, payload, f"/lab/in_{short}", f"/lab/out_{short}")
+    back = await received_back(world, name, payload, f"/lab/in_{short}", f"/lab/out_{short}")
     assert without_seq(to_plain(codec.decode(back))) == MIRRORED[name]
 
 
@@ -203,8 +203,8 @@ async def test_parameters_of_ros2_reach_the_board_and_its_log_both_graphs(world:
     await until(lambda: read.subscriber_count and inbox.headers)
     read.publish_raw([b""])
     await until(lambda: inbox.payloads)
-    told = STORE.codec("sensor_msgs/JointState").decode(inbox.payloads[0])
-    assert (told.header.frame_id, told.position) == ("left", [0.5, 0.25, 42.0])
+    reported = STORE.codec("sensor_msgs/JointState").decode(inbox.payloads[0])
+    assert (reported.header.frame_id, reported.position) == ("left", [0.5, 0.25, 42.0])
 
     def texts() -> list[tuple[str, int]]:
         return [

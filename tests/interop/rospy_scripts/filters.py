@@ -53,17 +53,17 @@ print(cache.getElemAfterTime(rospy.Time(3)).name, cache.getElemBeforeTime(rospy.
 print(
     cache.getElemAfterTime(rospy.Time(9)), cache.getOldestTime(), cache.getLatestTime(), cache.getLast().name
 )
-heard = message_filters.Subscriber("text", String)
+arrived = message_filters.Subscriber("text", String)
 received = []
-heard.registerCallback(lambda message: print("heard", message.data))
-heard.registerCallback(received.append)
+arrived.registerCallback(lambda message: print("heard", message.data))
+arrived.registerCallback(received.append)
 publisher = rospy.Publisher("text", String, queue_size=1)
 while not publisher.get_num_connections():
     rospy.sleep(0.02)
 publisher.publish("hello")
 while not received:
     rospy.sleep(0.02)
-print(heard.getTopic(), heard.resolved_name)
+print(arrived.getTopic(), arrived.resolved_name)
 try:
     rospkg.RosPack().get_path("nowhere")
 except rospkg.ResourceNotFound as error:

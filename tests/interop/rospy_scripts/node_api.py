@@ -67,8 +67,8 @@ class Listener(rospy.SubscribeListener):
 
 print(std_msgs.msg.Empty() == Empty())
 early = rospy.Publisher("chatter", String, queue_size=10)
-early_heard = Collector(3)
-early_subscriber = rospy.Subscriber("chatter", String, early_heard.take, "argument")
+received_early = Collector(3)
+early_subscriber = rospy.Subscriber("chatter", String, received_early.take, "argument")
 print(early.name, early_subscriber.resolved_name, early.type)
 rospy.init_node("api", log_level=rospy.DEBUG)
 attempt("init twice", lambda: rospy.init_node("api", log_level=rospy.DEBUG))
@@ -110,8 +110,8 @@ wait_until(lambda: early.get_num_connections() == 1 and early_subscriber.get_num
 for text in ("one", "two"):
     early.publish(text)
 early.publish(data="three")
-print([(message.data, argument) for message, argument in early_heard.wait()])
-header = early_heard.messages[0][0]._connection_header
+print([(message.data, argument) for message, argument in received_early.wait()])
+header = received_early.messages[0][0]._connection_header
 print({key: header[key] for key in ("callerid", "topic", "type", "md5sum")})
 attempt("wrong type", lambda: early.publish(Int32(3)))
 attempt("wrong value", lambda: early.publish(5))
@@ -128,10 +128,10 @@ attempt("silence", lambda: rospy.wait_for_message("silence", Bool, timeout=0.3))
 attempt("silence", lambda: rospy.wait_for_message("silence", Bool, timeout=rospy.Duration(0.3)))
 
 listener = Listener()
-heard_alone = Collector(1)
+received_alone = Collector(1)
 listened = rospy.Publisher("listened", String, subscriber_listener=listener, queue_size=5)
-listening = rospy.Subscriber("listened", String, heard_alone.take)
-print(heard_alone.wait()[0][0].data)
+listening = rospy.Subscriber("listened", String, received_alone.take)
+print(received_alone.wait()[0][0].data)
 listening.unregister()
 listening.unregister()
 wait_until(lambda: len(listener.seen) == 2)
@@ -140,20 +140,20 @@ listened.unregister()
 attempt("unregistered", lambda: listened.publish("x"))
 
 arrays = rospy.Publisher("arrays", numpy_msg(Float32MultiArray), queue_size=5)
-heard_array, heard_any = Collector(1), Collector(1)
-rospy.Subscriber("arrays", numpy_msg(Float32MultiArray), heard_array.take)
+received_array, received_any = Collector(1), Collector(1)
+rospy.Subscriber("arrays", numpy_msg(Float32MultiArray), received_array.take)
 wait_until(lambda: arrays.get_num_connections() == 1)
 import numpy
 
 arrays.publish(data=numpy.array([1.5, 2.5], dtype=numpy.float32))
-data = heard_array.wait()[0][0].data
+data = received_array.wait()[0][0].data
 print(type(data).__name__, data.dtype, data.tolist())
 
 anything = rospy.Publisher("anything", Int32, queue_size=5)
-rospy.Subscriber("anything", rospy.AnyMsg, heard_any.take)
+rospy.Subscriber("anything", rospy.AnyMsg, received_any.take)
 wait_until(lambda: anything.get_num_connections() == 1)
 anything.publish(7)
-raw = heard_any.wait()[0][0]
+raw = received_any.wait()[0][0]
 print(type(raw).__name__, raw._buff, raw._connection_header["type"])
 copies = rospy.Publisher("copies", rospy.AnyMsg, queue_size=5)
 print(copies.type, copies.md5sum)
@@ -240,12 +240,12 @@ rospy.Timer(rospy.Duration(0.01), once.take, oneshot=True)
 print(len(once.wait()), abs(rospy.get_time() - rospy.get_rostime().to_sec()) < 60)
 
 # logs
-heard_logs = Collector(8)
-rospy.Subscriber("/rosout", __import__("rosgraph_msgs.msg").msg.Log, heard_logs.take, queue_size=50)
+received_logs = Collector(8)
+rospy.Subscriber("/rosout", __import__("rosgraph_msgs.msg").msg.Log, received_logs.take, queue_size=50)
 # Until the subscriber is connected, and its connections have been logged.
-wait_until(lambda: rospy.logdebug("probe") or heard_logs.messages)
+wait_until(lambda: rospy.logdebug("probe") or received_logs.messages)
 rospy.sleep(0.3)
-heard_logs.messages.clear()
+received_logs.messages.clear()
 
 
 class Speaker:
@@ -267,11 +267,11 @@ def speak():
 
 
 speak()
-wait_until(lambda: any(message.msg == "last" for message, _ in heard_logs.messages))
-heard_logs.messages = [each for each in heard_logs.messages if each[0].msg != "probe"]
-for message, _ in heard_logs.messages:
+wait_until(lambda: any(message.msg == "last" for message, _ in received_logs.messages))
+received_logs.messages = [each for each in received_logs.messages if each[0].msg != "probe"]
+for message, _ in received_logs.messages:
     print(message.level, message.name, repr(message.msg), message.file, message.line, message.function)
-print(sorted(set(heard_logs.messages[0][0].topics)))
+print(sorted(set(received_logs.messages[0][0].topics)))
 logging.getLogger("rosout").setLevel(logging.WARNING)
 rospy.loginfo("not to be seen")
 

@@ -61,15 +61,15 @@ class Bridge:
 
     async def listen(self, topic: str) -> list[int]:
         """Return a list that gets the number of every message of a topic."""
-        heard: list[int] = []
+        received: list[int] = []
 
         def take(payloads: Sequence[bytes]) -> None:
             for payload in payloads:
                 assert len(payload) == 4, f"{topic} delivered what does not fit its type: {payload!r}"
-                heard.append(struct.unpack("<I", payload)[0])
+                received.append(struct.unpack("<I", payload)[0])
 
         await self.peer.subscribe(topic, STORE.registry.message_type(COUNT), take)
-        return heard
+        return received
 
 
 class Board:
@@ -137,7 +137,7 @@ class Board:
         """Send numbers from now on, each `period_s`, in a task of its own."""
         self.chatter = asyncio.create_task(self._count(first, period_s))
 
-    async def settle(self, heard: list[int], first: int = 0) -> None:
+    async def settle(self, received: list[int], first: int = 0) -> None:
         """Send a number until the bridge passes it on: from then on it is known and subscribed."""
 
         async def speak() -> None:
@@ -146,7 +146,7 @@ class Board:
                 await asyncio.sleep(0.01)
 
         speaking = asyncio.create_task(speak())
-        await until(lambda: first in heard, "the first message")
+        await until(lambda: first in received, "the first message")
         speaking.cancel()
         with contextlib.suppress(asyncio.CancelledError):
             await speaking
@@ -253,6 +253,6 @@ async def line(
             yield bridge, SerialBoard(folder / "ttyBOARD", *announcements)
 
 
-def gone_missing(heard: list[int], sent: range, is_damaged: Callable[[int], bool]) -> list[int]:
+def gone_missing(received: list[int], sent: range, is_damaged: Callable[[int], bool]) -> list[int]:
     """Return the numbers that were sent whole and not heard."""
-    return sorted({number for number in sent if not is_damaged(number)} - set(heard))
+    return sorted({number for number in sent if not is_damaged(number)} - set(received))

@@ -82,10 +82,10 @@ class World:
 
     async def listen(self, topic: str, type_name: str = "std_msgs/String") -> list[bytes]:
         """Subscribe as the other node; the list grows as messages come."""
-        heard: list[bytes] = []
+        received: list[bytes] = []
 
         def take(payloads: Sequence[bytes]) -> None:
-            heard.extend(payloads)
+            received.extend(payloads)
 
         await self.peer.subscribe(topic, STORE.registry.message_type(type_name), take)
-        return heard
+        return received

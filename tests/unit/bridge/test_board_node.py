@@ -78,8 +78,8 @@ async def test_a_board_that_reconnects_all_day_causes_few_lines(world: World) ->
             lines.topic(publisher(name))
         clock.now_s += 0.5
     hours = clock.now_s / 3600
-    said = world.reporter.having("Setup publisher")
-    assert len(said) <= SAVED_LINES + hours * 3600 / LINE_PERIOD_S
+    reported = world.reporter.having("Setup publisher")
+    assert len(reported) <= SAVED_LINES + hours * 3600 / LINE_PERIOD_S
     summaries = world.reporter.having("announces its topics repeatedly; these lines are omitted (")
     assert "omitted (1 so far)" in summaries[0]
     assert 1 < len(summaries) <= clock.now_s / SUMMARY_PERIOD_S + 1

@@ -29,8 +29,8 @@ class FakeNode:
 
 
 class FakeSession:
-    def __init__(self, heard_at_s: float = 0.0) -> None:
-        self.heard_at_s = heard_at_s
+    def __init__(self, received_at_s: float = 0.0) -> None:
+        self.received_at_s = received_at_s
         self.is_abandoned = False
 
     def abandon(self) -> None:

@@ -92,7 +92,7 @@ def held_by(capture: Capture) -> Held:
 async def replay(capture: Capture, store: TypeStore = STORE) -> tuple[dict[str, list[bytes]], World]:
     """Give a session what the board sent, at the times it did; return what ROS got."""
     world = await World().open()
-    heard = {
+    received = {
         "/" + topic.name.lstrip("/"): await world.listen(topic.name, topic.type)
         for topic in capture.topics.values()
         if topic.kind == "publisher"
@@ -108,7 +108,7 @@ async def replay(capture: Capture, store: TypeStore = STORE) -> tuple[dict[str, 
     await asyncio.sleep(2.0)
     session.connection_lost(None)
     await node.close()
-    return {topic: messages for topic, messages in heard.items() if messages}, world
+    return {topic: messages for topic, messages in received.items() if messages}, world
 
 
 @pytest.mark.parametrize("name", names())
@@ -137,9 +137,9 @@ def test_the_capture_holds_something(name: str) -> None:
 def test_a_topic_of_an_unknown_package_is_named() -> None:
     store = TypeStore(Registry(bundled=False))
     _, world = run(replay(load("mearm"), store))
-    (said,) = world.reporter.having("servo_angles")
-    assert "mearm_model" in said
-    assert "--msg-path" in said
+    (reported,) = world.reporter.having("servo_angles")
+    assert "mearm_model" in reported
+    assert "--msg-path" in reported
 
 
 def test_a_boards_calls_reach_the_service() -> None:

@@ -220,8 +220,8 @@ def test_damaged_frames(percent: int) -> None:
 
     diagnosis = diagnose(board, watch_s=20.0)
     (finding,) = [each for each in diagnosis.findings if each.code is Code.FRAMES_DAMAGED]
-    told = float(finding.seen.split(" %")[0])
-    assert told == pytest.approx(percent, rel=0.6)
+    reported = float(finding.seen.split(" %")[0])
+    assert reported == pytest.approx(percent, rel=0.6)
 
 
 @pytest.mark.parametrize("period_s", [0.7, 1.5, 3.0, 4.0])

@@ -34,9 +34,9 @@ every_line = pytest.mark.parametrize("kind", ["tcp", "pty", "serial"])
 @every_line
 async def test_64_kib_of_garbage_before_the_first_frame(kind: str, tmp_path: Path) -> None:
     async with line(kind, tmp_path) as (bridge, board):
-        heard = await bridge.listen("/count")
+        received = await bridge.listen("/count")
         await board.connect(GARBAGE)
-        await board.settle(heard)
+        await board.settle(received)
         await board.hang_up()
 
 
@@ -44,15 +44,15 @@ async def test_64_kib_of_garbage_before_the_first_frame(kind: str, tmp_path: Pat
 async def test_garbage_between_frames_costs_no_frame(kind: str, tmp_path: Path) -> None:
     rng = random.Random(7)
     async with line(kind, tmp_path) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
         for number in range(1, 301):
             garbage = rng.randbytes(rng.randrange(1, 60))
             await board.send(garbage + numbered(number))
             if number % 10 == 0:
                 await asyncio.sleep(0.01)
-        await until(lambda: gone_missing(heard, range(1, 301), lambda _: False) == [], "every frame")
-        assert sorted(set(heard)) == list(range(301))
+        await until(lambda: gone_missing(received, range(1, 301), lambda _: False) == [], "every frame")
+        assert sorted(set(received)) == list(range(301))
 
 
 @every_line
@@ -61,8 +61,8 @@ async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost(kind: st
     total = 5000
     damaged = set(rng.sample(range(1, total), total // 100))
     async with line(kind, tmp_path) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
         for number in range(1, total):
             frame = bytearray(numbered(number))
             if number in damaged:
@@ -70,9 +70,9 @@ async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost(kind: st
             await board.send(bytes(frame))
             if number % 50 == 0:
                 await asyncio.sleep(0.002)
-        await until(lambda: not gone_missing(heard, range(1, total), damaged.__contains__), "the others")
-        assert not damaged & set(heard)
-        assert set(heard) <= set(range(total))
+        await until(lambda: not gone_missing(received, range(1, total), damaged.__contains__), "the others")
+        assert not damaged & set(received)
+        assert set(received) <= set(range(total))
 
 
 @every_line
@@ -80,22 +80,22 @@ async def test_of_damaged_frames_none_is_delivered_and_no_other_is_lost(kind: st
 async def test_a_disconnect_of_two_seconds(kind: str, speaks_first: bool, tmp_path: Path) -> None:
     took_s: list[float] = []
     async with line(kind, tmp_path) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
         while len(took_s) < TRIES and min(took_s, default=AT_ONCE_S) >= AT_ONCE_S:
             await board.hang_up()
             await asyncio.sleep(2.0)
-            requests, first = board.requests, heard[-1] + 1000
+            requests, first = board.requests, received[-1] + 1000
             await board.connect()
             began_s = time.monotonic()
             if not speaks_first:
                 await until(lambda: board.requests > requests, "a topic request")  # noqa: B023
             board.count_from(first)
-            await until(lambda: heard[-1] >= first, "messages after the disconnect")  # noqa: B023
+            await until(lambda: received[-1] >= first, "messages after the disconnect")  # noqa: B023
             took_s.append(time.monotonic() - began_s)
-            since = min(number for number in heard if number >= first)
-            await until(lambda: heard[-1] > since + 20, "more messages")  # noqa: B023
-            later = [number for number in heard if number >= first]
+            since = min(number for number in received if number >= first)
+            await until(lambda: received[-1] > since + 20, "more messages")  # noqa: B023
+            later = [number for number in received if number >= first]
             assert later == list(range(since, since + len(later)))
     # A terminal of ours stays when its opener goes: a board there that waits to be asked is found by a probe.
     waits = kind == "pty" and not speaks_first
@@ -105,15 +105,15 @@ async def test_a_disconnect_of_two_seconds(kind: str, speaks_first: bool, tmp_pa
 @every_line
 async def test_a_topic_stays_in_the_graph_over_a_disconnect(kind: str, tmp_path: Path) -> None:
     async with line(kind, tmp_path) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
         publishers = _publishers(bridge)
         assert publishers
         await board.hang_up()
         await asyncio.sleep(0.3)
         assert _publishers(bridge) == publishers
         await board.connect()
-        await board.settle(heard, 50)
+        await board.settle(received, 50)
         assert _publishers(bridge) == publishers
 
 
@@ -135,14 +135,14 @@ async def test_a_topic_that_cannot_be_bridged_disturbs_no_other(
 ) -> None:
     good = (ids.PUBLISHER, topic_info("count", COUNT, topic_id=125, buffer_size=512))
     async with line(kind, tmp_path, good, bad) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
         asked, used_s = board.requests, _cpu_s()
         for number in range(1, 101):
             await board.send(numbered(number) + numbered(number, 126))
             await asyncio.sleep(0.02)
-        await until(lambda: heard[-1] == 100, "every good message")
-        assert not gone_missing(heard, range(1, 101), lambda _: False)
+        await until(lambda: received[-1] == 100, "every good message")
+        assert not gone_missing(received, range(1, 101), lambda _: False)
         # Not for each of the hundred. Late answers of a busy machine are requested again.
         assert board.requests - asked < 20
         assert _cpu_s() - used_s < 1.0
@@ -153,14 +153,14 @@ async def test_a_truncated_announcement_is_not_asked_for_in_a_loop(kind: str, tm
     body = topic_info("bad", COUNT, topic_id=126).encode()
     truncated = encode_frame(ids.PUBLISHER, body[: len(body) // 2])
     async with line(kind, tmp_path) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
         asked, began_s = board.requests, time.monotonic()
         for number in range(1, 101):
             await board.send(truncated + numbered(number) + numbered(number, 126))
             await asyncio.sleep(0.02)
-        await until(lambda: heard[-1] == 100, "every good message")
-        assert not gone_missing(heard, range(1, 101), lambda _: False)
+        await until(lambda: received[-1] == 100, "every good message")
+        assert not gone_missing(received, range(1, 101), lambda _: False)
         # Not for each of the hundred: a request is repeated five times a second at most.
         assert board.requests - asked <= 2 + 5 * (time.monotonic() - began_s)
 
@@ -183,9 +183,9 @@ def test_twenty_seconds_of_silence() -> None:
 @every_line
 async def test_a_length_that_never_comes(kind: str, size: int, topic_id: int, tmp_path: Path) -> None:
     async with line(kind, tmp_path) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
-        await _flows_behind(board, encode_frame(topic_id, bytes(size))[:7], heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
+        await _flows_behind(board, encode_frame(topic_id, bytes(size))[:7], received)
 
 
 @pytest.mark.parametrize("size", [65535, 32767])
@@ -196,9 +196,9 @@ async def test_a_possible_length_that_never_comes_on_a_board_that_streams(
     text = (ids.PUBLISHER, topic_info("text", "std_msgs/String", topic_id=126, buffer_size=65535))
     count = (ids.PUBLISHER, topic_info("count", COUNT, topic_id=125, buffer_size=65535))
     async with line(kind, tmp_path, text, count) as (bridge, board), board:
-        heard = await bridge.listen("/count")
-        await board.settle(heard)
-        await _flows_behind(board, encode_frame(126, bytes(size))[:7], heard)
+        received = await bridge.listen("/count")
+        await board.settle(received)
+        await _flows_behind(board, encode_frame(126, bytes(size))[:7], received)
 
 
 @pytest.mark.timeout(300)
@@ -218,9 +218,9 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
     turns = 10
     quiet = (ids.PUBLISHER, topic_info("quiet", COUNT, topic_id=125, buffer_size=512))
     async with Bridge() as bridge, TcpBoard(bridge.port) as board, TcpBoard(bridge.port, quiet) as other:
-        heard = await bridge.listen("/count")
+        received = await bridge.listen("/count")
         others = await bridge.listen("/quiet")
-        await board.settle(heard)
+        await board.settle(received)
         await other.settle(others)
         other.count_from(1)
         began_s, used_s = time.monotonic(), _cpu_s()
@@ -231,7 +231,7 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         back_s, back_used_s = time.monotonic(), _cpu_s()
         async with lateness() as late:
             board.count_from(1)
-            await until(lambda: len(set(heard)) > 1, "messages after the garbage")
+            await until(lambda: len(set(received)) > 1, "messages after the garbage")
         ended_s, ended_used_s = time.monotonic(), _cpu_s()
         slow = slowness()
         # At once by what it has to do; a busy machine lets it do so later.
@@ -244,23 +244,23 @@ async def test_seconds_of_garbage_at_ten_megabytes_a_second(name: str) -> None:
         assert max(others) > 10
 
 
-async def _flows_behind(board: Board, header: bytes, heard: list[int]) -> None:
+async def _flows_behind(board: Board, header: bytes, received: list[int]) -> None:
     """Send a header, then numbers: the first is heard at once, and none is lost."""
     took_s: list[float] = []
-    sent = set(heard)
+    sent = set(received)
     while len(took_s) < TRIES and min(took_s, default=AT_ONCE_S) >= AT_ONCE_S:
         first = max(sent) + 1
         await board.send(header)
         began_s = time.monotonic()
         board.count_from(first)
-        await until(lambda: heard[-1] >= first, "messages behind the header")  # noqa: B023
+        await until(lambda: received[-1] >= first, "messages behind the header")  # noqa: B023
         took_s.append(time.monotonic() - began_s)
         await asyncio.sleep(0.3)
         await board.fall_silent()
         sent |= set(range(first, board.number))
-        await until(lambda: heard[-1] == board.number - 1, "the last message")
+        await until(lambda: received[-1] == board.number - 1, "the last message")
     assert min(took_s) < AT_ONCE_S
-    assert set(heard) == sent
+    assert set(received) == sent
 
 
 def _publishers(bridge: Bridge) -> tuple[str, ...]:

@@ -47,20 +47,20 @@ async def site() -> AsyncIterator[Site]:
 async def carry_both_ways(site: Site, link: str, node: str) -> None:
     """Let a device on a link say something, and hear something."""
     peer = await site.network.join("/peer")
-    said: list[bytes] = []
-    heard: list[Any] = []
-    await peer.subscribe("/chatter", STRING, said.extend)
+    reported: list[bytes] = []
+    received: list[Any] = []
+    await peer.subscribe("/chatter", STRING, reported.extend)
     publisher = await peer.advertise("/led", STRING)
     async with Device(link, store=STORE) as device:
         chatter = device.publisher("chatter", "std_msgs/String")
-        device.subscriber("led", "std_msgs/String", heard.append)
+        device.subscriber("led", "std_msgs/String", received.append)
         await device.wait_connected(60.0)
         await until(lambda: publisher.subscriber_count, "the board's subscription")
         publisher.publish_raw([text("on")])
-        await until(lambda: heard, "the message to the board")
-        await until(lambda: chatter.publish(data="hello") and said, "the message from the board")
-        assert heard[0].data == "on"
-        assert said[0] == text("hello")
+        await until(lambda: received, "the message to the board")
+        await until(lambda: chatter.publish(data="hello") and reported, "the message from the board")
+        assert received[0].data == "on"
+        assert reported[0] == text("hello")
         assert [view.node for view in site.supervisor.boards()] == [node]
 
 
@@ -114,8 +114,8 @@ async def test_a_serial_port_that_goes_and_comes_back(site: Site, tmp_path: Path
 async def test_many_devices_at_once(site: Site) -> None:
     await site.supervisor.start([parse_address("tcp://127.0.0.1:0?name=board")])
     peer = await site.network.join("/peer")
-    said: list[bytes] = []
-    await peer.subscribe("/chatter", STRING, said.extend)
+    reported: list[bytes] = []
+    await peer.subscribe("/chatter", STRING, reported.extend)
     async with contextlib.AsyncExitStack() as stack:
         devices = [
             await stack.enter_async_context(Device(site.supervisor.listening_on[0], store=STORE))
@@ -126,6 +126,6 @@ async def test_many_devices_at_once(site: Site) -> None:
             await device.wait_connected(60.0)
         for number, publisher in enumerate(publishers):
             await until(partial(publisher.publish, data=str(number)), "a publication")
-        await until(lambda: len(said) == 32, "a malformed message of each:")
-        assert {payload[4:] for payload in said} == {str(number).encode() for number in range(32)}
+        await until(lambda: len(reported) == 32, "a malformed message of each:")
+        assert {payload[4:] for payload in reported} == {str(number).encode() for number in range(32)}
         assert len(site.supervisor.boards()) == 32

@@ -98,10 +98,10 @@ async def board(place: tuple[str, int]) -> AsyncIterator[None]:
 
 @pytest.mark.parametrize("name", names())
 def test_what_boards_send_first_is_a_frame(name: str) -> None:
-    said = b""
+    reported = b""
     for chunk in load(name).of_device()[:50]:
-        said += chunk.data
-        if holds_frame(chunk.data) or holds_frame(said):
+        reported += chunk.data
+        if holds_frame(chunk.data) or holds_frame(reported):
             return
     pytest.fail("no frame in what the board said")
 
@@ -113,8 +113,8 @@ def test_what_is_not_a_frame_of_a_board(data: bytes) -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_what_boards_send_when_they_were_asked_is_an_answer(name: str) -> None:
-    said = b"".join(chunk.data for chunk in load(name).of_device()[:50])
-    assert holds_answer(said)
+    reported = b"".join(chunk.data for chunk in load(name).of_device()[:50])
+    assert holds_answer(reported)
 
 
 def test_a_time_request_is_not_an_answer() -> None:

@@ -40,17 +40,17 @@ def _traced() -> Iterator[None]:
     tracemalloc.stop()
 
 
-async def _come_and_go(bridge: Bridge, board: TcpBoard, heard: list[int], number: int) -> None:
+async def _come_and_go(bridge: Bridge, board: TcpBoard, received: list[int], number: int) -> None:
     await board.connect()
     requests = board.requests
     await until(lambda: board.requests > requests, "a topic request")
     await board.send(numbered(number))
-    await until(lambda: heard[-1:] == [number], "the message")
+    await until(lambda: received[-1:] == [number], "the message")
     await board.hang_up()
     await until(
         lambda: not any(view.is_connected for view in bridge.supervisor.boards()), "the end of a session"
     )
-    heard.clear()
+    received.clear()
     bridge.reporter.lines.clear()
     bridge.network.logs.clear()
 
@@ -60,17 +60,17 @@ async def _come_and_go(bridge: Bridge, board: TcpBoard, heard: list[int], number
 @pytest.mark.usefixtures("_traced")
 async def test_reconnects_leave_nothing_behind() -> None:
     async with Bridge(BridgeSettings(grace_s=60.0)) as bridge:
-        heard = await bridge.listen("/count")
+        received = await bridge.listen("/count")
         board = TcpBoard(bridge.port)
         for number in range(WARM_UP):
-            await _come_and_go(bridge, board, heard, number)
+            await _come_and_go(bridge, board, received, number)
         gc.collect()
         await asyncio.sleep(0.1)
         before = _descriptors(), len(asyncio.all_tasks()), bridge.network.snapshot()
         held_bytes, _ = tracemalloc.get_traced_memory()
         objects = _objects()
         for number in range(RECONNECTS):
-            await _come_and_go(bridge, board, heard, number)
+            await _come_and_go(bridge, board, received, number)
         gc.collect()
         await asyncio.sleep(0.1)
         assert (_descriptors(), len(asyncio.all_tasks()), bridge.network.snapshot()) == before

@@ -103,12 +103,12 @@ async def test_a_board_announces_the_same_topics_to_established_hosts(bridge: Br
 
 
 async def test_messages_flow_to_ros(bridge: Bridge) -> None:
-    heard = await bridge.listen("/chatter")
+    arrived = await bridge.listen("/chatter")
     board = await bridge.connect(CHATTER)
     await until(lambda: bridge.session.receivers, "the announcement")
     board.send(125, *(text(str(number)) for number in range(1000)))
-    await until(lambda: len(heard) == 1000, "all messages")
-    assert heard == [text(str(number)) for number in range(1000)]
+    await until(lambda: len(arrived) == 1000, "all messages")
+    assert arrived == [text(str(number)) for number in range(1000)]
 
 
 async def test_messages_flow_to_the_board(bridge: Bridge) -> None:
@@ -296,25 +296,25 @@ async def test_stopping_sends_a_stop_to_the_board(bridge: Bridge) -> None:
 
 
 async def test_the_plug_pulled_within_a_message(bridge: Bridge) -> None:
-    heard = await bridge.listen("/chatter")
+    arrived = await bridge.listen("/chatter")
     board = await bridge.connect(CHATTER)
     await until(lambda: bridge.session.receivers, "the announcement")
     frame = encode_frame(125, text("whole"))
     board.transport.write(frame + frame[:9])
     board.transport.close()
     assert await bridge.session.wait_ended() is not None
-    await until(lambda: heard, "the whole message")
-    assert heard == [text("whole")]
+    await until(lambda: arrived, "the whole message")
+    assert arrived == [text("whole")]
     assert "/board" in bridge.network.snapshot().topics["/chatter"].publishers
     again = await bridge.connect(CHATTER)
     await until(lambda: bridge.session.receivers, "the second announcement")
     again.send(125, text("back"))
-    await until(lambda: len(heard) == 2, "the message after the loss")
-    assert heard[1] == text("back")
+    await until(lambda: len(arrived) == 2, "the message after the loss")
+    assert arrived[1] == text("back")
 
 
 async def test_garbage_is_endured_in_few_lines(bridge: Bridge) -> None:
-    heard = await bridge.listen("/chatter")
+    arrived = await bridge.listen("/chatter")
     board = await bridge.connect(CHATTER)
     await bridge.settled()
     rng = random.Random(7)
@@ -327,22 +327,22 @@ async def test_garbage_is_endured_in_few_lines(bridge: Bridge) -> None:
     for number in range(50):
         board.send(125, text(f"good {number}"))
         await asyncio.sleep(0.01)
-        if text(f"good {number}") in heard:
+        if text(f"good {number}") in arrived:
             break
-    assert any(payload.startswith(b"\x06\0\0\0good") or b"good" in payload for payload in heard)
-    assert all(STORE.layout("std_msgs/String").accepts(payload) for payload in heard)
+    assert any(payload.startswith(b"\x06\0\0\0good") or b"good" in payload for payload in arrived)
+    assert all(STORE.layout("std_msgs/String").accepts(payload) for payload in arrived)
     assert len(bridge.reporter.lines) < 20
 
 
 async def test_a_flood_of_log_lines_is_reported_in_one_line(bridge: Bridge) -> None:
-    heard = await bridge.listen("/chatter")
+    arrived = await bridge.listen("/chatter")
     board = await bridge.connect(CHATTER)
     await bridge.settled()
     line = encode_frame(ids.LOG, Log(LogLevel.INFO, "again").encode())
     for _ in range(3):
         board.transport.write(line * 2000)
     board.send(125, text("after"))
-    await until(lambda: bool(heard), "the message behind the flood")
+    await until(lambda: bool(arrived), "the message behind the flood")
     assert len(bridge.reporter.having("again")) < 4000
     assert len(bridge.reporter.having("too many log lines")) == 1
 
@@ -381,7 +381,7 @@ async def test_a_slow_subscriber_pauses_a_board_that_can_be_paused(bridge: Bridg
 
 
 async def test_a_subscriber_that_hangs_pauses_the_board_for_a_moment_only(bridge: Bridge) -> None:
-    heard = await bridge.listen("/chatter")
+    arrived = await bridge.listen("/chatter")
     hanging = await bridge.network.join("/hanging")
     subscription = await hanging.subscribe("/chatter", STRING, lambda _: None)
     board = await bridge.connect(LONG_CHATTER)
@@ -392,7 +392,7 @@ async def test_a_subscriber_that_hangs_pauses_the_board_for_a_moment_only(bridge
         while board.transport.write_buffer_bytes > 30_000:
             await asyncio.sleep(0.001)
         board.send(125, text("x" * 1000))
-    await until(lambda: len(heard) == total, "all at the quick subscriber")
+    await until(lambda: len(arrived) == total, "all at the quick subscriber")
 
 
 async def test_a_hanging_board_stops_no_publisher_for_long(bridge: Bridge) -> None:
@@ -422,8 +422,8 @@ async def test_a_fault_within_ends_this_session_only(bridge: Bridge, monkeypatch
     monkeypatch.setattr(bridge.session.link, "receive_data", broken)
     board.send(125, text("x"))
     await until(lambda: not bridge.session.is_connected, "the end of the session")
-    (said,) = bridge.reporter.having("failed")
-    assert "a defect of ours" in said
+    (reported,) = bridge.reporter.having("failed")
+    assert "a defect of ours" in reported
 
 
 async def test_an_unplugged_serial_line_is_paced(bridge: Bridge) -> None:

@@ -27,15 +27,15 @@ async def test_nothing_is_lost_and_nothing_damaged_is_delivered_on_lines_that_fa
         stderr=asyncio.subprocess.STDOUT,
     )
     try:
-        said = (await asyncio.wait_for(soak.communicate(), 90))[0].decode()
+        reported = (await asyncio.wait_for(soak.communicate(), 90))[0].decode()
     finally:
         if soak.returncode is None:
             soak.kill()
             await soak.wait()
     seen = re.search(
-        r"([\d,]+) messages, (\d+) reconnects: 0 whole ones lost, 0 damaged ones delivered", said
+        r"([\d,]+) messages, (\d+) reconnects: 0 whole ones lost, 0 damaged ones delivered", reported
     )
-    assert seen is not None, said
-    assert soak.returncode == 0, said
+    assert seen is not None, reported
+    assert soak.returncode == 0, reported
     assert int(seen[1].replace(",", "")) > 300
     assert int(seen[2]) >= 2

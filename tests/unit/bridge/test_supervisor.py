@@ -216,12 +216,12 @@ async def test_a_board_that_switched_off_without_a_word_gets_its_name_back(
     await until(lambda: again.received[ids.TOPIC_REQUEST], "the topic request")
     assert site.nodes() == {"/tcp_192_168_1_7"}
     assert site.boards[0].is_lost or site.connected() == {"/tcp_192_168_1_7"}
-    heard: list[bytes] = []
+    arrived: list[bytes] = []
     peer = await site.network.join("/peer")
-    await peer.subscribe("/chatter", STORE.registry.message_type("std_msgs/String"), heard.extend)
+    await peer.subscribe("/chatter", STORE.registry.message_type("std_msgs/String"), arrived.extend)
     await site.serving("/tcp_192_168_1_7")
     again.send(125, text("back"))
-    await until(lambda: heard, "the message")
+    await until(lambda: arrived, "the message")
 
 
 async def test_a_board_that_is_not_silent_keeps_its_name(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,11 +64,11 @@ async def test_it_listens_only_where_it_is_reported(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "reported"),
     [
         (("--ros2", "rclpy"), "only ROS 2 over zenoh needs a router; with DDS, nodes discover each other"),
         (("--ros2", "zenoh", "--port", "1"), "the router accepts only --zenoh-connect and --zenoh-listen"),
     ],
 )
-def test_what_makes_no_sense_is_refused(shell: Shell, options: tuple[str, ...], told: str) -> None:
-    assert told in shell.failure("core", *options, code=2)
+def test_what_makes_no_sense_is_refused(shell: Shell, options: tuple[str, ...], reported: str) -> None:
+    assert reported in shell.failure("core", *options, code=2)

@@ -25,6 +25,6 @@ def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
 def test_without_a_description_a_line_names_the_parameter(graph: LiveGraph) -> None:
     for role in ("robot-state-publisher", "joint-state-publisher"):
         with running("role", role, ROS_MASTER_URI=graph.uri) as process:
-            _, said = process.communicate(timeout=60)
+            _, reported = process.communicate(timeout=60)
             assert process.returncode == 1
-            assert "the parameter robot_description has no URDF; set it in a launch file" in said
+            assert "the parameter robot_description has no URDF; set it in a launch file" in reported

@@ -24,14 +24,14 @@ async def test_findings_in_the_log_once_and_in_diagnostics(tmp_path: Path) -> No
             join("looker", environ=environ) as graph,
         ):
             await serve.wait_for("text between the frames")
-            told = 0
+            reported = 0
             async for array in graph.messages("/diagnostics", "diagnostic_msgs/DiagnosticArray"):
                 (status,) = array.status
                 assert (status.name, status.level) == ("arm: rosserial", 1)
                 assert "distance 42 cm" in status.message
                 assert {each.key: each.value for each in status.values}["state"] == "connected"
-                told += 1
-                if told == 3:
+                reported += 1
+                if reported == 3:
                     break
         assert serve.text.count("text between the frames") == 1
     finally:

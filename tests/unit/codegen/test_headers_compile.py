@@ -55,8 +55,8 @@ def test_all_headers_together(compiler: str, hostile_library: WrittenLibrary, tm
     includes = [f"#include <{name}.h>" for name in hostile_library.library.types]
     source = tmp_path / "all.cpp"
     source.write_text("\n".join([*includes, USES]))
-    said = COMPILERS[compiler].compile(source, hostile_library.path, tmp_path / "all.o")
-    assert not said
+    reported = COMPILERS[compiler].compile(source, hostile_library.path, tmp_path / "all.o")
+    assert not reported
 
 
 @pytest.mark.parametrize("name", ALONE)

@@ -278,10 +278,10 @@ async def test_times_are_now_or_seconds(talker: TypedGraph, listener: TypedGraph
 
 
 async def test_callbacks_get_messages_until_closed(talker: TypedGraph, listener: TypedGraph) -> None:
-    heard: list[str] = []
+    received: list[str] = []
 
     def hear(message: Message) -> None:
-        heard.append(message.data)
+        received.append(message.data)
         if message.data == "bad":
             raise ValueError
 
@@ -291,7 +291,7 @@ async def test_callbacks_get_messages_until_closed(talker: TypedGraph, listener:
     for text in ("one", "bad", "two"):
         publisher.publish(text)
     async with asyncio.timeout(60):
-        while heard != ["one", "bad", "two"]:
+        while received != ["one", "bad", "two"]:
             await asyncio.sleep(0.005)
         await subscriber.close()
         while publisher.subscriber_count:
@@ -326,25 +326,25 @@ async def test_waiting_for_a_topic_without_publisher_is_logged(
 
 
 async def test_log_methods_have_the_names_of_a_device(talker: TypedGraph, listener: TypedGraph) -> None:
-    heard: list[int] = []
-    subscriber = await listener.subscriber("/rosout", None, lambda message: heard.append(message.level))
+    received: list[int] = []
+    subscriber = await listener.subscriber("/rosout", None, lambda message: received.append(message.level))
     async with asyncio.timeout(60):
-        while len(heard) < 3:
+        while len(received) < 3:
             talker.logwarn("careful")
             await asyncio.sleep(0.01)
-    assert set(heard) == {4}
+    assert set(received) == {4}
     await subscriber.close()
 
 
 async def test_async_callbacks_are_awaited_one_after_the_other(
     talker: TypedGraph, listener: TypedGraph
 ) -> None:
-    heard: list[str] = []
+    received: list[str] = []
 
     async def hear(message: Message) -> None:
-        heard.append(f"{message.data} begins")
+        received.append(f"{message.data} begins")
         await asyncio.sleep(0)
-        heard.append(f"{message.data} ends")
+        received.append(f"{message.data} ends")
 
     publisher = await talker.publisher("/chatter", "std_msgs/String")
     subscriber = await listener.subscriber("/chatter", "std_msgs/String", hear)
@@ -352,9 +352,9 @@ async def test_async_callbacks_are_awaited_one_after_the_other(
     publisher.publish("one")
     publisher.publish("two")
     async with asyncio.timeout(60):
-        while len(heard) < 4:
+        while len(received) < 4:
             await asyncio.sleep(0.005)
-    assert heard == ["one begins", "one ends", "two begins", "two ends"]
+    assert received == ["one begins", "one ends", "two begins", "two ends"]
     await subscriber.close()
 
 

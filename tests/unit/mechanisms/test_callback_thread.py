@@ -47,18 +47,18 @@ def test_a_limit_keeps_the_newest() -> None:
 
 
 def test_the_source_is_asked_to_stop_and_to_continue() -> None:
-    gate, told, seen = threading.Event(), list[bool](), list[int]()
+    gate, reported, seen = threading.Event(), list[bool](), list[int]()
 
     def run(item: int) -> None:
         gate.wait()
         seen.append(item)
 
-    thread = CallbackThread("t", run, on_full=told.append)
+    thread = CallbackThread("t", run, on_full=reported.append)
     thread.put(range(HIGH_WATER_ITEMS + 2))
-    assert told == [True]
+    assert reported == [True]
     gate.set()
     wait_until(lambda: len(seen) == HIGH_WATER_ITEMS + 2)
-    assert told == [True, False]
+    assert reported == [True, False]
     assert LOW_WATER_ITEMS < HIGH_WATER_ITEMS
     thread.close()
 

@@ -37,7 +37,7 @@ def md5sum(text: str, registry: Registry) -> str:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "reported"),
     [
         ("float32 max_range\n", "", "lacks 'float32 max_range'"),
         ("Header header\n", "", "lacks 'std_msgs/Header header'"),
@@ -62,12 +62,12 @@ def md5sum(text: str, registry: Registry) -> str:
         ("uint8 radiation_type\n", "", "lacks 'uint8 radiation_type'"),
     ],
 )
-def test_a_small_change_is_found_and_reported_in_one_line(old: str, new: str, said: str) -> None:
+def test_a_small_change_is_found_and_reported_in_one_line(old: str, new: str, reported: str) -> None:
     registry = Registry()
     theirs = md5sum(RANGE.replace(old, new), registry)
     line = explain_mismatch(registry, "sensor_msgs/Range", theirs)
     assert line.startswith(f"sensor_msgs/Range: the device's md5sum {theirs} is not the known one (c005c34")
-    assert f"its definition {said}" in line
+    assert f"its definition {reported}" in line
     assert "--msg-path" in line
     assert "\n" not in line
 
@@ -137,7 +137,7 @@ def spec(text: str) -> MessageSpec:
 
 
 @pytest.mark.parametrize(
-    ("theirs", "said"),
+    ("theirs", "reported"),
     [
         (OURS + "# prose", ""),
         (OURS.replace("float32 max\n", ""), "lacks 'float32 max'"),
@@ -154,8 +154,8 @@ def spec(text: str) -> MessageSpec:
         ),
     ],
 )
-def test_what_differs_is_reported(theirs: str, said: str) -> None:
-    assert difference(spec(OURS), spec(theirs)) == said
+def test_what_differs_is_reported(theirs: str, reported: str) -> None:
+    assert difference(spec(OURS), spec(theirs)) == reported
 
 
 def test_the_order_of_constants_counts() -> None:
@@ -168,9 +168,9 @@ def test_the_written_length_counts() -> None:
 
 def test_many_differences_are_counted() -> None:
     other = "\n".join(f"int8 x{n}" for n in range(20))
-    said = difference(spec(OURS), spec(other))
-    assert said.endswith("and 18 more differences")
-    assert len(said) < 300
+    reported = difference(spec(OURS), spec(other))
+    assert reported.endswith("and 18 more differences")
+    assert len(reported) < 300
 
 
 def test_declarations_are_one_line() -> None:

@@ -36,10 +36,10 @@ def test_the_first_root_wins_then_the_nearest(tmp_path: Path) -> None:
 
 
 def test_duplicate_names_are_reported_unless_overlays_or_copies(tmp_path: Path) -> None:
-    told: list[tuple[str, Path, Path]] = []
+    reported: list[tuple[str, Path, Path]] = []
 
     def note(*what: object) -> None:
-        told.append(what)  # type: ignore[arg-type]
+        reported.append(what)  # type: ignore[arg-type]
 
     used = make_package(tmp_path / "ws" / "src" / "robot")
     other = make_package(tmp_path / "ws" / "old" / "robot")
@@ -47,10 +47,10 @@ def test_duplicate_names_are_reported_unless_overlays_or_copies(tmp_path: Path) 
     (copy.parents[1] / ".catkin").touch()
     make_package(tmp_path / "overlay" / "robot")
     find_packages([tmp_path / "overlay", tmp_path / "ws" / "src"], on_duplicate=note)
-    assert told == []
+    assert reported == []
     found = find_packages([tmp_path / "ws" / "src", tmp_path / "ws"], on_duplicate=note)
     assert found == {"robot": used}
-    assert told == [("robot", used, other)]
+    assert reported == [("robot", used, other)]
 
 
 def test_nothing_is_searched_below_a_package(tmp_path: Path) -> None:

@@ -76,14 +76,14 @@ def test_sourcing_the_setup_file_shows_the_packages_once(workspace: Path, before
     written = write_setup_files(workspace)
     assert {file.name for file in written} == {"setup.sh", "setup.bash", "setup.zsh", "setup.fish"}
     script = '. "$1"; . "$1"; echo "$ROS_PACKAGE_PATH"'
-    said = subprocess.run(
+    reported = subprocess.run(
         ["/bin/sh", "-c", script, "sh", str(workspace / "devel" / "setup.sh")],
         env={"ROS_PACKAGE_PATH": before},
         capture_output=True,
         text=True,
         check=True,
     ).stdout
-    assert said.strip() == after.format(src=workspace / "src")
+    assert reported.strip() == after.format(src=workspace / "src")
 
 
 def test_the_setup_file_of_a_real_build_is_left_alone(workspace: Path) -> None:

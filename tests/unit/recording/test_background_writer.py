@@ -44,9 +44,9 @@ class _Slow:
 
 @pytest.mark.parametrize("compression", ["bz2", "lz4"])
 def test_all_that_is_written_is_in_the_file(tmp_path: Path, compression: str) -> None:
-    told: list[str] = []
+    reported: list[str] = []
     inner = BagWriter(tmp_path / "a.bag", compression=compression, chunk_bytes=1000)
-    writer = BackgroundWriter(inner, report=told.append)
+    writer = BackgroundWriter(inner, report=reported.append)
     numbers = [writer.add_connection(connection(topic)) for topic in ("/a", "/b")]
     for index in range(500):
         writer.write(numbers[index % 2], START_NS + index, [text(f"message {index}")])
@@ -54,26 +54,26 @@ def test_all_that_is_written_is_in_the_file(tmp_path: Path, compression: str) ->
             writer.flush()
     writer.close()
     writer.close()
-    assert (writer.message_count, writer.lost_count, told) == (500, 0, [])
+    assert (writer.message_count, writer.lost_count, reported) == (500, 0, [])
     found = [(each.connection.topic, each.payload) for each in BagReader(tmp_path / "a.bag").messages()]
     assert found == [("/a" if index % 2 == 0 else "/b", text(f"message {index}")) for index in range(500)]
 
 
 def test_what_finds_no_room_is_lost_and_reported() -> None:
-    told: list[str] = []
+    reported: list[str] = []
     inner = _Slow()
-    writer = BackgroundWriter(inner, buffer_bytes=1000, report=told.append)
+    writer = BackgroundWriter(inner, buffer_bytes=1000, report=reported.append)
     number = writer.add_connection(connection())
     writer.write(number, 1, [b""])
     assert inner.is_entered.wait(60)
     writer.write(number, 2, [bytes(5000)])  # alone it may always wait
     writer.write(number, 3, [bytes(5)] * 3)
     writer.write(number, 4, [bytes(5)])
-    assert told == ["3 messages lost: they arrive faster than they can be compressed"]
+    assert reported == ["3 messages lost: they arrive faster than they can be compressed"]
     inner.may_go.set()
     writer.close()
     assert (writer.message_count, writer.lost_count) == (2, 4)
-    assert told[1:] == ["4 messages lost: they arrive faster than they can be compressed"]
+    assert reported[1:] == ["4 messages lost: they arrive faster than they can be compressed"]
 
 
 def test_it_flushes_when_nothing_waits() -> None:

@@ -26,14 +26,14 @@ class Stage:
         self.written = write_bag(self.path)
         self.graph = graph
         self.listener = listener
-        self.heard: list[tuple[str, bytes, float]] = []
+        self.received: list[tuple[str, bytes, float]] = []
 
     async def listen(self, *topics: str) -> None:
         loop = asyncio.get_running_loop()
         for topic in topics:
 
             def take(payloads: Sequence[bytes], topic: str = topic) -> None:
-                self.heard.extend((topic, payload, loop.time()) for payload in payloads)
+                self.received.extend((topic, payload, loop.time()) for payload in payloads)
 
             await self.listener.subscribe(topic, ANY_MESSAGE, take)
 
@@ -41,11 +41,11 @@ class Stage:
         return Player(self.graph, [BagReader(self.path)], PlaySettings(delay_s=0, **settings))
 
     def payloads(self, topic: str | None = None) -> list[bytes]:
-        return [payload for heard, payload, _ in self.heard if topic in (None, heard)]
+        return [payload for received, payload, _ in self.received if topic in (None, received)]
 
-    async def until_heard(self, count: int) -> None:
+    async def until_received(self, count: int) -> None:
         async with asyncio.timeout(60):
-            while len(self.heard) < count:
+            while len(self.received) < count:
                 await asyncio.sleep(0.002)
 
 
@@ -62,25 +62,25 @@ async def test_messages_come_in_order_and_not_before_their_time(stage: Stage) ->
     await stage.listen("/a", "/b")
     began_s = asyncio.get_running_loop().time()
     await stage.player(rate=2.0).play()
-    await stage.until_heard(30)
+    await stage.until_received(30)
     assert stage.payloads("/a") == [payload for topic, _, payload in stage.written if topic == "/a"]
     assert stage.payloads("/b") == [payload for topic, _, payload in stage.written if topic == "/b"]
-    for _, payload, heard_s in stage.heard:
+    for _, payload, received_s in stage.received:
         index = int(payload.split()[-1])
-        assert heard_s - began_s >= index * 0.005 - 0.001
+        assert received_s - began_s >= index * 0.005 - 0.001
 
 
 async def test_start_duration_and_topics_choose(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     await stage.player(is_immediate=True, start_s=0.1, duration_s=0.05, topics=frozenset(["/b"])).play()
-    await stage.until_heard(3)
+    await stage.until_received(3)
     assert stage.payloads() == [text(f"message {index}") for index in (11, 13, 15)]
 
 
 async def test_prefix_and_remappings_name_the_topics(stage: Stage) -> None:
     await stage.listen("/old/c", "/old/b")
     await stage.player(is_immediate=True, prefix="/old", remappings={"/a": "/c"}).play()
-    await stage.until_heard(30)
+    await stage.until_received(30)
     assert len(stage.payloads("/old/c")) == len(stage.payloads("/old/b")) == 15
 
 
@@ -90,12 +90,12 @@ async def test_paused_it_plays_only_steps_until_it_continues(stage: Stage) -> No
     task = asyncio.create_task(player.play())
     for count in range(1, 4):
         player.step()
-        await stage.until_heard(count)
+        await stage.until_received(count)
         await asyncio.sleep(0.03)
-        assert len(stage.heard) == count
+        assert len(stage.received) == count
     player.toggle_pause()
     await asyncio.wait_for(task, 60)
-    await stage.until_heard(30)
+    await stage.until_received(30)
     assert sorted(stage.payloads()) == sorted(payload for _, _, payload in stage.written)
 
 
@@ -103,10 +103,10 @@ async def test_it_pauses_at_the_topics_that_were_named(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     player = stage.player(rate=100.0, pause_topics=frozenset(["/b"]))
     task = asyncio.create_task(player.play())
-    await stage.until_heard(2)
+    await stage.until_received(2)
     await asyncio.sleep(0.03)
     assert player.is_paused
-    assert len(stage.heard) == 2
+    assert len(stage.received) == 2
     task.cancel()
     with contextlib.suppress(asyncio.CancelledError):
         await task
@@ -115,7 +115,7 @@ async def test_it_pauses_at_the_topics_that_were_named(stage: Stage) -> None:
 async def test_a_loop_begins_again(stage: Stage) -> None:
     await stage.listen("/a", "/b")
     task = asyncio.create_task(stage.player(rate=20.0, is_looping=True).play())
-    await stage.until_heard(70)
+    await stage.until_received(70)
     task.cancel()
     with contextlib.suppress(asyncio.CancelledError):
         await task
@@ -125,7 +125,7 @@ async def test_a_loop_begins_again(stage: Stage) -> None:
 async def test_the_clock_runs_with_the_recording(stage: Stage) -> None:
     await stage.listen("/clock")
     await stage.player(clock_hz=100.0, rate=0.25).play()
-    await stage.until_heard(3)
+    await stage.until_received(3)
     times = [
         int.from_bytes(payload[:4], "little") * 10**9 + int.from_bytes(payload[4:], "little")
         for payload in stage.payloads()
@@ -143,7 +143,7 @@ async def test_silences_are_skipped(stage: Stage) -> None:
     writer.close()
     await stage.listen("/a")
     await asyncio.wait_for(stage.player(skip_empty_s=1.0).play(), 60)
-    await stage.until_heard(3)
+    await stage.until_received(3)
 
 
 async def test_two_bags_are_merged(stage: Stage, tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ async def test_two_bags_are_merged(stage: Stage, tmp_path: Path) -> None:
     write_bag(tmp_path / "b.bag")
     readers = [BagReader(stage.path), BagReader(tmp_path / "b.bag")]
     await Player(stage.graph, readers, PlaySettings(is_immediate=True, delay_s=0)).play()
-    await stage.until_heard(60)
+    await stage.until_received(60)
     assert stage.payloads("/a")[:2] == [text("message 0")] * 2
 
 
@@ -197,7 +197,7 @@ async def test_it_waits_for_the_topic_that_controls_its_rate(stage: Stage) -> No
             control.publish_raw([text("")])
             await asyncio.sleep(0.01)
     await task
-    await stage.until_heard(30)
+    await stage.until_received(30)
 
 
 async def test_large_messages_that_are_due_at_once_leave_one_by_one(

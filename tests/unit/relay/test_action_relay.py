@@ -110,21 +110,21 @@ class Chain:
 
 @on_virtual_time
 async def test_a_goal_has_feedback_and_a_result_in_every_graph() -> None:
-    chain, heard = Chain(), Inbox()
+    chain, arrived = Chain(), Inbox()
     async with chain.relaying() as call:
         target = {"header": {"frame_id": "map"}, "pose": {"position": {"x": 1.5}}}
         goal = chain.store.codec("move_base_msgs/MoveBase_Goal").encode({"target_pose": target})
-        running = asyncio.create_task(call.run(goal, lambda payload: heard.take([payload])))
+        running = asyncio.create_task(call.run(goal, lambda payload: arrived.take([payload])))
         await eventually(chain.server.goals)
         goal_id, received = chain.server.goals.pop()
         assert received == goal
         position = {"base_position": {"header": {"frame_id": "odom"}}}
         feedback = chain.store.codec("move_base_msgs/MoveBase_Feedback").encode(position)
         chain.server.action.feedback(goal_id, feedback)
-        await eventually(heard.payloads)
+        await eventually(arrived.payloads)
         chain.server.action.finish(goal_id, GoalStatus.SUCCEEDED)
         assert await running == (GoalStatus.SUCCEEDED, b"")
-        assert heard.payloads == [feedback]
+        assert arrived.payloads == [feedback]
         assert f"relaying action {ACTION} from ROS 2 to ROS 1 ({TYPE})" in chain.lines
         assert f"relaying action {ACTION} from ROS 1 to ROS 2 ({TYPE})" in chain.lines
         # The topics and services of a relayed action are not relayed one by one.

@@ -16,7 +16,7 @@ STATE = "sensor_msgs/JointState"
 
 async def test_sources_and_parameters_are_used() -> None:
     network = MemoryNetwork()
-    heard: list[None] = []
+    received: list[None] = []
     async with entered(network, "/jsp") as node, entered(network, "/arm") as arm:
         parameters: dict[str, ParamValue] = {
             "/robot_description": ARM,
@@ -28,7 +28,9 @@ async def test_sources_and_parameters_are_used() -> None:
         for name, value in parameters.items():
             await node.set_param(name, value)
         states = await read_joint_states(node)
-        async with running(publish_joint_states(node, states, lambda: heard.append(None), [SLIDERS_TOPIC])):
+        async with running(
+            publish_joint_states(node, states, lambda: received.append(None), [SLIDERS_TOPIC])
+        ):
             before = await first(arm, "/joint_states", STATE)
             source = await arm.publisher("/source", STATE)
             assert await source.wait_for_subscriber(5)
@@ -44,11 +46,11 @@ async def test_sources_and_parameters_are_used() -> None:
     assert 0 < before.header.seq < after.header.seq
     assert after.position == [0.25, 0.75, 0.5]
     assert moved.position == [0.5, 0.75, 1.0]
-    assert heard == [None, None]
+    assert received == [None, None]
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "said"),
+    ("name", "value", "reported"),
     [
         ("rate", 0, "above 0 and at most"),
         ("rate", "fast", "must be a number"),
@@ -60,11 +62,11 @@ async def test_sources_and_parameters_are_used() -> None:
         ("use_mimic_tags", "maybe", "must be true or false"),
     ],
 )
-async def test_parameters_that_make_no_sense_are_refused(name: str, value: ParamValue, said: str) -> None:
+async def test_parameters_that_make_no_sense_are_refused(name: str, value: ParamValue, reported: str) -> None:
     async with entered(MemoryNetwork(), "/jsp") as node:
         await node.set_param("/robot_description", ARM)
         await node.set_param(f"/jsp/{name}", value)
-        with pytest.raises(ConfigError, match=said):
+        with pytest.raises(ConfigError, match=reported):
             await publish_joint_states(node, await read_joint_states(node))
 
 

@@ -92,14 +92,14 @@ def test_positions_stay_within_limits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("leader", "said"), [("k", "cycle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
+    ("leader", "reported"), [("k", "cycle: j, k, j"), ("nowhere", "not a movable joint of the robot")]
 )
-def test_following_no_program_is_refused(leader: str, said: str) -> None:
+def test_following_no_program_is_refused(leader: str, reported: str) -> None:
     text = robot(
         "x",
         "a b c",
         joint("j", "continuous", "a", "b", f'<mimic joint="{leader}"/>')
         + joint("k", "continuous", "b", "c", '<mimic joint="j"/>'),
     )
-    with pytest.raises(RobotModelError, match=said):
+    with pytest.raises(RobotModelError, match=reported):
         JointStates(parse_urdf(text))

@@ -73,17 +73,19 @@ def test_a_clock_that_is_reset_starts_over() -> None:
 
 
 @pytest.mark.parametrize(
-    ("names", "positions", "said"),
+    ("names", "positions", "reported"),
     [
         (["j0", "j1"], [0.0], "2 names and 1 positions"),
         (["j0"], [], "without positions"),
         (["j9"], [0.0], "'j9', which the robot does not have"),
     ],
 )
-def test_what_is_wrong_with_a_state_is_reported(names: list[str], positions: list[float], said: str) -> None:
+def test_what_is_wrong_with_a_state_is_reported(
+    names: list[str], positions: list[float], reported: str
+) -> None:
     state = RobotState(parse_urdf(ARM))
     assert state.moving_transforms(names, positions, NOW, NOW) == []
-    assert said in state.problem
+    assert reported in state.problem
 
 
 def test_an_old_state_is_published_and_reported() -> None:

@@ -27,7 +27,7 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "reported"),
     [
         ("", "0 arguments"),
         ("0 0 0 0 0 0 a", "7 arguments"),
@@ -39,8 +39,8 @@ def test_a_period_is_in_milliseconds(words: str) -> None:
         ("0 0 0 0 0 0 a b often", "'often' is not a number"),
     ],
 )
-def test_what_is_not_a_transform_is_refused(words: str, said: str) -> None:
-    with pytest.raises(ConfigError, match=said):
+def test_what_is_not_a_transform_is_refused(words: str, reported: str) -> None:
+    with pytest.raises(ConfigError, match=reported):
         parse_static_transform(words.split())
 
 

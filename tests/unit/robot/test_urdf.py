@@ -43,7 +43,7 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "reported"),
     [
         ("<robot", "not XML"),
         ('<!DOCTYPE robot [<!ENTITY a "b">]><robot name="x"/>', "DTD"),
@@ -84,10 +84,10 @@ def test_joints_below_a_link_are_sorted_by_name() -> None:
         ),
     ],
 )
-def test_what_makes_no_sense_is_refused_with_its_line(text: str, said: str) -> None:
+def test_what_makes_no_sense_is_refused_with_its_line(text: str, reported: str) -> None:
     with pytest.raises(RobotModelError) as refusal:
         parse_urdf(text, file="robot.urdf")
-    assert said in str(refusal.value)
+    assert reported in str(refusal.value)
     assert str(refusal.value).startswith("robot.urdf:")
     assert "\n" not in str(refusal.value)
 
@@ -138,7 +138,7 @@ def test_shapes_and_masses() -> None:
 
 
 @pytest.mark.parametrize(
-    ("inside", "said"),
+    ("inside", "reported"),
     [
         ("<visual/>", "no geometry"),
         ("<visual><geometry><cone/></geometry></visual>", "known: box"),
@@ -148,8 +148,8 @@ def test_shapes_and_masses() -> None:
         ('<inertial><mass value="1"/></inertial>', "needs <mass> and <inertia>"),
     ],
 )
-def test_a_wrong_shape_is_skipped_and_reported(inside: str, said: str) -> None:
+def test_a_wrong_shape_is_skipped_and_reported(inside: str, reported: str) -> None:
     model = parse_urdf(f'<robot name="x"><link name="a">{inside}</link></robot>')
     assert model.links["a"].visuals == ()
     assert len(model.problems) == 1
-    assert said in model.problems[0]
+    assert reported in model.problems[0]

@@ -58,7 +58,7 @@ def test_a_package_that_is_not_there_is_named(robot: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("inside", "said"),
+    ("inside", "reported"),
     [
         ('<link name="${nothing}"/>', "nothing"),
         ('<link name="${1/0}"/>', "zero"),
@@ -68,12 +68,12 @@ def test_a_package_that_is_not_there_is_named(robot: Path) -> None:
         ("<link", "not XML"),
     ],
 )
-def test_what_is_wrong_is_one_line_with_the_file(tmp_path: Path, inside: str, said: str) -> None:
+def test_what_is_wrong_is_one_line_with_the_file(tmp_path: Path, inside: str, reported: str) -> None:
     file = tmp_path / "wrong.xacro"
     file.write_text(f'<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>')
     with pytest.raises(RobotModelError) as refusal:
         expand(file)
-    assert said in str(refusal.value)
+    assert reported in str(refusal.value)
     assert "wrong.xacro" in str(refusal.value)
     assert "\n" not in str(refusal.value)
 

@@ -101,10 +101,10 @@ async def goal_of(board: Board) -> Message:
 @on_virtual_time
 async def test_a_goal_has_feedback_and_a_result() -> None:
     async with a_stage() as (board, call, store, _):
-        heard: list[bytes] = []
+        arrived: list[bytes] = []
         target = {"header": {"frame_id": "map"}, "pose": {"position": {"x": 1.5}}}
         goal = store.codec("move_base_msgs/MoveBase_Goal").encode({"target_pose": target})
-        running = asyncio.create_task(call.run(goal, heard.append))
+        running = asyncio.create_task(call.run(goal, arrived.append))
         received = await goal_of(board)
         assert received.goal_id.id == call.goal_id.hex()
         assert received.goal.target_pose.header.frame_id == "map"
@@ -112,7 +112,7 @@ async def test_a_goal_has_feedback_and_a_result() -> None:
         board.send("feedback", received, 1, base_position={"header": {"seq": 7, "frame_id": "odom"}})
         board.send("result", received, 3)
         assert await running == (GoalStatus.SUCCEEDED, b"")
-        (feedback,) = map(store.codec("move_base_msgs/MoveBase_Feedback").decode, heard)
+        (feedback,) = map(store.codec("move_base_msgs/MoveBase_Feedback").decode, arrived)
         assert feedback.base_position.header.frame_id == "odom"
         # The topics of the action are not in the graph; a message about a finished goal changes nothing.
         board.send("result", received, 4)

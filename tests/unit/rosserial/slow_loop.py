@@ -48,7 +48,7 @@ class SlowLoop:
     loop_s: float
     booted_s: float = 0.0
     boots: int = 0
-    heard: list[bytes] = field(default_factory=list)
+    received: list[bytes] = field(default_factory=list)
     _uart: bytearray = field(default_factory=bytearray)
     _inbox: list[tuple[int, bytes] | None] = field(default_factory=list)
     _is_connected: bool = False
@@ -94,7 +94,7 @@ class SlowLoop:
                 self._unanswered = 0
                 self._is_connected = self._is_connected or self.library is not Library.ESTABLISHED
             elif item[0] == LED.topic_id:
-                self.heard.append(item[1])
+                self.received.append(item[1])
         return sent + self._keep_in_touch(now_s)
 
     def _read(self, count: int, now_s: float) -> None:

@@ -148,20 +148,20 @@ def test_a_board_that_talks_already_is_found_by_listening(baud: int) -> None:
 
 
 def test_no_pair_of_speeds_makes_a_board_of_noise() -> None:
-    said = answer() + b"".join(message(number) for number in range(20)) + answer()
+    reported = answer() + b"".join(message(number) for number in range(20)) + answer()
     pairs = product(permutations(USUAL_BAUDS, 2), (0, 3))
     # Every third of them has each gap and each speed on each side.
-    for (sent_at, heard_at), gap_bits in islice(pairs, None, None, effort(3, 1)):
-        probe = BaudProbe((heard_at, *(baud for baud in USUAL_BAUDS if baud != heard_at)))
+    for (sent_at, received_at), gap_bits in islice(pairs, None, None, effort(3, 1)):
+        probe = BaudProbe((received_at, *(baud for baud in USUAL_BAUDS if baud != received_at)))
         probe.start(0.0)
-        heard = garbled(said, sent_at, heard_at, gap_bits=gap_bits)
-        for start in range(0, len(heard), 16):
-            probe.receive_data(heard[start : start + 16], 0.01)
-        while probe.baud == heard_at and probe.result is None:
+        arrived = garbled(reported, sent_at, received_at, gap_bits=gap_bits)
+        for start in range(0, len(arrived), 16):
+            probe.receive_data(arrived[start : start + 16], 0.01)
+        while probe.baud == received_at and probe.result is None:
             timer_s = probe.get_timer()
             assert timer_s is not None
             probe.handle_timer(timer_s)
-        assert probe.result is None, (sent_at, heard_at)
+        assert probe.result is None, (sent_at, received_at)
 
 
 def test_a_noisy_line_at_a_rate_with_a_near_one_is_found_all_the_same() -> None:

@@ -5,7 +5,7 @@ from rostether.rosserial.completeness import (
     EMPTY_CONFIRMATIONS,
     EQUAL_ROUNDS,
     LOSSY_CONFIRMATIONS,
-    MAX_HEARD,
+    MAX_ANNOUNCED,
     Completeness,
 )
 from rostether.rosserial.packets import TopicInfo
@@ -113,9 +113,9 @@ def test_nothing_continues_a_negotiation_that_has_begun_again() -> None:
 
 def test_a_device_that_makes_up_ids_fills_no_memory() -> None:
     completeness = Completeness()
-    play(completeness, [publisher(100 + number) for number in range(MAX_HEARD + 9)])
+    play(completeness, [publisher(100 + number) for number in range(MAX_ANNOUNCED + 9)])
     completeness.accept(is_confirmed=True)
-    assert len(completeness.complete) == MAX_HEARD
+    assert len(completeness.complete) == MAX_ANNOUNCED
 
 
 def test_less_than_before_needs_more() -> None:

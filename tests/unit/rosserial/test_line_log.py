@@ -41,12 +41,12 @@ def test_frames_in_order(name: str) -> None:
 def test_no_byte_is_skipped(name: str) -> None:
     capture = load(name)
     overhead_bytes = 8 if capture.version == 2 else 7
-    told = sum(
+    reported = sum(
         len(entry.data) + (0 if entry.fault else overhead_bytes)
         for entry in read(capture)
         if entry.from_device
     )
-    assert told == sum(len(chunk.data) for chunk in capture.of_device())
+    assert reported == sum(len(chunk.data) for chunk in capture.of_device())
 
 
 @pytest.mark.parametrize("name", names())

@@ -66,7 +66,7 @@ def fresh_host() -> HostLink:
     return link
 
 
-def heard_host() -> HostLink:
+def received_from_host() -> HostLink:
     link = fresh_host()
     link.receive_data(TIME, 0.0)
     link.data_to_send()
@@ -74,7 +74,7 @@ def heard_host() -> HostLink:
 
 
 def settled_host() -> HostLink:
-    link = heard_host()
+    link = received_from_host()
     while not link.is_settled:
         due_s = link.get_timer()
         assert due_s is not None
@@ -107,7 +107,7 @@ def asking_device() -> DeviceLink:
     return link
 
 
-MAKE = {make.__name__: make for make in (fresh_host, heard_host, settled_host)}
+MAKE = {make.__name__: make for make in (fresh_host, received_from_host, settled_host)}
 MAKE_DEVICE = {make.__name__: make for make in (fresh_device, configured_device, asking_device)}
 BURST = TIME + frame(ids.PUBLISHER, CHATTER.encode()) + frame(ids.SUBSCRIBER, LED.encode())
 
@@ -126,12 +126,12 @@ CASES = [
     Case("first time request", "fresh_host", TIME, [ProtocolDetected(2), TimeRequested()]),
     Case("first version 1 time request", "fresh_host", frame(ids.TIME, bytes(8), 1),
          [ProtocolDetected(1), TimeRequested()], frame(ids.TOPIC_REQUEST, b"", 1), frame(125, b"hi", 1)[:5]),
-    Case("announcements", "heard_host", BURST,
+    Case("announcements", "received_from_host", BURST,
          [TimeRequested(), TopicAnnounced(PUBLISHER, CHATTER), TopicAnnounced(SUBSCRIBER, LED)]),
-    Case("both halves of a service", "heard_host",
+    Case("both halves of a service", "received_from_host",
          CALL_FRAME + RETURN_FRAME,
          [ServiceAnnounced(ServiceRole.CLIENT, "ask", TEST_SRV, CALL, RETURN)]),
-    Case("message on an id not yet announced", "heard_host", HELLO, []),
+    Case("message on an id not yet announced", "received_from_host", HELLO, []),
     Case("log", "fresh_host", frame(ids.LOG, Log(LogLevel.FATAL, "smoke").encode()),
          [ProtocolDetected(2), LogReceived(LogLevel.FATAL, "smoke")]),
     Case("message", "settled_host", HELLO, [MessagesReceived(125, [b"\x05\0\0\0hello"])]),

@@ -54,5 +54,5 @@ def test_the_first_message_finds_room_in_the_uart(library: Library, loop_s: floa
         board = SlowLoop(library, loop_s, booted_s)
         board.spin_s += setup_s
         events = meet(board, 30.0, message=b"latched")
-        assert board.heard == [b"latched"], booted_s
+        assert board.received == [b"latched"], booted_s
         assert resets_of(events) == []

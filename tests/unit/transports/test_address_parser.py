@@ -52,7 +52,7 @@ def test_read_as_typed(text: str, address: Address) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "reported"),
     [
         ("", "empty link address"),
         ("?baud=1", "empty link address"),
@@ -92,10 +92,10 @@ def test_read_as_typed(text: str, address: Address) -> None:
         ("bluetooth:/dev/x", "unknown kind of link 'bluetooth'"),
     ],
 )
-def test_refuse_with_what_to_type(text: str, said: str) -> None:
+def test_refuse_with_what_to_type(text: str, reported: str) -> None:
     with pytest.raises(ConfigError) as caught:
         parse_address(text)
-    assert said in str(caught.value)
+    assert reported in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

@@ -55,7 +55,7 @@ def test_a_recorder_that_was_killed_leaves_a_capture(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "reported"),
     [
         ("nonsense", "no JSON object"),
         ("[1]", "no JSON object"),
@@ -74,12 +74,12 @@ def test_a_recorder_that_was_killed_leaves_a_capture(tmp_path: Path) -> None:
         ('{"t": 1, "from": "device", "hex": "00", "link": "b"}', "'link' is 'b'"),
     ],
 )
-def test_a_bad_line_is_named(tmp_path: Path, line: str, said: str) -> None:
+def test_a_bad_line_is_named(tmp_path: Path, line: str, reported: str) -> None:
     path = written(tmp_path, f'{FIRST}{{"t": 0, "from": "host", "hex": "00"}}\n{line}\n')
     with pytest.raises(ConfigError) as caught:
         list(Capture(path).entries())
     assert f"{path}, line 3: " in str(caught.value)
-    assert said in str(caught.value)
+    assert reported in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

@@ -18,13 +18,13 @@ class Desk:
     """A writer, and the list of what it reports."""
 
     def __init__(self, path: Path, limit_bytes: int = 1_000_000) -> None:
-        self.told: list[str] = []
+        self.reported: list[str] = []
         self.writer = CaptureWriter(
             path,
             clock=asyncio.get_running_loop().time,
             description={"note": "a test"},
             limit_bytes=limit_bytes,
-            report=self.told.append,
+            report=self.reported.append,
         )
 
     @property
@@ -64,7 +64,7 @@ async def test_both_directions_pass_and_are_noted(tmp_path: Path) -> None:
     assert isinstance(desk.entries[-1], LinkClosed)
     assert Capture(desk.writer.path).description == {"capture": "arm", "note": "a test"}
     assert desk.writer.written_bytes == desk.writer.path.stat().st_size
-    assert not desk.told
+    assert not desk.reported
 
 
 async def test_a_kill_keeps_what_came(tmp_path: Path) -> None:
@@ -136,15 +136,15 @@ async def test_the_limit_ends_the_recording_not_the_line(tmp_path: Path) -> None
     await far.until(lambda seen: len(seen.data) == 1000)
     desk.writer.flush()
     assert desk.writer.path.stat().st_size <= 2000
-    assert len(desk.told) == 1
-    assert "has reached 0.00191 MB: nothing more is recorded" in desk.told[0]
+    assert len(desk.reported) == 1
+    assert "has reached 0.00191 MB: nothing more is recorded" in desk.reported[0]
     recorded = desk.bytes_of[1, True]
     assert recorded
     assert bytes(far.data).startswith(recorded)
     theirs.write(b"more")
     await far.until(lambda seen: len(seen.data) == 1004)
     desk.writer.close()
-    assert len(desk.told) == 1
+    assert len(desk.reported) == 1
 
 
 async def test_links_that_open_and_close_stay_within_the_limit(tmp_path: Path) -> None:
@@ -153,7 +153,7 @@ async def test_links_that_open_and_close_stay_within_the_limit(tmp_path: Path) -
         ours, _ = memory_pair()
         desk.writer.tap(ours)
     assert desk.writer.path.stat().st_size <= 2000
-    assert len(desk.told) == 1
+    assert len(desk.reported) == 1
     assert sum(isinstance(each, LinkOpened) for each in desk.entries) > 10
     desk.writer.close()
 
@@ -174,8 +174,8 @@ async def test_a_full_disk_ends_the_recording_not_the_line(
         theirs.write(b"x")
         await far.until_received(b"x")
         desk.writer.flush()
-    (told,) = desk.told
-    assert "No space left on device; nothing more is recorded" in told
+    (reported,) = desk.reported
+    assert "No space left on device; nothing more is recorded" in reported
     desk.writer.note(1, "device", b"y")
     desk.writer.close()
 

@@ -45,7 +45,7 @@ class Peer:
             text=True,
         )
         assert self._process.stdout is not None
-        self.said = self._process.stdout.readline().strip()
+        self.reported = self._process.stdout.readline().strip()
         self.pid = self._process.pid
 
     def end(self) -> None:
@@ -87,7 +87,7 @@ def test_the_own_process_is_not_another_program(pty: str) -> None:
 def test_the_simulator_that_made_a_terminal_is_not_a_competitor() -> None:
     peer = Peer(MAKE_TERMINAL)
     try:
-        assert find_holders(peer.said) == []
+        assert find_holders(peer.reported) == []
     finally:
         peer.end()
 
@@ -95,7 +95,7 @@ def test_the_simulator_that_made_a_terminal_is_not_a_competitor() -> None:
 def test_who_listens_is_named() -> None:
     peer = Peer(LISTEN)
     try:
-        holder = find_listener(int(peer.said))
+        holder = find_listener(int(peer.reported))
         assert holder is not None
         assert holder.pid == peer.pid
     finally:

@@ -273,7 +273,7 @@ def test_windows_reports_access_denied_for_a_busy_port(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize(
-    ("error", "kind", "said"),
+    ("error", "kind", "reported"),
     [
         (OSError(16, "Device or resource busy"), TransportOpenError, "is in use by another program"),
         (OSError(6, "No such device or address"), TransportOpenError, "no device answers on"),
@@ -283,10 +283,10 @@ def test_windows_reports_access_denied_for_a_busy_port(monkeypatch: pytest.Monke
         (ValueError("Unsupported baudrate 3"), ConfigError, "choose another with"),
     ],
 )
-def test_every_other_failure_in_one_line(error: Exception, kind: type[RostetherError], said: str) -> None:
+def test_every_other_failure_in_one_line(error: Exception, kind: type[RostetherError], reported: str) -> None:
     explanation = explained(error, baud=3)
     assert type(explanation) is kind
-    assert said in str(explanation)
+    assert reported in str(explanation)
     assert "\n" not in str(explanation)
 
 

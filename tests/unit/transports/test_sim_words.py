@@ -31,7 +31,7 @@ def test_read_as_typed(text: str, address: SimAddress) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "reported"),
     [
         ("sim:", "has no path"),
         ("sim:x?baud=fast", "write a number"),
@@ -40,8 +40,8 @@ def test_read_as_typed(text: str, address: SimAddress) -> None:
         ("sim:x?adc=", "has no value"),
     ],
 )
-def test_what_is_wrong_is_reported(text: str, said: str) -> None:
-    with pytest.raises(ConfigError, match=said):
+def test_what_is_wrong_is_reported(text: str, reported: str) -> None:
+    with pytest.raises(ConfigError, match=reported):
         parse_address(text)
 
 

@@ -17,7 +17,7 @@ from rostether.transports.sockets import (
 
 
 @pytest.mark.parametrize(
-    ("host", "code", "said"),
+    ("host", "code", "reported"),
     [
         ("127.0.0.1", errno.EADDRINUSE, "port 80 is already in use on 127.0.0.1; stop"),
         ("127.0.0.1", errno.EADDRINUSE, "choose another port with tcp://:PORT"),
@@ -27,8 +27,8 @@ from rostether.transports.sockets import (
         ("::1", errno.EMFILE, "cannot listen on [::1]:80: too many files; check the host"),
     ],
 )
-def test_why_a_port_cannot_be_listened_on(host: str, code: int, said: str) -> None:
-    assert said in str(explain_bind_error("tcp", host, 80, OSError(code, "too many files")))
+def test_why_a_port_cannot_be_listened_on(host: str, code: int, reported: str) -> None:
+    assert reported in str(explain_bind_error("tcp", host, 80, OSError(code, "too many files")))
 
 
 @pytest.mark.parametrize("host", ["192.0.2.1", "2001:db8::1"])
@@ -66,15 +66,15 @@ async def test_a_host_without_an_address_is_a_matter_of_the_name_server() -> Non
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
+    ("error", "reported"),
     [
         (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), "no program listens on robot:1"),
         (socket.gaierror(-2, "Name or service not known"), "the host of robot:1 is unknown;"),
         (OSError(errno.EHOSTUNREACH, "No route to host"), "cannot reach robot:1: No route to host"),
     ],
 )
-def test_why_a_peer_cannot_be_reached(error: OSError, said: str) -> None:
-    assert said in str(explain_connect_error("robot:1", error))
+def test_why_a_peer_cannot_be_reached(error: OSError, reported: str) -> None:
+    assert reported in str(explain_connect_error("robot:1", error))
 
 
 def test_the_shortest_words_of_an_error() -> None:

@@ -155,9 +155,9 @@ async def test_bytes_wait_for_start_and_for_resume_up_to_a_limit() -> None:
         for _ in range(100):
             board.write(bytes(1400))
             await asyncio.sleep(0)
-        heard = len(seen.data)
+        received = len(seen.data)
         host.resume_reading()
-        await seen.until(lambda seen: len(seen.data) > heard)
+        await seen.until(lambda seen: len(seen.data) > received)
         assert len(seen.data) <= 6 + 64 * 1024
 
 

@@ -182,15 +182,15 @@ class Endpoints:
     async def _servers_of(self, service: str) -> list[Token]:
         graph = self._node.session.graph
         if not graph.endpoints(Kind.SERVER, service):
-            heard = asyncio.Event()
-            graph.listen(Kind.SERVER, service, heard.set)
+            changed = asyncio.Event()
+            graph.listen(Kind.SERVER, service, changed.set)
             try:
                 async with asyncio.timeout(NEWS_TIME_S):
-                    await heard.wait()
+                    await changed.wait()
             except TimeoutError:
                 pass
             finally:
-                graph.unlisten(Kind.SERVER, service, heard.set)
+                graph.unlisten(Kind.SERVER, service, changed.set)
         servers = graph.endpoints(Kind.SERVER, service)
         if not servers:
             raise ServiceUnavailableError(f"no node offers the service {service}")

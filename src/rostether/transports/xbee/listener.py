@@ -224,7 +224,7 @@ class XbeeListener:
         if (quality := self._qualities.get(packet.source)) is None:
             return
         quality.received(packet.rssi_dbm)
-        self._queue.heard(packet.source)
+        self._queue.note_received(packet.source)
         self._last_source = packet.source
         if packet.rssi_dbm is None:
             self._write(self._radio.signal_question(self._loop.time(), len(self._qualities)))

@@ -146,7 +146,7 @@ class SendQueue(Generic[Key]):
         sent = [sent_s for _, sent_s in self._on_way.values()]
         return min(sent) + STATUS_LIMIT_S if sent else None
 
-    def heard(self, key: Key) -> None:
+    def note_received(self, key: Key) -> None:
         """Record data of a board, which shows that it is in range."""
         self._note(key, fails=False)
 

@@ -38,24 +38,24 @@ async def world() -> World:
 
 
 async def test_messages_reach_the_graph_in_order(world: World) -> None:
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     await chatter.open()
     line.receivers[125]([text("one"), text("two")])
     line.receivers[125]([text("three")])
-    await until(lambda: len(heard) == 3, "three messages")
-    assert heard == [text("one"), text("two"), text("three")]
+    await until(lambda: len(received) == 3, "three messages")
+    assert received == [text("one"), text("two"), text("three")]
     assert chatter.message_count == 3
 
 
 async def test_what_comes_before_the_topic_is_advertised_is_kept(world: World) -> None:
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     line.receivers[125]([text("early")])
     await chatter.open()
     line.receivers[125]([text("late")])
-    await until(lambda: len(heard) == 2, "both messages")
-    assert heard == [text("early"), text("late")]
+    await until(lambda: len(received) == 2, "both messages")
+    assert received == [text("early"), text("late")]
 
 
 async def test_a_flood_before_the_topic_is_advertised_pauses_the_board(world: World) -> None:
@@ -72,33 +72,33 @@ async def test_a_flood_before_the_topic_is_advertised_pauses_the_board(world: Wo
 
 
 async def test_a_flood_that_cannot_be_paused_is_kept_within_bounds(world: World) -> None:
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(can_pause=False), endpoint(world)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(can_pause=False), endpoint(world)
     chatter.attach(line, chatter.info)
     for number in range(1000):
         line.receivers[125]([text(f"{number:01000}")])
     await chatter.open()
-    await until(lambda: heard, "the newest messages")
-    assert heard[-1] == text(f"{999:01000}")
-    assert len(heard) + chatter.dropped_count == 1000
-    assert len(heard) * 1000 <= HELD_BYTES
+    await until(lambda: received, "the newest messages")
+    assert received[-1] == text(f"{999:01000}")
+    assert len(received) + chatter.dropped_count == 1000
+    assert len(received) * 1000 <= HELD_BYTES
     assert len(world.reporter.having("not advertised yet")) == 1
 
 
 async def test_damaged_messages_never_reach_the_graph(world: World) -> None:
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     await chatter.open()
     for _ in range(100):
         line.receivers[125]([text("good"), b"\x05\0\0\0bad", b""])
-    await until(lambda: len(heard) == 100, "the good messages")
-    assert set(heard) == {text("good")}
+    await until(lambda: len(received) == 100, "the good messages")
+    assert set(received) == {text("good")}
     assert chatter.misfit_count == 200
     assert len(world.reporter.having("chatter")) == 1
     assert "std_msgs/String" in world.reporter.texts[0]
 
 
 async def test_a_chunk_of_nothing_but_damage_is_not_published(world: World) -> None:
-    heard, line, level = (
+    received, line, level = (
         await world.listen("/chatter", "std_msgs/UInt16"),
         FakeLine(),
         endpoint(world, "std_msgs/UInt16"),
@@ -107,8 +107,8 @@ async def test_a_chunk_of_nothing_but_damage_is_not_published(world: World) -> N
     await level.open()
     line.receivers[125]([b"1", b"123"])
     line.receivers[125]([struct.pack("<H", 7)])
-    await until(lambda: heard, "the good message")
-    assert heard == [struct.pack("<H", 7)]
+    await until(lambda: received, "the good message")
+    assert received == [struct.pack("<H", 7)]
 
 
 async def test_a_congested_subscriber_pauses_the_board(world: World) -> None:
@@ -133,7 +133,7 @@ async def test_a_congested_subscriber_pauses_the_board(world: World) -> None:
 
 
 async def test_a_slow_subscriber_loses_its_own_and_that_is_counted(world: World) -> None:
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(can_pause=False), endpoint(world)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(can_pause=False), endpoint(world)
     slow = await world.network.join("/slow")
     subscription = await slow.subscribe(
         "/chatter", STORE.registry.message_type("std_msgs/String"), lambda _: None
@@ -144,7 +144,7 @@ async def test_a_slow_subscriber_loses_its_own_and_that_is_counted(world: World)
     for _ in range(80):
         line.receivers[125]([text("x" * 1000)] * 100)
         await asyncio.sleep(0)
-    await until(lambda: len(heard) == 8000, "all messages at the quick subscriber")
+    await until(lambda: len(received) == 8000, "all messages at the quick subscriber")
     assert chatter.slow_count > 0
     assert world.reporter.texts == []
 
@@ -170,7 +170,7 @@ async def test_attached_again_it_takes_the_new_id_only(world: World) -> None:
 async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
     now_s = 100.0
     rate = MessageRate(10.0, lambda: now_s)
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world, rate=rate)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world, rate=rate)
     chatter.attach(line, chatter.info)
     await chatter.open()
     line.receivers[125]([text(str(number)) for number in range(25)])
@@ -178,26 +178,26 @@ async def test_a_board_brings_no_more_than_its_rate(world: World) -> None:
     now_s += 0.5
     line.receivers[125]([text(str(number)) for number in range(100, 110)])
     expected = [text(str(number)) for number in (*range(10), *range(100, 105))]
-    await until(lambda: len(heard) == len(expected), "what is admitted")
-    assert heard == expected
+    await until(lambda: len(received) == len(expected), "what is admitted")
+    assert received == expected
     assert (chatter.message_count, chatter.dropped_count) == (15, 21)
     assert "sends more than 10 messages a second (its limit messages_hz);" in world.reporter.texts[-1]
 
 
 async def test_what_does_not_fit_is_looked_into_where_it_stood(world: World) -> None:
-    heard, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
+    received, line, chatter = await world.listen("/chatter"), FakeLine(), endpoint(world)
     chatter.attach(line, chatter.info)
     await chatter.open()
     swallower = b"\xff\xfe and more"
     line.rescan = lambda payload: chatter.receive([text("swallowed")])  # type: ignore[method-assign]
     line.receivers[125]([text("before"), swallower, text("after"), b"no sync"])
-    await until(lambda: len(heard) == 3, "three messages")
-    assert heard == [text("before"), text("swallowed"), text("after")]
+    await until(lambda: len(received) == 3, "three messages")
+    assert received == [text("before"), text("swallowed"), text("after")]
     assert chatter.misfit_count == 2
 
 
 async def test_messages_with_a_header_are_counted_as_ros_clients_count_them(world: World) -> None:
-    heard = await world.listen("/chatter", "sensor_msgs/Range")
+    received = await world.listen("/chatter", "sensor_msgs/Range")
     line, ranges = FakeLine(), endpoint(world, "sensor_msgs/Range")
     payload = STORE.codec("sensor_msgs/Range").encode({"header": {"frame_id": "sonar"}, "range": 0.5})
     ranges.attach(line, ranges.info)
@@ -209,6 +209,6 @@ async def test_messages_with_a_header_are_counted_as_ros_clients_count_them(worl
     line.receivers[125]([payload])
     ranges._sequence = 2**32 - 2
     line.receivers[125]([payload] * 3)
-    await until(lambda: len(heard) == 7, "seven messages")
-    assert [int.from_bytes(each[:4], "little") for each in heard] == [1, 2, 3, 4, 2**32 - 1, 0, 1]
-    assert {each[4:] for each in heard} == {payload[4:]}
+    await until(lambda: len(received) == 7, "seven messages")
+    assert [int.from_bytes(each[:4], "little") for each in received] == [1, 2, 3, 4, 2**32 - 1, 0, 1]
+    assert {each[4:] for each in received} == {payload[4:]}

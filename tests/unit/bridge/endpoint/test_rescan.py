@@ -46,7 +46,7 @@ def test_looks_end() -> None:
 
 async def test_header_garbage_between_messages_loses_hardly_any() -> None:
     world = await World().open()
-    heard = await world.listen("/chatter")
+    received = await world.listen("/chatter")
     loop = asyncio.get_running_loop()
     node = BoardNode(world.board, STORE, world.reporter, loop.time, BridgeSettings())
     ours, theirs = memory_pair()
@@ -64,11 +64,11 @@ async def test_header_garbage_between_messages_loses_hardly_any() -> None:
             stream += frame
         for start in range(0, len(stream), 16384):
             session.data_received(bytes(stream[start : start + 16384]))
-        await until(lambda: sent[-1] in heard, "the last message")
-        misfits = session.link.statistics.messages_received[125] - len(heard)
+        await until(lambda: sent[-1] in received, "the last message")
+        misfits = session.link.statistics.messages_received[125] - len(received)
         assert misfits > 15
-        assert len(sent) - len(heard) <= misfits
-        assert heard == [payload for payload in sent if payload in set(heard)]
+        assert len(sent) - len(received) <= misfits
+        assert received == [payload for payload in sent if payload in set(received)]
     finally:
         await session.stop()
         await node.close()

@@ -85,8 +85,8 @@ async def test_a_defect_costs_one_response_and_is_one_line(
     await until(lambda: line.transport.written.endswith(DONE + b";"), "the response")
     assert line.transport.written == b"111:" + ZERO + b";111:" + DONE + b";"
     assert (line.calls_started, line.calls_finished) == (2, 2)
-    (said,) = world.reporter.texts
-    assert "KeyError: 'call'; please report it; the board gets an empty response" in said
+    (reported,) = world.reporter.texts
+    assert "KeyError: 'call'; please report it; the board gets an empty response" in reported
 
 
 @pytest.mark.parametrize("failure", ["nobody", "refuses", "hangs", "malformed"])
@@ -105,9 +105,9 @@ async def test_a_call_that_fails_still_gets_a_response(world: World, failure: st
     line.receivers[110]([YES])
     await until(lambda: line.transport.written, "the response")
     assert line.transport.written == b"111:" + ZERO + b";"
-    (said,) = world.reporter.having("switch")
-    assert "the board gets an empty response" in said
-    assert ("gripper" in said) == (failure == "refuses")
+    (reported,) = world.reporter.having("switch")
+    assert "the board gets an empty response" in reported
+    assert ("gripper" in reported) == (failure == "refuses")
     await until(lambda: line.calls_finished == 1, "the end of the call")
 
 

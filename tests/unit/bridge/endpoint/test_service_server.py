@@ -249,8 +249,8 @@ async def test_a_request_larger_than_the_boards_buffer_names_the_service_and_the
     ):
         await switch.call(YES)
     assert line.transport.written == b""
-    (said,) = world.reporter.texts
-    assert "switch" in said
+    (reported,) = world.reporter.texts
+    assert "switch" in reported
 
 
 async def test_closing_leaves_the_graph(world: World) -> None:

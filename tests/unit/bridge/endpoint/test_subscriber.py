@@ -42,9 +42,9 @@ async def test_what_does_not_fit_the_boards_buffer_is_not_sent(world: World) -> 
     for _ in range(50):
         led.deliver([text("x" * 16), text("x" * 17), text("x" * 300)])
     await until(lambda: line.transport.written.count(b"100:") == 50, "what fits")
-    (said,) = world.reporter.texts
+    (reported,) = world.reporter.texts
     for part in ("led", "std_msgs/String", "304 bytes", "20"):
-        assert part in said
+        assert part in reported
 
 
 async def test_a_type_that_never_fits_is_reported_at_once(world: World) -> None:

@@ -78,12 +78,12 @@ async def test_a_board_may_publish_and_subscribe_one_name(world: Table) -> None:
 
 
 async def test_two_ids_of_one_topic_both_count(world: Table) -> None:
-    heard, line = await world.listen("/chatter"), FakeLine()
+    received, line = await world.listen("/chatter"), FakeLine()
     world.table.announce_topic(publisher(topic_id=125), line)
     world.table.announce_topic(publisher(topic_id=126), line)
     line.receivers[125]([text("a")])
     line.receivers[126]([text("b")])
-    await until(lambda: len(heard) == 2, "both messages")
+    await until(lambda: len(received) == 2, "both messages")
 
 
 async def test_an_unknown_type_is_one_line_and_stops_no_other_topic(world: Table) -> None:
@@ -94,9 +94,9 @@ async def test_an_unknown_type_is_one_line_and_stops_no_other_topic(world: Table
         assert not world.table.announce_topic(unknown, line)
     assert world.table.announce_topic(publisher(topic_id=126), line)
     await world.advertised("/chatter")
-    (said,) = world.reporter.having("odd")
-    assert "my_robot" in said
-    assert "--msg-path" in said
+    (reported,) = world.reporter.having("odd")
+    assert "my_robot" in reported
+    assert "--msg-path" in reported
 
 
 async def test_another_definition_is_one_line_with_both_md5sums(world: Table) -> None:
@@ -104,9 +104,9 @@ async def test_another_definition_is_one_line_with_both_md5sums(world: Table) ->
     theirs = "f" * 32
     info = topic_info("chatter", md5sum=theirs)
     assert not world.table.announce_topic(TopicAnnounced(TopicRole.PUBLISHER, info), line)
-    (said,) = world.reporter.texts
-    assert theirs in said
-    assert STORE.registry.message_type("std_msgs/String").md5sum in said
+    (reported,) = world.reporter.texts
+    assert theirs in reported
+    assert STORE.registry.message_type("std_msgs/String").md5sum in reported
     assert world.publishers("/chatter") == ()
 
 
@@ -123,7 +123,7 @@ async def test_an_illegal_name_is_one_line(world: Table) -> None:
 
 
 async def test_a_board_that_comes_back_finds_its_topics_as_they_were(world: Table) -> None:
-    heard, old, new = await world.listen("/chatter"), FakeLine(), FakeLine()
+    received, old, new = await world.listen("/chatter"), FakeLine(), FakeLine()
     connections: list[Mapping[str, str]] = []
     await world.peer.subscribe(
         "/chatter",
@@ -138,7 +138,7 @@ async def test_a_board_that_comes_back_finds_its_topics_as_they_were(world: Tabl
     world.table.announce_topic(publisher(topic_id=130), new)
     world.table.settle()
     new.receivers[130]([text("back")])
-    await until(lambda: heard, "the message")
+    await until(lambda: received, "the message")
     assert len(connections) == 1, "the subscriber was not connected anew"
     assert [endpoint.info for _, endpoint in world.table] == [topic_info(topic_id=130)]
 
@@ -167,7 +167,7 @@ async def test_another_type_replaces_the_topic(world: Table) -> None:
 
 
 async def test_a_sketch_flashed_again_gives_a_name_another_type_under_another_id(world: Table) -> None:
-    heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
+    received, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
     world.table.announce_topic(publisher("gone", topic_id=125), line)
     world.table.announce_topic(publisher("level", topic_id=126), line)
     await world.advertised("/level")
@@ -178,7 +178,7 @@ async def test_a_sketch_flashed_again_gives_a_name_another_type_under_another_id
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("level", topic_id=126)))
     world.table.settle()
     line.receivers[125]([b"\x07\x00"])
-    await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
+    await until(lambda: received == [b"\x07\x00"], "the message of the new type")
     assert world.reporter.texts == []
     assert set(line.receivers) == {125}
 
@@ -203,12 +203,12 @@ async def test_one_name_with_two_types_is_one_line_and_the_last_is_served(world:
     world.table.settle()
     await world.advertised("/level")
     assert world.network.snapshot().topics["/level"].type == "std_msgs/UInt16"
-    (said,) = world.reporter.texts
-    assert "level with two types" in said
+    (reported,) = world.reporter.texts
+    assert "level with two types" in reported
 
 
 async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(world: Table) -> None:
-    heard, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
+    received, line = await world.listen("/level", "std_msgs/UInt16"), FakeLine()
     world.table.announce_topic(publisher("/level", topic_id=126), line)
     await world.advertised("/level")
     world.table.announce_topic(publisher("level", "std_msgs/UInt16", topic_id=125), line)
@@ -219,7 +219,7 @@ async def test_a_name_that_another_spelling_held_is_bridged_when_that_has_gone(w
     assert finding.code is Code.NOT_BRIDGED
     world.table.withdraw(TopicWithdrawn(TopicRole.PUBLISHER, topic_info("/level", topic_id=126)))
     line.receivers[125]([b"\x07\x00"])
-    await until(lambda: heard == [b"\x07\x00"], "the message of the new type")
+    await until(lambda: received == [b"\x07\x00"], "the message of the new type")
     await until(lambda: world.reporter.texts[-1] == "level is bridged now", "the good news")
     assert findings.find(0.0, -math.inf, Oversizes()) == []
 
@@ -305,14 +305,14 @@ class RefusingGraph:
 
 
 async def test_a_graph_that_refuses_is_asked_again(world: Table) -> None:
-    heard, line = await world.listen("/chatter"), FakeLine()
+    received, line = await world.listen("/chatter"), FakeLine()
     refusing: Any = RefusingGraph(world.board, 2)
     factory = EndpointFactory(refusing, STORE, world.notices, DEFAULT_SETTINGS)
     table = EndpointTable(factory, world.notices)
     table.announce_topic(publisher(), line)
     line.receivers[125]([text("early")])
-    await until(lambda: heard, "the message")
-    assert heard == [text("early")]
+    await until(lambda: received, "the message")
+    assert received == [text("early")]
     assert len(world.reporter.having("the master said no")) == 1
 
 

@@ -13,7 +13,7 @@ from rostether.transports.port_holders import Holder
 PORT = "/dev/ttyACM0"
 
 
-def told(facts: PortFacts) -> str:
+def reported(facts: PortFacts) -> str:
     (finding,) = port_findings(facts)
     return f"{finding.code}: {finding}"
 
@@ -23,34 +23,36 @@ def test_a_good_port() -> None:
 
 
 def test_a_port_that_is_not_there() -> None:
-    alone = told(PortFacts(PORT, exists=False))
+    alone = reported(PortFacts(PORT, exists=False))
     assert alone.startswith("no-port: there is no port /dev/ttyACM0")
     assert "carries data" in alone
-    near = told(PortFacts(PORT, exists=False, near=("/dev/ttyACM1 (Arduino Uno)",), others=("/dev/ttyS0",)))
+    near = reported(
+        PortFacts(PORT, exists=False, near=("/dev/ttyACM1 (Arduino Uno)",), others=("/dev/ttyS0",))
+    )
     assert "did you mean /dev/ttyACM1 (Arduino Uno)?" in near
-    assert "the ports are /dev/ttyS0" in told(PortFacts(PORT, exists=False, others=("/dev/ttyS0",)))
+    assert "the ports are /dev/ttyS0" in reported(PortFacts(PORT, exists=False, others=("/dev/ttyS0",)))
 
 
 def test_mistyped_names_of_ports() -> None:
     others = ("/dev/ttyS0",)
-    mistyped = told(PortFacts("/dev/ttyACMO", exists=False, others=others))
+    mistyped = reported(PortFacts("/dev/ttyACMO", exists=False, others=others))
     assert "did you mean /dev/ttyACM0 (with a zero)?" in mistyped
-    assert "a port's name on Windows" in told(PortFacts("COM3", exists=False, others=others))
+    assert "a port's name on Windows" in reported(PortFacts("COM3", exists=False, others=others))
 
 
 def test_permission_with_the_exact_command() -> None:
-    assert "run: sudo usermod -aG dialout $USER" in told(PortFacts(PORT, may_open=False, group="dialout"))
-    assert f"run: sudo chmod a+rw {PORT}" in told(PortFacts(PORT, may_open=False))
+    assert "run: sudo usermod -aG dialout $USER" in reported(PortFacts(PORT, may_open=False, group="dialout"))
+    assert f"run: sudo chmod a+rw {PORT}" in reported(PortFacts(PORT, may_open=False))
 
 
 def test_who_has_it() -> None:
-    line = told(PortFacts(PORT, holders=(Holder(4711, "screen"), Holder(4712, "cat"))))
+    line = reported(PortFacts(PORT, holders=(Holder(4711, "screen"), Holder(4712, "cat"))))
     assert "screen (PID 4711), cat (PID 4712)" in line
     assert "kill 4711 4712" in line
 
 
 def test_no_port_at_all() -> None:
-    assert told(PortFacts("/tmp", is_device=False)).startswith("not-a-port")
+    assert reported(PortFacts("/tmp", is_device=False)).startswith("not-a-port")
 
 
 @pytest.mark.parametrize(

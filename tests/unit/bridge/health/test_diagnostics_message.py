@@ -10,8 +10,8 @@ def test_growth_per_second() -> None:
     assert rates.update({"a": 0}, 0.0) == {}
     assert rates.update({"a": 20}, 1.0) == {"a": 20.0}
     for second in range(2, 30):
-        told = rates.update({"a": 20 * second}, float(second))
-    assert told["a"] == pytest.approx(20.0)
+        reported = rates.update({"a": 20 * second}, float(second))
+    assert reported["a"] == pytest.approx(20.0)
 
 
 def test_a_counter_that_is_new_or_began_again() -> None:
@@ -25,5 +25,5 @@ def test_what_stops_is_seen_within_some_seconds() -> None:
     for second in range(10):
         rates.update({"a": 10 * second}, float(second))
     for second in range(10, 20):
-        told = rates.update({"a": 90}, float(second))
-    assert told["a"] == 0
+        reported = rates.update({"a": 90}, float(second))
+    assert reported["a"] == 0

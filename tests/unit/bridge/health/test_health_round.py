@@ -41,10 +41,10 @@ class Rounds(World):
         return theirs
 
     async def statuses(self) -> list[Any]:
-        heard = await self.listen("/diagnostics", TYPE)
+        received = await self.listen("/diagnostics", TYPE)
         await asyncio.sleep(6.5)
         codec = STORE.codec(TYPE)
-        return [codec.decode(payload) for payload in heard]
+        return [codec.decode(payload) for payload in received]
 
     async def end(self) -> None:
         await self.round.close()
@@ -73,21 +73,21 @@ def test_a_healthy_board_once_a_second() -> None:
         (status,) = arrays[-1].status
         assert (status.level, status.name, status.hardware_id) == (0, "board: rosserial", "95530343")
         assert status.message == "all is well"
-        told = values(status)
-        assert told["state"] == "connected"
-        assert told["protocol version"] == "2"
-        assert told["line speed [baud]"] == "115200"
-        assert int(told["publisher range buffer [bytes]"]) > 0
-        assert told["checksum errors"] == "0"
-        assert told["reconnects"] == "0"
-        assert float(told["publisher range [Hz]"]) == pytest.approx(20, abs=2)
-        assert told["publisher range dropped"] == "0"
-        assert told["subscriber led [messages]"] == "0"
-        assert float(told["round trip [ms]"]) < 20
-        assert int(told["received [bytes/s]"]) > 500
-        assert told["flash [bytes]"] == "14532"
-        assert (told["RAM [bytes]"], told["RAM limit [bytes]"]) == ("812", "unknown")
-        assert {"clock offset [ms]", "clock drift [ppm]", "sent [bytes]", "loop late [ms]"} <= told.keys()
+        reported = values(status)
+        assert reported["state"] == "connected"
+        assert reported["protocol version"] == "2"
+        assert reported["line speed [baud]"] == "115200"
+        assert int(reported["publisher range buffer [bytes]"]) > 0
+        assert reported["checksum errors"] == "0"
+        assert reported["reconnects"] == "0"
+        assert float(reported["publisher range [Hz]"]) == pytest.approx(20, abs=2)
+        assert reported["publisher range dropped"] == "0"
+        assert reported["subscriber led [messages]"] == "0"
+        assert float(reported["round trip [ms]"]) < 20
+        assert int(reported["received [bytes/s]"]) > 500
+        assert reported["flash [bytes]"] == "14532"
+        assert (reported["RAM [bytes]"], reported["RAM limit [bytes]"]) == ("812", "unknown")
+        assert {"clock offset [ms]", "clock drift [ppm]", "sent [bytes]", "loop late [ms]"} <= reported.keys()
         assert arrays[-1].header.stamp.to_ns() > arrays[0].header.stamp.to_ns()
         await board.unplug()
         await world.end()
@@ -189,9 +189,9 @@ def test_drops_are_reported_by_topic() -> None:
             publisher.publish_raw([text("x" * 90)] * 100)
             await asyncio.sleep(0.1)
         status = (await world.statuses())[-1].status[0]
-        told = values(status)
-        assert int(told["subscriber led dropped"]) > 100
-        assert "led is faster than the board can receive" in told["finding messages-lost"]
+        reported = values(status)
+        assert int(reported["subscriber led dropped"]) > 100
+        assert "led is faster than the board can receive" in reported["finding messages-lost"]
         await world.end()
 
     run(main())

@@ -72,7 +72,7 @@ class Site:
     def nodes(self) -> set[str]:
         return set(self.network.nodes)
 
-    async def heard(self, topic: str = "/chatter") -> list[bytes]:
+    async def received(self, topic: str = "/chatter") -> list[bytes]:
         """Messages of a topic, as another node gets them; the list grows."""
         graph = await self.network.join("/listener")
         got: list[bytes] = []
@@ -144,22 +144,22 @@ async def test_a_board_that_comes_back_as_another_port_is_the_same_node(
     marks: dict[str, Any], node: str, site: Site
 ) -> None:
     await site.start(grace_s=60.0)
-    heard = await site.heard()
+    received = await site.received()
     stop = asyncio.Event()
     async with site.machine.board("ttyACM0", **marks) as board:
         talking = asyncio.ensure_future(talk(board, stop))
-        await until(lambda: heard, "messages")
+        await until(lambda: received, "messages")
         stop.set()
         await talking
     await until(lambda: not site.connected(), "the loss to be noticed")
     registrations = site.network.nodes[node]
-    heard.clear()
+    received.clear()
     stop.clear()
     async with site.machine.board("ttyACM1", **marks) as board:
         speaks_s = now_s()
         talking = asyncio.ensure_future(talk(board, stop))
         async with lateness() as late:
-            await until(lambda: heard, "messages from the other port")
+            await until(lambda: received, "messages from the other port")
         assert now_s() - speaks_s - late.total_s < 0.5
         assert site.connected() == {node: site.machine.path("ttyACM1")}
         assert site.network.nodes[node] is registrations
@@ -209,11 +209,11 @@ async def test_a_file_names_and_sets_a_board(site: Site) -> None:
         '[devices.arm]\nserial_number = "7533"\nnamespace = "/lab"\nremap = { chatter = "/talk" }\n'
         "grace_s = 0.1\n"
     )
-    heard = await site.heard("/talk")
+    received = await site.received("/talk")
     stop = asyncio.Event()
     async with site.machine.board("ttyACM0", serial_number="7533", **MODEM) as board:
         talking = asyncio.ensure_future(talk(board, stop))
-        await until(lambda: heard, "messages under the other name")
+        await until(lambda: received, "messages under the other name")
         stop.set()
         await talking
         assert set(site.connected()) == {"/lab/arm"}

@@ -138,7 +138,7 @@ def test_what_is_not_a_file_is_refused_at_once(tmp_path: Path, shell: Shell, ver
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "told"),
+    ("name", "content", "reported"),
     [
         ("a.mcap", b"{}" * 50, "it is not an MCAP file"),
         ("a.mcap.active", b"\x89MCAP", "it is truncated: it has only 5 bytes"),
@@ -150,11 +150,11 @@ def test_what_is_not_a_file_is_refused_at_once(tmp_path: Path, shell: Shell, ver
     ],
 )
 def test_what_is_broken_is_reported_by_its_ending(
-    tmp_path: Path, shell: Shell, name: str, content: bytes, told: str
+    tmp_path: Path, shell: Shell, name: str, content: bytes, reported: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
     failure = shell.failure("bag", "info", str(tmp_path / name))
-    assert told in failure
+    assert reported in failure
     assert "\n" not in failure
 
 
@@ -201,20 +201,20 @@ def test_recorded_until_interrupted_and_played_again(graph: LiveGraph, tmp_path:
     assert recorder.returncode == 0, printed
     assert "20 messages" in printed
     graph.do(publisher.close())
-    heard: list[bytes] = []
-    graph.do(node.subscribe("/again", ANY_MESSAGE, heard.extend))
+    received: list[bytes] = []
+    graph.do(node.subscribe("/again", ANY_MESSAGE, received.extend))
     player = _started(graph, "play", "--wait-for-subscribers", "-i", str(path), "/chat:=/again")
     printed, _ = player.communicate(timeout=60)
     assert (player.returncode, printed) == (0, "played 20 messages\n")
-    graph.wait_until(lambda: len(heard) == 20)
-    assert heard == payloads
+    graph.wait_until(lambda: len(received) == 20)
+    assert received == payloads
 
 
 def test_keys_step_and_end_it(graph: LiveGraph, bag: Path) -> None:
-    heard: list[bytes] = []
+    received: list[bytes] = []
     node = graph.node("/node")
     for topic in ("/a", "/b"):
-        graph.do(node.subscribe(topic, ANY_MESSAGE, heard.extend))
+        graph.do(node.subscribe(topic, ANY_MESSAGE, received.extend))
     keyboard, terminal = pty.openpty()
     try:
         player = _started(graph, "play", "--pause", "--wait-for-subscribers", str(bag), stdin=terminal)
@@ -222,7 +222,7 @@ def test_keys_step_and_end_it(graph: LiveGraph, bag: Path) -> None:
         assert "Space pauses" in player.stdout.readline()
         for count in (1, 2):
             os.write(keyboard, b"s")
-            graph.wait_until(lambda count=count: len(heard) == count)  # type: ignore[misc]
+            graph.wait_until(lambda count=count: len(received) == count)  # type: ignore[misc]
         os.write(keyboard, b"q")
         assert "played 2 messages" in player.communicate(timeout=60)[0]
     finally:
@@ -274,8 +274,8 @@ def test_a_terminal_shows_where_it_is_and_space_pauses_and_continues(
 ) -> None:
     bag = tmp_path / "long.bag"
     write_bag(bag, 3000)
-    heard: list[bytes] = []
-    graph.do(graph.node("/node").subscribe("/a", ANY_MESSAGE, heard.extend))
+    received: list[bytes] = []
+    graph.do(graph.node("/node").subscribe("/a", ANY_MESSAGE, received.extend))
     keyboard, terminal = pty.openpty()
     termios.tcsetwinsize(terminal, (24, 80))
     shown = ""
@@ -294,15 +294,15 @@ def test_a_terminal_shows_where_it_is_and_space_pauses_and_continues(
         stderr=terminal,
     )
     try:
-        graph.wait_until(lambda: len(heard) > 3 and is_shown(r"\[RUNNING\]  time 17000000\d\d"))
+        graph.wait_until(lambda: len(received) > 3 and is_shown(r"\[RUNNING\]  time 17000000\d\d"))
         os.write(keyboard, b" ")
         graph.wait_until(lambda: is_shown(r"\[PAUSED \][^\r]*\r"))
-        count = len(heard)
+        count = len(received)
         os.write(keyboard, b"s")
-        graph.wait_until(lambda: len(heard) > count)
+        graph.wait_until(lambda: len(received) > count)
         shown = ""
         os.write(keyboard, b" ")
-        graph.wait_until(lambda: is_shown(r"\[RUNNING\]") and len(heard) > count + 3)
+        graph.wait_until(lambda: is_shown(r"\[RUNNING\]") and len(received) > count + 3)
         os.write(keyboard, b"q")
         graph.wait_until(lambda: is_shown(r"played \d+ messages"))
         assert player.wait(60) == 0

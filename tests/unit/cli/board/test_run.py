@@ -125,7 +125,7 @@ def test_options_are_words_for_the_board() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "said"),
+    ("arguments", "code", "reported"),
     [
         (["missing.elf"], 1, "missing.elf cannot be read"),
         (["missing.ino"], 1, "missing.ino does not exist; give a sketch"),
@@ -138,12 +138,12 @@ def test_options_are_words_for_the_board() -> None:
     ],
 )
 def test_what_is_wrong_is_reported_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], code: int, said: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], code: int, reported: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     result = run_to_end(*(str(build("tick")) if each == "ELF" else each for each in arguments))
     assert result.returncode == code
-    assert said in result.stderr
+    assert reported in result.stderr
     assert len(result.stderr.splitlines()) == 1
     assert result.stdout == ""
 

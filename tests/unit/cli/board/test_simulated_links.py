@@ -99,7 +99,7 @@ async def _use_node(graph: TypedGraph) -> None:
     """The board's node shows its pins, and takes the words that may change its surroundings."""
     command = await graph.publisher("/volt_meter_simulation/command", "std_msgs/String")
     assert await command.wait_for_subscriber(60)
-    told: list[tuple[str, Callable[[Any], bool]]] = [
+    reported: list[tuple[str, Callable[[Any], bool]]] = [
         ("adc A0=1.25 A1=5", lambda state: state["words"]["adc"] == {"A0": "1.25", "A1": "5"}),
         ("range 0.5", lambda state: state["words"]["range"] == "0.5" and state["pins"]["D6"] != "out1"),
         ("pin D7=1", lambda state: state["pins"]["D7"] == "in1"),
@@ -116,7 +116,7 @@ async def _use_node(graph: TypedGraph) -> None:
         command.publish(data="wheels left=D3/D8")
         odometry = await anext(aiter(graph.messages("/volt_meter_simulation/odom")))
         assert (odometry.child_frame_id, odometry.pose.pose.orientation.w) == ("base_link", 1)
-        for line, is_done in told:
+        for line, is_done in reported:
             command.publish(data=line)
             while not is_done(json.loads((await anext(states)).data)):
                 pass

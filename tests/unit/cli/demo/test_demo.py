@@ -22,9 +22,9 @@ def test_the_demo_is_interrupted(graph: LiveGraph) -> None:
     with running(*PYTHON_DEMO, "--join", ROS_MASTER_URI=graph.uri) as process:
         read_until(process, "virtual board ready")
         process.send_signal(signal.SIGINT)
-        text, said = process.communicate(timeout=60)
+        text, reported = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "connect again" not in f"{text}{said}"
+    assert "connect again" not in f"{text}{reported}"
     assert not graph.master.api.registrations.nodes
 
 

@@ -6,9 +6,9 @@ from unit.cli.command_shell import Shell
 
 
 def test_all(shell: Shell, tmp_path: Path) -> None:
-    said = shell.output("firmware", "lib", str(tmp_path))
-    assert said.startswith(f"wrote {tmp_path}/ros_lib: ")
-    assert said.endswith(" packages\n")
+    reported = shell.output("firmware", "lib", str(tmp_path))
+    assert reported.startswith(f"wrote {tmp_path}/ros_lib: ")
+    assert reported.endswith(" packages\n")
     assert (tmp_path / "ros_lib/src/ros.h").is_file()
     assert (tmp_path / "ros_lib/src/visualization_msgs/Marker.h").is_file()
     assert shell.output("firmware", "lib", str(tmp_path)).startswith(f"replaced {tmp_path}/ros_lib: ")
@@ -73,16 +73,18 @@ def test_failures(shell: Shell, tmp_path: Path) -> None:
 def test_micropython_for_a_program(shell: Shell, tmp_path: Path) -> None:
     program = tmp_path / "main.py"
     program.write_text("import ros\nfrom sensor_msgs.msg import Range\nfrom std_srvs.srv import SetBool\n")
-    said = shell.output("firmware", "lib", str(tmp_path), "--micropython", "--for", str(program))
+    reported = shell.output("firmware", "lib", str(tmp_path), "--micropython", "--for", str(program))
     # A Range has a Header.
-    assert said == f"wrote {tmp_path}/ros_lib: 3 types of 3 packages\n"
+    assert reported == f"wrote {tmp_path}/ros_lib: 3 types of 3 packages\n"
     written = {
         str(each.relative_to(tmp_path / "ros_lib")) for each in (tmp_path / "ros_lib").rglob("_[A-Z]*.py")
     }
     assert written == {"sensor_msgs/msg/_Range.py", "std_msgs/msg/_Header.py", "std_srvs/srv/_SetBool.py"}
     assert (tmp_path / "ros_lib/ros/node_handle.py").is_file()
-    said = shell.output("firmware", "lib", str(tmp_path), "--micropython", "--messages", "std_msgs/String")
-    assert said == f"replaced {tmp_path}/ros_lib: 1 type of 1 package\n"
+    reported = shell.output(
+        "firmware", "lib", str(tmp_path), "--micropython", "--messages", "std_msgs/String"
+    )
+    assert reported == f"replaced {tmp_path}/ros_lib: 1 type of 1 package\n"
 
 
 def test_micropython_for_programs_that_cannot_be_read(shell: Shell, tmp_path: Path) -> None:

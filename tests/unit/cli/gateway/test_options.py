@@ -97,8 +97,8 @@ def test_a_view_token_that_protects_nothing_is_refused(
     typed: tuple[str, ...], reason: str, shell: Shell
 ) -> None:
     for command in ("dashboard", "foxglove", "serve"):
-        said = shell.failure(command, *typed)
-        assert reason in said
+        reported = shell.failure(command, *typed)
+        assert reason in reported
 
 
 def test_without_the_option_nothing_is_encrypted() -> None:

@@ -20,7 +20,7 @@ from rostether.launch.sources import bundled_packages
 from rostether.ros1.master.server import MasterServer
 
 
-async def said_and_heard(uri: str, **message: Any) -> dict[str, Any]:
+async def exchanged(uri: str, **message: Any) -> dict[str, Any]:
     async with connect(uri) as connection:
         await connection.send(json.dumps(message))
         answer: dict[str, Any] = json.loads(await connection.recv())
@@ -28,7 +28,7 @@ async def said_and_heard(uri: str, **message: Any) -> dict[str, Any]:
 
 
 async def nodes(uri: str) -> list[str]:
-    answer = await said_and_heard(uri, op="call_service", service="/rosapi/nodes", args={})
+    answer = await exchanged(uri, op="call_service", service="/rosapi/nodes", args={})
     found: list[str] = answer["values"]["nodes"]
     return found
 
@@ -42,7 +42,7 @@ async def test_serve_offers_its_graph_to_web_pages() -> None:
         match = re.search(r"connect to (ws://localhost:\d+)", serve.text)
         assert match is not None, serve.text
         assert await nodes(f"{match[1]}/?token=abc") == ["/rosapi", "/rosbridge_websocket", "/rosout"]
-        status = await said_and_heard(match[1], op="call_service", service="/rosapi/nodes")
+        status = await exchanged(match[1], op="call_service", service="/rosapi/nodes")
         assert "requires a token" in status["msg"]
         assert (
             "rosbridge: accepts connections from this machine only; "
@@ -92,7 +92,7 @@ async def test_the_established_launch_file_is_there_with_nothing_installed(tmp_p
         uri = f"ws://localhost:{port}"
         assert "/rosbridge_websocket" in await nodes(uri)
         name = "/rosbridge_websocket/actual_port"
-        answer = await said_and_heard(uri, op="call_service", service="/rosapi/get_param", args=[name, ""])
+        answer = await exchanged(uri, op="call_service", service="/rosapi/get_param", args=[name, ""])
         assert answer["values"]["value"] == str(port)
 
 

@@ -40,8 +40,8 @@ def fake_ros(folder: Path) -> Path:
 def test_the_code_works_in_a_shell_and_may_be_read_twice(name: str, tmp_path: Path) -> None:
     folder = write_shims(tmp_path / "my shims")
     code = shell_code(folder, first=False, is_fish=False)
-    said = tell(name, f"{code}\n{code}", "/usr/bin:/bin", 'echo "$PATH"; command -v rossrun')
-    assert said == [f"/usr/bin:/bin:{folder}", str(folder / "rossrun")]
+    reported = tell(name, f"{code}\n{code}", "/usr/bin:/bin", 'echo "$PATH"; command -v rossrun')
+    assert reported == [f"/usr/bin:/bin:{folder}", str(folder / "rossrun")]
 
 
 def test_a_real_ros_is_not_shadowed_unless_asked(
@@ -96,8 +96,8 @@ def test_roscd(tmp_path: Path) -> None:
     (launch.parent / "package.xml").write_text("<package><name>arm</name></package>")
     code = shell_code(write_shims(), first=True, is_fish=False)
     script = f'cd "{tmp_path}"; roscd arm; pwd; roscd arm/launch; pwd; roscd nothing || echo failed'
-    said = tell("sh", code, "/usr/bin:/bin", script)
-    assert said == [str(launch.parent), str(launch), "failed"]
+    reported = tell("sh", code, "/usr/bin:/bin", script)
+    assert reported == [str(launch.parent), str(launch), "failed"]
 
 
 def test_a_cache_that_cannot_be_written(

@@ -59,11 +59,11 @@ async def test_a_failed_case_is_reported_with_what_was_seen() -> None:
 
 
 async def test_wrong_arguments_are_refused_in_one_line() -> None:
-    for arguments, said in (
+    for arguments, reported in (
         ((), b"give the client's address"),
         (("tcp://:1", "--case", "nothing"), b"no case nothing; --list shows the cases"),
     ):
         process = await checked(*arguments)
         _, err = await asyncio.wait_for(process.communicate(), LIMIT_S)
         assert process.returncode == 2
-        assert said in err
+        assert reported in err

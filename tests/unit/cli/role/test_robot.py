@@ -38,5 +38,5 @@ def test_without_a_terminal_it_publishes_zeros(graph: LiveGraph, shell: Shell) -
     with running(*SLIDERS, "_rate:=50", ROS_MASTER_URI=graph.uri) as process:
         shell("topic", "echo", "-n", "1", "/joint_states")
         process.terminate()
-        _, said = process.communicate(timeout=PATIENCE_S)
-    assert "no terminal for the sliders" in said
+        _, reported = process.communicate(timeout=PATIENCE_S)
+    assert "no terminal for the sliders" in reported

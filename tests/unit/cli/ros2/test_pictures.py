@@ -30,6 +30,6 @@ def test_plot(world: ZenohWorld, shell: Shell, tmp_path: Path) -> None:
     printed = shell.observed("z 0.5 rad/s.*x 0 rad/s", *words).splitlines()
     assert printed[-2:] == ["── /imu/angular_velocity/z 0.5 rad/s", "── /imu/angular_velocity/x 0 rad/s"]
     file = tmp_path / "imu.png"
-    told = shell.observed("values", "plot", "/imu/linear_acceleration", "--save", str(file))
-    assert re.fullmatch(re.escape(str(file)) + r": 3 curves, \d+ values\n", told)
+    reported = shell.observed("values", "plot", "/imu/linear_acceleration", "--save", str(file))
+    assert re.fullmatch(re.escape(str(file)) + r": 3 curves, \d+ values\n", reported)
     assert file.read_bytes().startswith(b"\x89PNG")

@@ -36,7 +36,7 @@ class ProtocolClient:
 
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
-        self.heard: list[dict[str, Any]] = []
+        self.received: list[dict[str, Any]] = []
         self._news = asyncio.Event()
         self._reading = asyncio.ensure_future(self._read())
 
@@ -57,7 +57,7 @@ class ProtocolClient:
         await self.connection.send(header + name + payload)
 
     def of(self, op: str) -> list[dict[str, Any]]:
-        return [message for message in self.heard if message["op"] == op]
+        return [message for message in self.received if message["op"] == op]
 
     async def wait(
         self, op: str, suits: Callable[[dict[str, Any]], object] = lambda _: True
@@ -70,7 +70,7 @@ class ProtocolClient:
         async with asyncio.timeout(LIMIT_S):
             while (found := find()) is None:
                 if self._reading.done():
-                    raise AssertionError(f"the connection has ended; heard {self.heard}")
+                    raise AssertionError(f"the connection has ended; heard {self.received}")
                 self._news.clear()
                 await self._news.wait()
         return found
@@ -101,7 +101,7 @@ class ProtocolClient:
     async def _read(self) -> None:
         with contextlib.suppress(ConnectionClosedError):
             async for message in self.connection:
-                self.heard.append(json.loads(message) if isinstance(message, str) else _binary(message))
+                self.received.append(json.loads(message) if isinstance(message, str) else _binary(message))
                 self._news.set()
         self._news.set()
 
@@ -114,7 +114,7 @@ class Stage:
     store: TypeStore
     network: MemoryNetwork
     robot: MemoryGraph
-    told: list[str]
+    reported: list[str]
 
     @asynccontextmanager
     async def client(
@@ -143,18 +143,18 @@ async def stage(
     **options: Any,
 ) -> AsyncIterator[Stage]:
     """Run a gateway on a free port."""
-    network, store, told = network or MemoryNetwork(), TypeStore(Registry()), list[str]()
+    network, store, reported = network or MemoryNetwork(), TypeStore(Registry()), list[str]()
     graph, robot = await network.join("/foxglove"), await network.join("/robot")
     try:
         async with FoxgloveGateway(
             graph,
             store,
             settings or FoxgloveSettings(port=0),
-            report=lambda _, text: told.append(text),
+            report=lambda _, text: reported.append(text),
             dashboard=DashboardParts(site, join_teleop, recordings, boards),
             **options,
         ) as gateway:
-            yield Stage(gateway, store, network, robot, told)
+            yield Stage(gateway, store, network, robot, reported)
     finally:
         await robot.close()
         await graph.close()

@@ -46,7 +46,7 @@ class Robot:
     def __init__(self) -> None:
         self.commands: list[tuple[float, tuple[float, ...]]] = []
 
-    def heard(self, payloads: Any) -> None:
+    def received(self, payloads: Any) -> None:
         for payload in payloads:
             self.commands.append((time.monotonic(), struct.unpack("<6d", payload)))
 
@@ -74,7 +74,7 @@ async def driven() -> AsyncIterator[tuple[Stage, Robot]]:
     async with stage(FoxgloveSettings(port=0), network=network, join_teleop=join) as there:
         robot = Robot()
         message_type = there.store.registry.message_type(TWIST)
-        await there.robot.subscribe(TOPIC, message_type, robot.heard)
+        await there.robot.subscribe(TOPIC, message_type, robot.received)
         yield there, robot
 
 

@@ -58,9 +58,9 @@ async def test_messages_come_as_they_are_only_while_subscribed() -> None:
         payloads = [text(there, "x" * size) for size in (0, 100, 200, 70_000)]
         publisher.publish_raw(payloads)
         await client.wait("messageData", lambda message: message["payload"] == payloads[-1])
-        heard = client.of("messageData")
-        assert [message["payload"] for message in heard] == payloads
-        assert {message["id"] for message in heard} == {5}
+        arrived = client.of("messageData")
+        assert [message["payload"] for message in arrived] == payloads
+        assert {message["id"] for message in arrived} == {5}
         await client.say("unsubscribe", subscriptionIds=[5])
         await until(lambda: publisher.subscriber_count == 0)
 
@@ -123,19 +123,19 @@ async def test_a_publisher_with_another_definition_gets_a_channel_of_its_definit
         assert again["schema"] == "int32 number\n"
         await client.say("subscribe", subscriptions=[{"id": 2, "channelId": again["id"]}])
 
-        def is_heard() -> bool:
+        def is_received() -> bool:
             # The subscription of the channel that has ended may still be there.
             publisher.publish_raw([b"\1\0\0\0"])
             return bool(client.of("messageData"))
 
-        await until(is_heard)
+        await until(is_received)
         assert {each["id"] for each in client.of("messageData")} == {2}
 
 
 async def test_a_client_publishes_raw_and_json() -> None:
     async with stage() as there, there.client() as client:
-        heard: list[bytes] = []
-        await there.robot.subscribe("/cmd", string_type(there), heard.extend)
+        arrived: list[bytes] = []
+        await there.robot.subscribe("/cmd", string_type(there), arrived.extend)
         channels = [
             {"id": 1, "topic": "/cmd", "encoding": "ros1", "schemaName": STRING},
             {"id": 2, "topic": "/cmd", "encoding": "json", "schemaName": "std_msgs/msg/String"},
@@ -144,24 +144,24 @@ async def test_a_client_publishes_raw_and_json() -> None:
         # At once: what comes before the graph has taken the topic is kept.
         await client.publish(1, text(there, "raw"))
         await client.publish(2, b'{"data": "json"}')
-        await until(lambda: len(heard) == 2)
-        assert sorted(heard) == sorted([text(there, "raw"), text(there, "json")])
+        await until(lambda: len(arrived) == 2)
+        assert sorted(arrived) == sorted([text(there, "raw"), text(there, "json")])
         await client.publish(1, b"\xff\xff\xff\xff")
         assert "/cmd is not published" in (await client.wait("status"))["message"]
         await client.say("unadvertise", channelIds=[1, 2])
         await client.wait("unadvertise")
-    assert len(heard) == 2
+    assert len(arrived) == 2
 
 
 async def test_messages_sent_before_a_client_leaves_are_published() -> None:
     async with stage() as there, there.client() as client:
-        heard: list[bytes] = []
-        await there.robot.subscribe("/said", string_type(there), heard.extend)
+        arrived: list[bytes] = []
+        await there.robot.subscribe("/said", string_type(there), arrived.extend)
         channel = {"id": 1, "topic": "/said", "encoding": "ros1", "schemaName": STRING}
         await client.say("advertise", channels=[channel])
         await client.publish(1, text(there, "bye"))
         await client.say("unadvertise", channelIds=[1])
-        await until(lambda: heard == [text(there, "bye")])
+        await until(lambda: arrived == [text(there, "bye")])
 
 
 async def test_a_client_calls_services() -> None:
@@ -251,20 +251,20 @@ async def test_no_names_are_all_parameters_to_watch_and_to_forget() -> None:
         await there.robot.set_param("/b", 2)
         await client.say("subscribeParameterUpdates", parameterNames=[])
 
-        def told(name: str, value: int) -> bool:
-            said = [each for message in client.of("parameterValues") for each in message["parameters"]]
-            return {"name": name, "value": value} in said
+        def reported(name: str, value: int) -> bool:
+            output = [each for message in client.of("parameterValues") for each in message["parameters"]]
+            return {"name": name, "value": value} in output
 
-        await until(lambda: told("/a", 1) and told("/b", 2))
+        await until(lambda: reported("/a", 1) and reported("/b", 2))
         await there.robot.set_param("/b", 3)
-        await until(lambda: told("/b", 3))
+        await until(lambda: reported("/b", 3))
         await client.say("unsubscribeParameterUpdates", parameterNames=[])
         await client.say("getParameters", parameterNames=["/a"], id="done")
         await client.wait("parameterValues", lambda each: each.get("id") == "done")
         await there.robot.set_param("/a", 4)
         await client.say("getParameters", parameterNames=["/b"], id="later")
         await client.wait("parameterValues", lambda each: each.get("id") == "later")
-        assert not told("/a", 4)
+        assert not reported("/a", 4)
 
 
 async def test_the_connection_graph_comes_whole_and_then_in_changes() -> None:
@@ -382,7 +382,7 @@ async def test_a_foreign_page_and_a_wrong_token_are_refused() -> None:
         with pytest.raises(InvalidStatus):
             async with there.client(path="/?token=secret", origin="https://evil.example"):
                 pass
-        assert "--origin https://evil.example" in there.told[-1]
+        assert "--origin https://evil.example" in there.reported[-1]
         async with there.client(path="/?token=secret", origin="https://app.foxglove.dev") as client:
             await client.wait("serverInfo")
 
@@ -393,7 +393,7 @@ async def test_no_more_clients_than_allowed_and_a_free_place_is_taken() -> None:
             with pytest.raises((OSError, InvalidHandshake)):
                 async with there.client():
                     pass
-            assert "the limit of clients (1) is reached" in there.told[-1]
+            assert "the limit of clients (1) is reached" in there.reported[-1]
         await until(lambda: there.gateway.client_count == 0)
         async with there.client() as client:
             await client.wait("serverInfo")
@@ -436,9 +436,9 @@ async def test_only_a_part_of_the_graph_is_offered_where_that_is_asked_for() -> 
         client_topics=NameFilter.of(["/open_cmd"], "test"),
     )
     async with stage(settings) as there, there.client() as client:
-        heard: list[bytes] = []
-        await there.robot.subscribe("/open_cmd", string_type(there), heard.extend)
-        await there.robot.subscribe("/cmd", string_type(there), heard.extend)
+        arrived: list[bytes] = []
+        await there.robot.subscribe("/open_cmd", string_type(there), arrived.extend)
+        await there.robot.subscribe("/cmd", string_type(there), arrived.extend)
         await there.robot.advertise("/hidden", string_type(there))
         await there.robot.advertise("/open", string_type(there))
         for name in ("/open", "/hidden"):
@@ -461,8 +461,8 @@ async def test_only_a_part_of_the_graph_is_offered_where_that_is_asked_for() -> 
         await client.say("fetchAsset", uri="package://a/b", requestId=1)
         await client.say("subscribeConnectionGraph")
         await client.call(1, b"")
-        await until(lambda: len(client.of("status")) == 6 and heard)
-        assert heard == [text(there, "open")]
+        await until(lambda: len(client.of("status")) == 6 and arrived)
+        assert arrived == [text(there, "open")]
         assert await there.robot.get_param("/hidden") == 1
         assert not client.of("connectionGraphUpdate") + client.of("fetchAssetResponse")
 

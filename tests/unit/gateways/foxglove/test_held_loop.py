@@ -21,18 +21,18 @@ async def advertise(client: ProtocolClient, encoding: str, type_name: str, schem
 
 async def test_json_that_stands_for_many_messages(monkeypatch: pytest.MonkeyPatch) -> None:
     async with stage() as there, there.client() as client:
-        heard: list[bytes] = []
+        received: list[bytes] = []
         markers = there.store.registry.message_type("visualization_msgs/MarkerArray")
-        await there.robot.subscribe("/flood", markers, heard.extend)
+        await there.robot.subscribe("/flood", markers, received.extend)
         await advertise(client, "json", "visualization_msgs/MarkerArray")
         many = b'{"markers": [' + b"{}," * 20_000 + b"{}]}"
         watch = CallbackWatch(monkeypatch)
         # The first one waits for the topic, the others for the one before.
         for payload in (many, many, b'{"markers": [{}]}', many):
             await client.publish(1, payload)
-        await until(lambda: len(heard) == 4)
+        await until(lambda: len(received) == 4)
         watch.check("20,000 markers")
-        assert [struct.unpack_from("<I", each)[0] for each in heard] == [20_001, 20_001, 1, 20_001]
+        assert [struct.unpack_from("<I", each)[0] for each in received] == [20_001, 20_001, 1, 20_001]
 
 
 async def test_a_message_with_many_strings(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,17 +96,17 @@ async def bridge(there: Stage, boards: WebBoards) -> AsyncIterator[Supervisor]:
 
 async def test_two_pages_connect_boards_and_one_comes_back_under_its_name() -> None:
     boards = WebBoards()
-    heard: list[bytes] = []
+    received: list[bytes] = []
     async with stage(SETTINGS, boards=boards) as there, bridge(there, boards) as supervisor:
-        await there.robot.subscribe("/chatter", STRING, heard.extend)
+        await there.robot.subscribe("/chatter", STRING, received.extend)
         async with page_of(there, "arm"):
             for _ in range(2):
                 async with page_of(there, "uno") as device:
                     chatter = device.publisher("chatter", "std_msgs/String")
                     await device.wait_connected(30.0)
-                    heard.clear()
-                    await until(lambda: chatter.publish(data="hello") and heard)  # noqa: B023 - awaited here
-                    assert set(heard) == {text("hello")}
+                    received.clear()
+                    await until(lambda: chatter.publish(data="hello") and received)  # noqa: B023 - awaited here
+                    assert set(received) == {text("hello")}
                     names = [view.node for view in supervisor.boards()]
                     assert names == ["/web_arm", "/web_uno"]
 

@@ -33,7 +33,7 @@ async def test_a_flood_of_nonsense_leaves_the_server_up() -> None:
                         pass
         await sensible.settled()
         publisher.publish(data="still here")
-        while (heard := await sensible.receive()).get("msg") != {"data": "still here"}:
-            assert heard["op"] in ("publish", "status")
+        while (received := await sensible.receive()).get("msg") != {"data": "still here"}:
+            assert received["op"] in ("publish", "status")
         assert len(there.warnings) > CLIENTS
         assert not [line for line in there.warnings if "Error: " in line and "JSON" not in line]

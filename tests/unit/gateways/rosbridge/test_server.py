@@ -44,16 +44,16 @@ async def test_clients_receive_messages_of_others_under_their_own_topic_name(the
 
 
 async def test_first_words_wait_for_subscribers_that_are_on_their_way(there: World) -> None:
-    heard = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=60))
+    received = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=60))
     async with there.client() as client:
         await until(lambda: "/chatter" in there.network.snapshot().topics)
         await client.say("advertise", topic="/chatter", type=STRING)
         await client.say("publish", topic="/chatter", msg={"data": "first"})
-        assert (await heard).data == "first"
+        assert (await received).data == "first"
 
 
 async def test_messages_of_a_client_that_leaves_at_once_are_published(there: World) -> None:
-    heard = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=60))
+    received = asyncio.ensure_future(there.graph.wait_for_message("/chatter", STRING, timeout_s=60))
     await until(lambda: "/chatter" in there.network.snapshot().topics)
     advertising = {"op": "advertise", "topic": "/chatter", "type": STRING}
     publishing = {"op": "publish", "topic": "/chatter", "msg": {"data": "last"}}
@@ -61,13 +61,13 @@ async def test_messages_of_a_client_that_leaves_at_once_are_published(there: Wor
     await reader.readuntil(b"\r\n\r\n")
     messages = [frame(1, json.dumps(each).encode()) for each in (advertising, publishing)]
     writer.write(b"".join(messages) + frame(8, b""))
-    assert (await heard).data == "last"
+    assert (await received).data == "last"
     writer.close()
 
 
 async def test_a_topic_that_exists_needs_no_advertising(there: World) -> None:
     messages = aiter(there.graph.messages("/chatter", STRING))
-    heard = asyncio.ensure_future(anext(messages))
+    received = asyncio.ensure_future(anext(messages))
     async with there.client() as client:
         await client.say("publish", topic="/nobody", msg={}, id="p1")
         status = await client.receive("status")
@@ -76,7 +76,7 @@ async def test_a_topic_that_exists_needs_no_advertising(there: World) -> None:
         assert status["msg"] == "publish: /nobody has no type yet; advertise it first"
         await until(lambda: "/chatter" in there.network.snapshot().topics)
         await client.say("publish", topic="/chatter", msg={"data": "hi"})
-        assert (await heard).data == "hi"
+        assert (await received).data == "hi"
     await messages.aclose()
 
 
@@ -361,7 +361,7 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
 
 
 @pytest.mark.parametrize(
-    ("said", "told"),
+    ("output", "reported"),
     [
         ("garbage", "this is not JSON"),
         (b"\xff\xfe", "this is not JSON"),
@@ -392,13 +392,13 @@ async def test_a_page_that_was_loaded_again_gets_its_service_back(there: World) 
     ],
 )
 async def test_every_mistake_is_reported_in_one_line_and_the_client_stays(
-    there: World, said: str | bytes, told: str
+    there: World, output: str | bytes, reported: str
 ) -> None:
     async with there.client() as client:
-        await client.connection.send(said)
+        await client.connection.send(output)
         status = await client.receive("status")
         assert status["level"] == "error"
-        assert told in status["msg"]
+        assert reported in status["msg"]
         assert "\n" not in status["msg"]
         assert await client.settled() == []
         assert there.warnings
@@ -468,8 +468,8 @@ async def test_a_slow_reader_loses_the_oldest_with_a_report_and_does_not_delay_o
         text = "x" * 100_000
         for number in range(300):
             publisher.publish(data=f"{number} {text}")
-            heard = (await fast.receive("publish"))["msg"]["data"]
-            assert heard.startswith(f"{number} ")
+            received = (await fast.receive("publish"))["msg"]["data"]
+            assert received.startswith(f"{number} ")
         slow.connection.transport.resume_reading()
         numbers: list[int] = []
         statuses: list[dict[str, Any]] = []

@@ -41,10 +41,10 @@ class WebClient:
     async def settled(self) -> list[dict[str, Any]]:
         """Wait until all that was said is carried out; returns what was heard meanwhile."""
         await self.say("call_service", service="/settled", id="settled")
-        heard = []
+        received = []
         while (message := await self.receive()).get("id") != "settled":
-            heard.append(message)
-        return heard
+            received.append(message)
+        return received
 
 
 class World:

@@ -124,7 +124,7 @@ async def test_one_other_address_cannot_keep_clients_out() -> None:
         answers = [await asyncio.wait_for(each.readuntil(b"\r\n"), LIMIT_S) for each, _ in opened]
         assert sorted(answers)[:2] == [b"HTTP/1.1 101 Switching Protocols\r\n"] * 2
         assert b"503" in max(answers)
-        assert "from one address (2) is reached" in there.told[-1]
+        assert "from one address (2) is reached" in there.reported[-1]
         slow = await open_connection(port, UPGRADE[:20])
         opened += [await open_connection(port, b"", host="127.0.0.2") for _ in range(8)]
         assert await ended(opened[3][0]) == b"", "the connections of that address replace each other"
@@ -203,11 +203,11 @@ async def test_a_message_in_pieces_is_whole_again() -> None:
             for byte in piece:
                 writer.write(bytes((byte,)))
                 await asyncio.sleep(0)
-        heard = b""
+        received = b""
         async with asyncio.timeout(LIMIT_S):
-            while b'"id":"pieces"' not in heard:
-                heard += await reader.read(4096)
-        assert b"\x8a\x04ping" in heard
+            while b'"id":"pieces"' not in received:
+                received += await reader.read(4096)
+        assert b"\x8a\x04ping" in received
         writer.close()
 
 

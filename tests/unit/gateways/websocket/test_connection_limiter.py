@@ -14,39 +14,39 @@ class Accepted(asyncio.BaseTransport):
 
 
 async def test_networks_that_were_named_may_connect_and_this_machine() -> None:
-    told: list[str] = []
-    gate = ConnectionLimiter(("192.168.1.0/24",), 10, told.append)
+    reported: list[str] = []
+    gate = ConnectionLimiter(("192.168.1.0/24",), 10, reported.append)
     assert gate.admit(Accepted("192.168.1.7", "192.168.1.2"))
     assert gate.admit(Accepted())
     assert not gate.admit(Accepted("10.0.0.1", "192.168.1.2"))
-    assert told == ["refused 10.0.0.1:5000: 10.0.0.1 is not in the networks of --allow"]
+    assert reported == ["refused 10.0.0.1:5000: 10.0.0.1 is not in the networks of --allow"]
     assert gate.open_count == 2
 
 
 async def test_a_place_that_was_left_is_free() -> None:
-    told: list[str] = []
-    gate = ConnectionLimiter((), 1, told.append)
+    reported: list[str] = []
+    gate = ConnectionLimiter((), 1, reported.append)
     assert gate.admit(Accepted())
     assert not gate.admit(Accepted("::1", "::1"))
-    assert told == ["refused [::1]:5000: the limit of open connections (1) is reached"]
+    assert reported == ["refused [::1]:5000: the limit of open connections (1) is reached"]
     gate.release()
     assert gate.admit(Accepted())
 
 
 async def test_a_connection_that_has_gone_already_takes_no_place() -> None:
-    told: list[str] = []
-    gate = ConnectionLimiter((), 1, told.append)
+    reported: list[str] = []
+    gate = ConnectionLimiter((), 1, reported.append)
     assert not gate.admit(asyncio.BaseTransport({}))
-    assert (gate.open_count, told) == (0, ["refused a client: it has disconnected"])
+    assert (gate.open_count, reported) == (0, ["refused a client: it has disconnected"])
 
 
 async def test_each_reason_is_reported_once_in_a_while_and_few_of_them() -> None:
-    told: list[str] = []
-    gate = ConnectionLimiter((), 1, told.append)
+    reported: list[str] = []
+    gate = ConnectionLimiter((), 1, reported.append)
     for _ in range(2):
         for number in range(door.MAX_REASONS + 1):
             gate.report_refusal(Accepted(), f"page\n{number}")
-    assert told == [f"refused 127.0.0.1:5000: page {number}" for number in range(door.MAX_REASONS)]
+    assert reported == [f"refused 127.0.0.1:5000: page {number}" for number in range(door.MAX_REASONS)]
     gate._reported_until_s = 0.0
     gate.report_refusal(Accepted(), "page 0")
-    assert told[-1].endswith("page 0 (7 more since the last such line)")
+    assert reported[-1].endswith("page 0 (7 more since the last such line)")

@@ -144,7 +144,7 @@ async def test_thousands_of_requests_leave_nothing_behind() -> None:
                 memory_kb = used_kb
             await viewer.say("getParameters", parameterNames=[], id=f"part {part}")
             await viewer.wait("parameterValues")
-            viewer.heard.clear()
+            viewer.received.clear()
         assert used_kb - memory_kb < 5_000
         await until(lambda: there.gateway.connection_count == 1)
         assert len(asyncio.all_tasks()) <= tasks

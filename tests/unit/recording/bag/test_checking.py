@@ -34,14 +34,14 @@ def test_what_was_written_is_sound(tmp_path: Path, compression: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "told"),
+    ("place", "reported"),
     [(0, "no message of connection"), (4, "no message of connection"), (8, "the index after it is wrong")],
 )
-def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, told: str) -> None:
+def test_an_index_that_names_another_time_or_place(data: bytearray, place: int, reported: str) -> None:
     _, start = _first(data, Op.INDEX)
     data[start + place] ^= 0x11
     (fault,) = faults_of(bytes(data))
-    assert told in fault
+    assert reported in fault
 
 
 def test_an_index_of_another_connection(data: bytearray) -> None:

@@ -108,7 +108,7 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "reported"),
     [
         (b"", "is empty"),
         (b"#ROSBAG V1.2\n" + bytes(100), "format 1.2"),
@@ -116,10 +116,10 @@ def test_a_chunk_that_roscpp_left_open_is_read_to_its_last_message(tmp_path: Pat
         (b"{}" * 50, "is not a bag"),
     ],
 )
-def test_what_is_not_a_bag_is_reported(tmp_path: Path, content: bytes, told: str) -> None:
+def test_what_is_not_a_bag_is_reported(tmp_path: Path, content: bytes, reported: str) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(content)
-    with pytest.raises(RecordingError, match=told):
+    with pytest.raises(RecordingError, match=reported):
         BagReader(path)
 
 

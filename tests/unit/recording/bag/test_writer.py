@@ -100,7 +100,7 @@ def test_the_first_chunk_stands_where_rosbag_puts_it(tmp_path: Path) -> None:
 
 
 def test_connection_headers_survive_both_formats(tmp_path: Path) -> None:
-    said = {
+    output = {
         "callerid": "/talker",
         "latching": "0",
         "md5sum": STRING.md5sum,
@@ -109,16 +109,16 @@ def test_connection_headers_survive_both_formats(tmp_path: Path) -> None:
         "type": STRING.name,
         "vendor": "acme",
     }
-    told = Connection.from_fields("/chatter", said)
-    assert not told.is_latching
+    reported = Connection.from_fields("/chatter", output)
+    assert not reported.is_latching
     for name, create, read in (("a.bag", BagWriter, BagReader), ("a.mcap", McapWriter, McapReader)):
         writer = create(tmp_path / name)
-        writer.write(writer.add_connection(told), START_NS, [text("one")])
+        writer.write(writer.add_connection(reported), START_NS, [text("one")])
         writer.close()
         reader = read(tmp_path / name)
-        (told,) = reader.counts
+        (reported,) = reader.counts
         reader.close()
-    assert list(told.fields().items()) == list(said.items())
+    assert list(reported.fields().items()) == list(output.items())
 
 
 @pytest.mark.parametrize("chunk_bytes", [300, 100_000])

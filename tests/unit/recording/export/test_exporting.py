@@ -157,8 +157,8 @@ def test_messages_that_do_not_fit_are_skipped_and_counted(tmp_path: Path) -> Non
     broken = MessageType("a/B", "0" * 32, "nothing that is a definition")
     writer.write(writer.add_connection(Connection("/broken", broken)), START_NS, [b""])
     writer.close()
-    told: list[str] = []
-    export = Export(BagReader(path), report=told.append)
+    reported: list[str] = []
+    export = Export(BagReader(path), report=reported.append)
     texts: dict[str, io.StringIO] = {}
 
     def create(table: ExportedTable) -> CsvTable:
@@ -170,7 +170,7 @@ def test_messages_that_do_not_fit_are_skipped_and_counted(tmp_path: Path) -> Non
     assert (table.row_count, table.unfit_count) == (2, 1)
     assert "std_msgs/Bool" in table.why
     assert len(texts["on"].getvalue().splitlines()) == 3
-    assert "/broken" in told[0]
+    assert "/broken" in reported[0]
 
 
 def test_topics_of_two_types_have_a_table_each(tmp_path: Path) -> None:

@@ -88,22 +88,22 @@ def test_those_of_the_package_are_sound(
 def test_a_sum_that_is_wrong(ours: bytearray) -> None:
     _, start, end = _records(ours, Op.CHUNK)[1]
     ours[end - 5] ^= 1
-    told = faults_of(bytes(ours))
-    assert any("the checksum (CRC) of its records is wrong" in fault for fault in told)
-    assert any("the checksum (CRC) of its data is wrong" in fault for fault in told)
+    reported = faults_of(bytes(ours))
+    assert any("the checksum (CRC) of its records is wrong" in fault for fault in reported)
+    assert any("the checksum (CRC) of its data is wrong" in fault for fault in reported)
     assert start < end
 
 
 def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
     _, start, _ = _records(ours, Op.STATISTICS)[0]
     ours[start] ^= 1
-    told = faults_of(bytes(ours))
-    assert "the checksum (CRC) of its summary is wrong" in told
-    assert any(fault == "its statistics state 41 messages, but there are 40" for fault in told)
+    reported = faults_of(bytes(ours))
+    assert "the checksum (CRC) of its summary is wrong" in reported
+    assert any(fault == "its statistics state 41 messages, but there are 40" for fault in reported)
 
 
 @pytest.mark.parametrize(
-    ("op", "place", "which", "told"),
+    ("op", "place", "which", "reported"),
     [
         (Op.CHUNK, 0, 0, "its times are"),
         (Op.CHUNK, 16, 0, "instead of"),
@@ -121,12 +121,12 @@ def test_a_summary_whose_sum_is_wrong(ours: bytearray) -> None:
         (Op.CHANNEL, 0, -1, "its summary lists channel"),
     ],
 )
-def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, told: str) -> None:
+def test_one_byte_that_lies(ours: bytearray, op: int, place: int, which: int, reported: str) -> None:
     _, start, _ = _records(ours, op)[which]
     data = _unsummed(ours)
     data[start + place] ^= 0x40
     faults = faults_of(bytes(data))
-    assert any(told in fault for fault in faults), faults
+    assert any(reported in fault for fault in faults), faults
     assert all("\n" not in fault for fault in faults)
 
 

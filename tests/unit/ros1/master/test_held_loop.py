@@ -101,9 +101,9 @@ async def test_a_node_with_as_many_topics_as_a_master_allows_is_replaced(
     for kind in ("Publisher", "Subscriber"):
         for topic in topics:
             methods[f"register{kind}"](f"/{kind}", topic, "std_msgs/Empty", f"http://127.0.0.1:{len(kind)}/")
-    told: dict[str, list[str]] = {}
+    reported: dict[str, list[str]] = {}
     monkeypatch.setattr(
-        master._node_calls, "publisher_update", lambda _api, topic, apis: told.setdefault(topic, apis)
+        master._node_calls, "publisher_update", lambda _api, topic, apis: reported.setdefault(topic, apis)
     )
     watch = CallbackWatch(monkeypatch)
     code, text, _ = await client.call_status(
@@ -111,11 +111,11 @@ async def test_a_node_with_as_many_topics_as_a_master_allows_is_replaced(
     )
     assert code == 1, text
     async with asyncio.timeout(150):
-        while len(told) < len(topics):
+        while len(reported) < len(topics):
             await asyncio.sleep(0)
     watch.check("the new registration")
-    assert told["/t0"] == ["http://127.0.0.1:3/"]
-    assert told["/t1"] == []
+    assert reported["/t0"] == ["http://127.0.0.1:3/"]
+    assert reported["/t1"] == []
 
 
 async def test_one_node_has_a_limit(

@@ -44,9 +44,9 @@ class Master:
     """The API with its calls by name."""
 
     def __init__(self) -> None:
-        self.told = RecordedCalls()
+        self.reported = RecordedCalls()
         self.stops: list[str] = []
-        self.api = MasterApi(self.told, self.stops.append)
+        self.api = MasterApi(self.reported, self.stops.append)
         self.api.uri = "http://master:11311/"
         self._methods: dict[str, Callable[..., Any]] = self.api.dispatch()
 
@@ -85,7 +85,7 @@ def test_topics(master: Master) -> None:
     assert master.call("registerSubscriber", "/s", "t", "*", B) == (1, "Subscribed to [/t]", [])
     registered = master.call("registerPublisher", "/p", "/t", "std_msgs/String", A)
     assert registered == (1, "Registered [/p] as publisher of [/t]", [B])
-    assert master.told.take() == [(B, "/t", [A])]
+    assert master.reported.take() == [(B, "/t", [A])]
     assert master.call("registerSubscriber", "/p", "/t", "std_msgs/String", A)[2] == [A]
     assert master.call("getPublishedTopics", "/x", "")[2] == [["/t", "std_msgs/String"]]
     assert master.call("getPublishedTopics", "/x", "/ns")[2] == []
@@ -93,9 +93,9 @@ def test_topics(master: Master) -> None:
     assert master.call("getSystemState", "/x")[2] == [[["/t", ["/p"]]], [["/t", ["/s", "/p"]]], []]
     assert master.call("lookupNode", "/x", "/p") == (1, "node api", A)
     assert master.call("unregisterPublisher", "/p", "/t", A)[2] == 1
-    assert master.told.take() == [(B, "/t", []), (A, "/t", [])]
+    assert master.reported.take() == [(B, "/t", []), (A, "/t", [])]
     assert master.call("unregisterPublisher", "/p", "/t", A)[2] == 0
-    assert master.told.take() == []
+    assert master.reported.take() == []
     assert master.call("unregisterSubscriber", "/s", "/t", B)[2] == 1
     assert master.call("unregisterSubscriber", "/s", "/t", B) == (1, "[/s] is not a registered node", 0)
     assert master.call("lookupNode", "/x", "/s") == (-1, "unknown node [/s]", "")
@@ -114,21 +114,21 @@ def test_a_replaced_node_is_shut_down_and_its_subscribers_are_informed(master: M
     master.call("registerSubscriber", "/s", "/t", "std_msgs/String", B)
     new = "http://a:99/"
     master.call("registerPublisher", "/p", "/u", "std_msgs/String", new)
-    assert master.told.take() == [
+    assert master.reported.take() == [
         (A, "shutdown", "[/p] Reason: new node registered with same name"),
         (B, "/t", []),
     ]
-    assert master.told.pinged == [A, B, new], "each node is looked after from its first registration"
+    assert master.reported.pinged == [A, B, new], "each node is looked after from its first registration"
 
 
 def test_a_node_that_has_ended_is_removed_with_its_registrations(master: Master) -> None:
     master.call("registerPublisher", "/p", "/t", "std_msgs/String", A)
     master.call("registerService", "/p", "/s", "rosrpc://a:5", A)
     master.call("registerSubscriber", "/s", "/t", "std_msgs/String", B)
-    master.told.take()
+    master.reported.take()
     master.api.drop_node("/p")
     master.api.drop_node("/p")
-    assert master.told.take() == [(B, "/t", [])]
+    assert master.reported.take() == [(B, "/t", [])]
     assert master.call("getSystemState", "/x")[2] == [[], [["/t", ["/s"]]], []]
 
 
@@ -153,15 +153,15 @@ def test_watchers_of_a_parameter(master: Master) -> None:
     assert master.call("subscribeParam", "/p", A, "/a") == (1, "Subscribed to parameter [/a]", {})
     assert master.call("subscribeParam", "/s", B, "/a/b")[2] == {}
     master.call("setParam", "/x", "/a", {"b": 1})
-    assert master.told.take() == [(B, "/a/b/", 1), (A, "/a/", {"b": 1})]
+    assert master.reported.take() == [(B, "/a/b/", 1), (A, "/a/", {"b": 1})]
     assert master.call("subscribeParam", "/p", A, "/a")[2] == {"b": 1}
     master.call("setParam", "/p", "/a/b", 2)
-    assert master.told.take() == [(B, "/a/b/", 2)], "who sets a value knows it"
+    assert master.reported.take() == [(B, "/a/b/", 2)], "who sets a value knows it"
     master.call("deleteParam", "/p", "/a")
-    assert master.told.take() == [(B, "/a/b/", {}), (A, "/a/", {})]
+    assert master.reported.take() == [(B, "/a/b/", {}), (A, "/a/", {})]
     assert master.call("unsubscribeParam", "/p", A, "/a/") == (1, "Unsubscribe to parameter [/a]", 1)
     master.call("setParam", "/x", "/a", 7)
-    assert master.told.take() == [(B, "/a/b/", {})], "unset, and told so"
+    assert master.reported.take() == [(B, "/a/b/", {})], "unset, and told so"
 
 
 def test_watching_alone_makes_a_node(master: Master) -> None:

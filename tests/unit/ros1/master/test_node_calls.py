@@ -18,7 +18,7 @@ class FakeNode:
     """A node that notes what it hears; `gate` holds its answers back."""
 
     def __init__(self) -> None:
-        self.heard: list[tuple[Any, ...]] = []
+        self.received: list[tuple[Any, ...]] = []
         self.gate = asyncio.Event()
         self.gate.set()
         self.answer: list[Any] = [1, "", 0]
@@ -29,7 +29,7 @@ class FakeNode:
     def _method(self, name: str) -> Callable[..., Any]:
         async def method(caller: str, *args: Any) -> list[Any]:
             assert caller == "/master"
-            self.heard.append((name, *args))
+            self.received.append((name, *args))
             await self.gate.wait()
             return self.answer
 
@@ -61,21 +61,21 @@ async def queue(gone: list[str]) -> AsyncIterator[NodeCallQueue]:
 async def test_news_arrives_in_order(node: FakeNode, queue: NodeCallQueue) -> None:
     for number in range(5):
         queue.param_update(node.server.uri, f"/{number}/", number)
-    await until(lambda: len(node.heard) == 5)
-    assert node.heard == [("paramUpdate", f"/{number}/", number) for number in range(5)]
+    await until(lambda: len(node.received) == 5)
+    assert node.received == [("paramUpdate", f"/{number}/", number) for number in range(5)]
 
 
 async def test_only_the_newest_news_of_a_topic_waits(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     api = node.server.uri
     queue.publisher_update(api, "/t", ["http://0/"])
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     for number in range(1, 100):
         queue.publisher_update(api, "/t", [f"http://{number}/"])
         queue.param_update(api, "/p/", number)
     node.gate.set()
-    await until(lambda: len(node.heard) == 3)
-    assert node.heard[1:] == [
+    await until(lambda: len(node.received) == 3)
+    assert node.received[1:] == [
         ("publisherUpdate", "/t", ["http://99/"]),
         ("paramUpdate", "/p/", 99),
     ]
@@ -85,23 +85,23 @@ async def test_newer_news_goes_after_what_came_between(node: FakeNode, queue: No
     node.gate.clear()
     api = node.server.uri
     queue.ping(api)
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     queue.param_update(api, "/a/b/", 1)
     queue.param_update(api, "/a/", {"b": 2})
     queue.param_update(api, "/a/b/", 3)
     node.gate.set()
-    await until(lambda: len(node.heard) == 3)
-    assert node.heard[1:] == [("paramUpdate", "/a/", {"b": 2}), ("paramUpdate", "/a/b/", 3)]
+    await until(lambda: len(node.received) == 3)
+    assert node.received[1:] == [("paramUpdate", "/a/", {"b": 2}), ("paramUpdate", "/a/b/", 3)]
 
 
 async def test_news_during_its_own_call_is_not_lost(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     queue.param_update(node.server.uri, "/p/", 1)
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     queue.param_update(node.server.uri, "/p/", 2)
     node.gate.set()
-    await until(lambda: len(node.heard) == 2)
-    assert node.heard[1] == ("paramUpdate", "/p/", 2)
+    await until(lambda: len(node.received) == 2)
+    assert node.received[1] == ("paramUpdate", "/p/", 2)
 
 
 async def test_a_hanging_node_does_not_delay_others_and_is_informed_later(
@@ -112,12 +112,12 @@ async def test_a_hanging_node_does_not_delay_others_and_is_informed_later(
     await other.server.start()
     node.gate.clear()
     queue.publisher_update(node.server.uri, "/t", [])
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     queue.publisher_update(other.server.uri, "/t", [])
-    await until(lambda: other.heard)
+    await until(lambda: other.received)
     assert queue._outboxes[node.server.uri].pending
     # Its call times out and is repeated until it answers.
-    await until(lambda: len(node.heard) == 2)
+    await until(lambda: len(node.received) == 2)
     node.gate.set()
     await until(lambda: not queue._outboxes[node.server.uri].pending)
     assert gone == []
@@ -141,7 +141,7 @@ async def test_one_refusal_is_a_restart(node: FakeNode, gone: list[str]) -> None
     queue.publisher_update(node.server.uri, "/t", [])
     await until(lambda: queue._outboxes[node.server.uri].refusals == 1)
     await node.server.start()
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     await queue.close()
     assert gone == []
 
@@ -163,7 +163,7 @@ async def test_a_node_that_closes_idle_connections_is_not_gone(
     await until(lambda: not queue._outboxes[node.server.uri].pending)
     for connection in list(node.server._connections):
         connection.abort()
-    await until(lambda: len(node.heard) == 2)
+    await until(lambda: len(node.received) == 2)
     assert gone == []
 
 
@@ -171,12 +171,12 @@ async def test_a_shutdown_replaces_everything_else(node: FakeNode, queue: NodeCa
     node.gate.clear()
     api = node.server.uri
     queue.ping(api)
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     queue.publisher_update(api, "/t", [])
     queue.shut_down(api, "why")
     node.gate.set()
-    await until(lambda: len(node.heard) == 2)
-    assert node.heard[1] == ("shutdown", "why")
+    await until(lambda: len(node.received) == 2)
+    assert node.received[1] == ("shutdown", "why")
 
 
 async def test_a_shutdown_of_a_dead_node_is_not_repeated(
@@ -192,7 +192,7 @@ async def test_what_a_node_answers_does_not_matter(node: FakeNode, queue: NodeCa
     node.answer = [-1, "not subscribed", 0]
     for number in (1, 2):
         queue.param_update(node.server.uri, "/p/", number)
-        await until(lambda number=number: len(node.heard) == number)  # type: ignore[misc]
+        await until(lambda number=number: len(node.received) == number)  # type: ignore[misc]
     assert queue._outboxes[node.server.uri].refusals == 0
 
 
@@ -221,13 +221,13 @@ async def test_few_connections_are_kept(
 ) -> None:
     monkeypatch.setattr(module, "_MAX_KEPT_CONNECTIONS", 0)
     queue.ping(node.server.uri)
-    await until(lambda: node.heard and not node.server._connections)
+    await until(lambda: node.received and not node.server._connections)
 
 
 async def test_unregistered_nodes_are_forgotten(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     queue.ping(node.server.uri)
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     queue.retain({node.server.uri})
     assert list(queue._outboxes) == [node.server.uri]
     queue.retain(set())
@@ -244,14 +244,14 @@ async def test_a_uri_that_cannot_be_called_is_left_alone(queue: NodeCallQueue, a
 async def test_a_value_that_cannot_be_sent_is_dropped(node: FakeNode, queue: NodeCallQueue) -> None:
     queue.param_update(node.server.uri, "/big/", 2**40)
     queue.param_update(node.server.uri, "/p/", 1)
-    await until(lambda: node.heard)
-    assert node.heard == [("paramUpdate", "/p/", 1)]
+    await until(lambda: node.received)
+    assert node.received == [("paramUpdate", "/p/", 1)]
 
 
 async def test_close_ends_calls_under_way(node: FakeNode, queue: NodeCallQueue) -> None:
     node.gate.clear()
     queue.ping(node.server.uri)
-    await until(lambda: node.heard)
+    await until(lambda: node.received)
     await queue.close()
     await until(lambda: not node.server._connections)
     queue.ping(node.server.uri)

@@ -48,18 +48,18 @@ async def test_it_has_what_roscore_sets(client: XmlRpcClient, master: MasterServ
 
 
 async def test_subscribers_are_informed_about_publishers(client: XmlRpcClient) -> None:
-    heard: list[list[str]] = []
+    received: list[list[str]] = []
     node = XmlRpcServer(
         {
             "getPid": lambda _caller: [1, "", 1],
-            "publisherUpdate": lambda _caller, _topic, uris: note(heard, uris),
+            "publisherUpdate": lambda _caller, _topic, uris: note(received, uris),
         }
     )
     await node.start()
     await client.call("registerSubscriber", "/s", "/t", "*", node.uri)
     await client.call("registerPublisher", "/s", "/t", "std_msgs/String", node.uri)
-    await until(lambda: heard)
-    assert heard == [[node.uri]]
+    await until(lambda: received)
+    assert received == [[node.uri]]
     await node.close()
 
 

@@ -33,15 +33,15 @@ def test_every_node_has_use_sim_time() -> None:
 
 def test_changes_are_reported_by_kind() -> None:
     store = ParameterStore({"old": 1, "gone": 2})
-    told: list[Changes] = []
-    store.listen(told.append)
+    reported: list[Changes] = []
+    store.listen(reported.append)
     store.apply({"old": value("x"), "new": value(3.0), "gone": NOT_SET, "never": NOT_SET})
-    assert told == [Changes({"new": value(3.0)}, {"old": value("x")}, {"gone": value(2)})]
+    assert reported == [Changes({"new": value(3.0)}, {"old": value("x")}, {"gone": value(2)})]
     store.apply({"never": NOT_SET})
-    store.unlisten(told.append)
-    store.unlisten(told.append)
+    store.unlisten(reported.append)
+    store.unlisten(reported.append)
     store.apply({"new": value(4)})
-    assert len(told) == 1
+    assert len(reported) == 1
     assert store.names() == ["new", "old", "use_sim_time"]
 
 
@@ -86,13 +86,13 @@ def test_initial_values_are_checked() -> None:
 
 def test_a_failing_listener_does_not_affect_others(caplog: pytest.LogCaptureFixture) -> None:
     store = ParameterStore()
-    told: list[Changes] = []
+    reported: list[Changes] = []
 
     def fail(_: Changes) -> None:
         raise ZeroDivisionError("a mistake")
 
     store.listen(fail)
-    store.listen(told.append)
+    store.listen(reported.append)
     store.apply({"a": value(1)})
-    assert len(told) == 1
+    assert len(reported) == 1
     assert "ZeroDivisionError: a mistake" in caplog.text

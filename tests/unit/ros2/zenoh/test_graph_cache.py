@@ -75,10 +75,10 @@ def test_several_types_of_a_topic_are_all_reported() -> None:
 
 def test_listeners_are_called_for_their_endpoints_once_per_batch() -> None:
     graph = GraphCache()
-    heard: list[int] = []
+    received: list[int] = []
 
     def listen() -> None:
-        heard.append(len(graph.endpoints(Kind.PUBLISHER, "/chat")))
+        received.append(len(graph.endpoints(Kind.PUBLISHER, "/chat")))
 
     graph.listen(Kind.PUBLISHER, "/chat", listen)
     graph.apply_tokens([(TALKER, True), (token(Kind.PUBLISHER, "other", "/chat", STRING), True)])
@@ -87,7 +87,7 @@ def test_listeners_are_called_for_their_endpoints_once_per_batch() -> None:
     graph.unlisten(Kind.PUBLISHER, "/chat", listen)
     graph.unlisten(Kind.PUBLISHER, "/chat", listen)
     graph.apply_tokens([(TALKER, True)])
-    assert heard == [2, 1]
+    assert received == [2, 1]
 
 
 async def test_changes_end_when_the_node_does() -> None:

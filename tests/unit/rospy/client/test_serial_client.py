@@ -37,14 +37,14 @@ async def test_a_board_is_served_by_the_scripts_node(tmp_path: Path) -> None:
     port = tmp_path / "board"
     try:
         async with Device(f"pty:{port}") as device:
-            said = device.publisher("~said", "std_msgs/String")
+            reported = device.publisher("~said", "std_msgs/String")
             async with running_script(SCRIPT, str(port), master_uri=master.uri) as script:
                 await line_of(script, "ready")
                 await device.wait_connected(60)
 
                 async def say() -> None:
                     while True:
-                        said.publish(data="hello")
+                        reported.publish(data="hello")
                         await asyncio.sleep(0.05)
 
                 saying = asyncio.create_task(say())

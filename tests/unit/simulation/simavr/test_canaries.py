@@ -25,14 +25,14 @@ void loop() {
 """
 
 
-@pytest.mark.parametrize(("letter", "said"), [(b"j", "jumped to its start"), (b"o", "ran out of its code")])
-async def test_a_start_over_without_a_reset_is_reported(start: Start, letter: bytes, said: str) -> None:
+@pytest.mark.parametrize(("letter", "output"), [(b"j", "jumped to its start"), (b"o", "ran out of its code")])
+async def test_a_start_over_without_a_reset_is_reported(start: Start, letter: bytes, output: str) -> None:
     board = await start(build("wrong"))
     await board.run("1ms")
     first = await number(board, "starts")
     await board.send(letter)
     await board.run("1ms")
-    assert [said in event["text"] for event in named(board, "restart")] == [True]
+    assert [output in event["text"] for event in named(board, "restart")] == [True]
     assert (await number(board, "starts") - first) & 0xFF == 1
     assert len(named(board, "reset")) == 1
 
@@ -44,9 +44,9 @@ async def test_what_the_chip_does_not_have_is_reported(start: Start, letter: byt
     assert named(board, event) == []
     await board.send(letter)
     await board.run("1ms")
-    told = named(board, event)
-    assert len(told) == 1
-    assert told[0].values.get("address") in (None, 0x4000)
+    reported = named(board, event)
+    assert len(reported) == 1
+    assert reported[0].values.get("address") in (None, 0x4000)
     assert named(board, "restart") == []
 
 

@@ -52,7 +52,7 @@ async def test_what_is_missing_is_reported_with_its_packages(
 
 
 @pytest.mark.parametrize(
-    ("printed", "said"),
+    ("printed", "reported"),
     [
         ("core.c:5: fatal error: sim_avr.h: No such file or directory", "libsimavr is not installed"),
         ("firmware.c:3: fatal error: gelf.h: No such file or directory", "libelf is not installed"),
@@ -62,13 +62,13 @@ async def test_what_is_missing_is_reported_with_its_packages(
     ],
 )
 async def test_a_failing_compiler_is_explained_in_one_line(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path, printed: str, said: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path, printed: str, reported: str
 ) -> None:
     compiler = tmp_path / "broken-cc"
     compiler.write_text(f"#!/bin/sh\necho '{printed}' >&2\nexit 1\n")
     compiler.chmod(stat.S_IRWXU)
     monkeypatch.setenv("CC", str(compiler))
-    with pytest.raises(BoardError, match=said) as raised:
+    with pytest.raises(BoardError, match=reported) as raised:
         await build_runner()
     assert "\n" not in str(raised.value)
     assert list(cache.iterdir()) == []

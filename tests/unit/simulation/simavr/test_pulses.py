@@ -47,9 +47,9 @@ async def test_analog_write(start: Start, tmp_path: Path, kind: str) -> None:
     program = await build_text(tmp_path, ANALOG_WRITE, board=kind)
     board = await start(program, *(f"watch {pin}" for pin in pins), board=kind)
     await board.run("10ms")
-    told = {event["pin"]: event for event in named(board, "pwm")}
-    assert set(told) == set(pins)
-    for event in told.values():
+    reported = {event["pin"]: event for event in named(board, "pwm")}
+    assert set(reported) == set(pins)
+    for event in reported.values():
         assert event["duty"] == pytest.approx(64 / 255, abs=0.004)
         assert event["period_us"] in (1024.0, 2040.0)
     # What a timer does is reported as PWM, not as changes of a pin.

@@ -186,7 +186,7 @@ async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "reported"),
     [
         (b"", "it is empty"),
         (b"\x7fELF", "not an ELF file"),
@@ -199,10 +199,12 @@ async def test_words_that_make_no_sense_at_the_start(start: Start) -> None:
     ],
     ids=["empty", "magic", "zeros", "end", "checksum", "far", "text", "sh"],
 )
-async def test_files_that_are_not_programs(start: Start, tmp_path: Path, content: bytes, said: str) -> None:
+async def test_files_that_are_not_programs(
+    start: Start, tmp_path: Path, content: bytes, reported: str
+) -> None:
     path = tmp_path / "program"
     path.write_bytes(content)
-    with pytest.raises(BoardError, match=said):
+    with pytest.raises(BoardError, match=reported):
         await start(path)
 
 

@@ -241,9 +241,9 @@ def test_at_commands_reach_other_radios(model: Model) -> None:
         host, radio_port = memory_pair()
         coordinator = xbees.add_coordinator(radio_port)
         board = xbees.add_board(memory_pair()[1], coordinator, short_address=None if model.is_mesh else 7)
-        heard = HeardFrames()
-        host.start(heard)
-        answers = heard.frames
+        arrived = HeardFrames()
+        host.start(arrived)
+        answers = arrived.frames
         short = b"\xff\xfe" if model.is_mesh else b"\x00\x07"
         source = board.serial_number.to_bytes(8, "big") + short
 

@@ -68,7 +68,7 @@ def test_boards_that_do_not_answer_share_one_place() -> None:
     radio.sent.clear()
     radio.send()
     assert [key for key, _ in radio.sent] == ["dead", "well"]
-    radio.queue.heard("gone")
+    radio.queue.note_received("gone")
     radio.queue.put("well", bytes(10))
     radio.on_way.reverse()
     radio.finish()
