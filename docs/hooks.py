@@ -20,9 +20,6 @@ line.
 `ROS_MASTER_URI`, `ROS_IP`, `ROS_HOSTNAME`, `ROS_NAMESPACE` and `ROS_PACKAGE_PATH` mean what they mean in
 ROS 1.
 Every command accepts arguments such as `__name:=x` or `__ns:=/lab`.
-
-| command | purpose |
-| --- | --- |
 """
 _MARK = re.compile(r'^(```.*?) test="[^"]*"', re.MULTILINE)
 _MARKDOWN = re.compile(r"[\\*_\[\]<>|#&]")
@@ -40,11 +37,16 @@ def on_config(config: Any) -> Any:
 
 def on_files(files: Files, config: Any) -> Files:
     """Write the commands' pages from their help."""
-    texts, rows = {}, []
+    from rostether.cli.main import rostether
+
+    texts, index, heading = {}, [INTRODUCTION], ""
     for name, command in _commands():
-        rows.append(f"| [`rostether {name}`]({name}.md) | {_escape(command.get_short_help_str(200))} |\n")
+        if heading != rostether.verbs[name].heading:
+            heading = rostether.verbs[name].heading
+            index.append(f"\n## {heading}\n\n| command | purpose |\n| --- | --- |\n")
+        index.append(f"| [`rostether {name}`]({name}.md) | {_escape(command.get_short_help_str(200))} |\n")
         texts[name] = "\n".join(_page(command, _context(command, f"rostether {name}"), 1))
-    texts["index"] = INTRODUCTION + "".join(rows)
+    texts["index"] = "".join(index)
     for name, text in texts.items():
         files.append(File.generated(config, f"{FOLDER}/{name}.md", content=text))
     return files
