@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import warnings
 from collections.abc import Sequence
 
 import click
@@ -37,6 +38,9 @@ def rostether() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; never raises for anything a user did."""
     _make_output_forgiving()
+    if not sys.warnoptions:
+        # Python's remarks about an expression of a user, such as "1if m else 0".
+        warnings.simplefilter("ignore", SyntaxWarning)
     plain, specials = split_special(sys.argv[1:] if arguments is None else arguments)
     code = exit_code_of(
         lambda: rostether.main(plain, prog_name="rostether", standalone_mode=False, obj=specials)

@@ -49,6 +49,12 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     assert command_node(graph) is None
 
 
+def test_python_says_nothing_about_an_expression(tmp_path: Path) -> None:
+    with running("bag", "filter", "a.bag", "b.bag", "1if m else 0", cwd=tmp_path) as process:
+        _, errors = process.communicate(timeout=60)
+    assert errors == "rostether: error: cannot read a.bag: No such file or directory\n"
+
+
 def test_a_service_finishes_its_work_before_it_ends(graph: LiveGraph) -> None:
     with running("core", "--port", "0", ROS_MASTER_URI=graph.uri) as process:
         assert process.stdout is not None
