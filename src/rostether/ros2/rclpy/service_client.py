@@ -11,6 +11,7 @@ from rostether.errors import (
     ServiceUnavailableError,
     TypeMismatchError,
 )
+from rostether.ros2.early_conversion import convert
 from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
@@ -71,7 +72,7 @@ class RclpyServiceClient:
         finally:
             if not answer.done() or answer.cancelled():
                 self._own.thread.submit(lambda: self._forget(pending))
-        return self._support.response.from_cdr(response)
+        return await convert(self._support.response.from_cdr, response)
 
     async def _find_server(self, limit_s: float) -> None:
         loop = asyncio.get_running_loop()

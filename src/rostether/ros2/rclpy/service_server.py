@@ -9,6 +9,7 @@ from typing import Any
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level, ServiceHandler
+from rostether.ros2.early_conversion import convert
 from rostether.ros2.rclpy.executor_thread import NoAnswerError
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
@@ -95,7 +96,7 @@ class RclpyServiceServer:
     async def _serve(self, request: bytes, answer: Any) -> None:
         cdr: bytes | None = None
         try:
-            response = await self._handler(self._support.request.from_cdr(request))
+            response = await self._handler(await convert(self._support.request.from_cdr, request))
             cdr = self._support.response.to_cdr(response)
         except RostetherError as error:
             self._own.report(Level.WARN, f"no answer to a call of {self.service}: {error}")

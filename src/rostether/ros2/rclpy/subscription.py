@@ -20,6 +20,7 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
+from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.handover import Handover
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
@@ -69,7 +70,7 @@ class RclpySubscriber:
             self._support = own.types.message(message_type)
         self._quality: SubscriberQuality | None = None
         self._subscription: Any = None
-        self._queue: Handover[bytes] = Handover(self._deliver, limit=DEFAULT_QUEUE_BYTES)
+        self._queue: Handover[Received] = Handover(self._deliver, limit=DEFAULT_QUEUE_BYTES)
         # Publishers that were reported as connected, with the names of their nodes.
         self._known: dict[bytes, str] = {}
         self._unnamed: set[bytes] = set()  # Publishers whose node has no name yet.
@@ -230,8 +231,10 @@ class RclpySubscriber:
         messages = [message for message, info in received if self._is_wanted(info)]
         if messages and not self._known and self._on_connection is not None:
             self.adapt()
+        assert self._support is not None
+        from_cdr = self._support.converter.from_cdr
         for message in messages:
-            self._queue.put(message, len(message))
+            self._queue.put(convert_if_large(from_cdr, message), len(message))
 
     def _is_wanted(self, info: Mapping[str, Any]) -> bool:
         gid = (info.get("publisher_gid") or {}).get("data")
@@ -272,23 +275,23 @@ class RclpySubscriber:
         if not self._is_closed and self._on_connection is not None:
             call_contained(f"on_connection of {self.topic}", self._on_connection, fields)
 
-    def _deliver(self, messages: Sequence[bytes]) -> None:
+    def _deliver(self, messages: Sequence[Received]) -> None:
         if self._is_closed or self._support is None:
             return
         from_cdr = self._support.converter.from_cdr
         try:
-            payloads = [from_cdr(message) for message in messages]
+            payloads = [payload_of(from_cdr, message) for message in messages]
         except SerializationError:
             payloads = self._convert_one_by_one(messages)
         if payloads:
             call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
 
-    def _convert_one_by_one(self, messages: Sequence[bytes]) -> list[bytes]:
+    def _convert_one_by_one(self, messages: Sequence[Received]) -> list[bytes]:
         assert self._support is not None
         payloads = []
         for message in messages:
             try:
-                payloads.append(self._support.converter.from_cdr(message))
+                payloads.append(payload_of(self._support.converter.from_cdr, message))
             except SerializationError as error:
                 self._report_once(f"dropped a message of {self.topic}: {first_lines(str(error))}")
         return payloads

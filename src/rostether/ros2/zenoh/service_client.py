@@ -11,6 +11,7 @@ import zenoh
 
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
 from rostether.mechanisms.text import fold_line
+from rostether.ros2.early_conversion import convert
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import SERVICES_QOS
 from rostether.ros2.types.type_support import ServiceSupport
@@ -105,7 +106,7 @@ class ServiceClient:
             raise ServiceCallError(
                 reason[:MAX_ERROR_CHARACTERS] or f"service {self.service} failed without a reason"
             )
-        return self.support.response.from_cdr(reply.ok.payload.to_bytes())
+        return await convert(self.support.response.from_cdr, reply.ok.payload.to_bytes())
 
     def close(self) -> None:
         """Withdraw the client's token."""

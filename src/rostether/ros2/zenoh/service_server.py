@@ -14,6 +14,7 @@ import zenoh
 from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
+from rostether.ros2.early_conversion import convert
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import SERVICES_QOS
@@ -108,7 +109,7 @@ class ServiceServer:
         if attachment is None or query.payload is None:
             return _refusal(query, f"a call of {self.service} without rmw_zenoh's attachment or a request")
         try:
-            request = self._support.request.from_cdr(query.payload.to_bytes())
+            request = await convert(self._support.request.from_cdr, query.payload.to_bytes())
             response = self._support.response.to_cdr(await self._handler(request))
         except RostetherError as error:
             return _refusal(query, str(error))

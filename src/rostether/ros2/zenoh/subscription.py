@@ -13,6 +13,7 @@ from rostether.graph.callbacks import call_contained
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnConnection, OnMessages
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
+from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import dds_name
@@ -84,7 +85,7 @@ class Subscription:
         else:
             self._mismatches = Mismatches(topic, support, receiver.report)
             self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
-        self._queue: Handover[tuple[str, bytes, bytes]] = Handover(
+        self._queue: Handover[tuple[str, bytes, Received]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
         )
         self._learnt = LearntTypes(
@@ -148,7 +149,7 @@ class Subscription:
         # Called in a zenoh thread, or in this one during a publication.
         stay_known()
         data = sample.payload.to_bytes()
-        self._queue.put(("", b"", data), len(data))
+        self._queue.put(("", b"", self._convert_if_large(data)), len(data))
 
     def _put_of_any(self, sample: zenoh.Sample) -> None:
         stay_known()
@@ -160,12 +161,16 @@ class Subscription:
                 if self._own_gids is not None and gid in self._own_gids():
                     return
         data = sample.payload.to_bytes()
-        self._queue.put(("" if self._support else str(sample.key_expr), gid, data), len(data))
+        key = "" if self._support else str(sample.key_expr)
+        self._queue.put((key, gid, self._convert_if_large(data)), len(data))
 
-    def _handle_samples(self, samples: Sequence[tuple[str, bytes, bytes]]) -> None:
+    def _convert_if_large(self, cdr: bytes) -> Received:
+        return cdr if self._support is None else convert_if_large(self._support.converter.from_cdr, cdr)
+
+    def _handle_samples(self, samples: Sequence[tuple[str, bytes, Received]]) -> None:
         payloads: list[bytes] = []
         support = self._support
-        for key, gid, cdr in samples:
+        for key, gid, received in samples:
             # In the event loop, which has processed the tokens that came before the sample.
             if gid in self._node_names and self._node_names[gid] in self._skip_nodes:
                 continue
@@ -174,7 +179,7 @@ class Subscription:
             if support is None:
                 continue
             try:
-                payloads.append(support.converter.from_cdr(cdr))
+                payloads.append(payload_of(support.converter.from_cdr, received))
             except SerializationError as error:
                 self._refuse(error)
         if payloads and not self._is_closed:

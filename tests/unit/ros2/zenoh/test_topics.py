@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
+import struct
 from collections.abc import AsyncIterator
 
 import pytest
@@ -11,6 +13,7 @@ import zenoh
 
 from contract.graphs import BOOL, STRING, Inbox, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
+from loop_watch import CallbackWatch
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.ros2.endpoint_info import find_distribution
 from rostether.ros2.zenoh.attachment import parse_attachment
@@ -18,6 +21,7 @@ from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
 from waiting import until
 
+FLOATS = ros2_types().registry.message_type("std_msgs/Float32MultiArray")
 IMU = ros2_types().registry.message_type("sensor_msgs/Imu")
 CDR_HELLO = b"\0\1\0\0\x06\0\0\0hello\0"
 
@@ -79,6 +83,22 @@ async def test_bytes_that_fit_no_string_are_reported_once(
     assert inbox.payloads == [string("hello")] * 2
     assert subscriber.dropped_count == 4
     assert caplog.text.count("a message that does not fit its type") == 1
+
+
+async def test_large_messages_are_converted_outside_of_the_event_loop(
+    session: ZenohSession, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    node, inbox = await session.join("node"), Inbox()
+    subscriber = await node.subscribe("/many", FLOATS, inbox.take)
+    watch = CallbackWatch(monkeypatch)
+    # Each big-endian number takes a microsecond.
+    head = b"\0\0\0\0" + bytes(4) + bytes(4) + struct.pack(">I", 150_000)
+    for data in (head + bytes(600_000), head + bytes(600_000 - 1)):
+        await asyncio.to_thread(session.zenoh.put, key_of("/many", FLOATS), data)
+    await until(lambda: inbox.payloads and subscriber.dropped_count)
+    watch.check("a large message")
+    assert [len(each) for each in inbox.payloads] == [600_012]
+    assert "a message that does not fit its type" in caplog.text
 
 
 async def test_payloads_that_do_not_fit_are_not_sent(
