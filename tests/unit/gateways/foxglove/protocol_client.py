@@ -23,11 +23,13 @@ from rostether.gateways.websocket.site import Site
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
+from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from rostether.transports.web_boards import WebBoards
 
 LIMIT_S = 60.0  # of waits for conditions, on a machine under load
+STRING = "std_msgs/String"
 BINARY_OPS = {1: "messageData", 2: "time", 3: "serviceCallResponse", 4: "fetchAssetResponse"}
 
 
@@ -175,3 +177,11 @@ def _binary(data: bytes) -> dict[str, Any]:
     request_id, status, length = struct.unpack_from("<IBI", data, 1)
     error = data[10 : 10 + length].decode()
     return {"op": op, "request": request_id, "status": status, "error": error, "data": data[10 + length :]}
+
+
+def text(stage: Stage, data: str) -> bytes:
+    return stage.store.codec(STRING).encode({"data": data})
+
+
+def string_type(stage: Stage) -> MessageType:
+    return stage.store.registry.message_type(STRING)

@@ -3,35 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import socket
-import struct
 import time
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
-from websockets.exceptions import InvalidHandshake, InvalidStatus
 
-from rostether.errors import ServiceCallError, TransportOpenError
+from rostether.errors import TransportOpenError
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings, NameFilter
-from rostether.graph.ports import ServiceEntry, Snapshot
-from rostether.msgdef.interface import MessageType
-from rostether.msgdef.registry import Registry
-from unit.gateways.foxglove.protocol_client import Stage, stage
+from unit.gateways.foxglove.protocol_client import STRING, stage, string_type, text
 from waiting import until
-
-STRING, SET_BOOL = "std_msgs/String", "std_srvs/SetBool"
-
-
-def text(stage: Stage, data: str) -> bytes:
-    return stage.store.codec(STRING).encode({"data": data})
-
-
-def string_type(stage: Stage) -> MessageType:
-    return stage.store.registry.message_type(STRING)
 
 
 @pytest.mark.parametrize("protocol", ["foxglove.sdk.v1", "foxglove.websocket.v1"])
@@ -46,175 +28,6 @@ async def test_a_client_is_greeted_and_shown_the_graph(protocol: str) -> None:
             channel = await client.channel("/chatter")
             assert (channel["encoding"], channel["schemaEncoding"]) == ("ros1", "ros1msg")
             assert (channel["schemaName"], channel["schema"]) == (STRING, "string data\n")
-
-
-async def test_messages_come_as_they_are_only_while_subscribed() -> None:
-    async with stage() as there, there.client() as client:
-        publisher = await there.robot.advertise("/chatter", string_type(there))
-        channel = await client.channel("/chatter")
-        assert publisher.subscriber_count == 0
-        await client.say("subscribe", subscriptions=[{"id": 5, "channelId": channel["id"]}])
-        await until(lambda: publisher.subscriber_count)
-        payloads = [text(there, "x" * size) for size in (0, 100, 200, 70_000)]
-        publisher.publish_raw(payloads)
-        await client.wait("messageData", lambda message: message["payload"] == payloads[-1])
-        arrived = client.of("messageData")
-        assert [message["payload"] for message in arrived] == payloads
-        assert {message["id"] for message in arrived} == {5}
-        await client.say("unsubscribe", subscriptionIds=[5])
-        await until(lambda: publisher.subscriber_count == 0)
-
-
-async def test_a_late_client_gets_what_was_latched_and_the_first_does_not_again() -> None:
-    async with stage() as there, there.client() as first:
-        publisher = await there.robot.advertise("/map", string_type(there), latch=True)
-        publisher.publish_raw([text(there, "map")])
-        channel = await first.channel("/map")
-        await first.say("subscribe", subscriptions=[{"id": 1, "channelId": channel["id"]}])
-        await first.wait("messageData")
-        async with there.client() as second:
-            await second.say("subscribe", subscriptions=[{"id": 9, "channelId": channel["id"]}])
-            assert (await second.wait("messageData"))["id"] == 9
-        await until(lambda: there.gateway.client_count == 1)
-        assert publisher.subscriber_count == 1
-        assert len(first.of("messageData")) == 1
-
-
-async def test_a_topic_that_ends_is_taken_back_with_its_subscriptions() -> None:
-    async with stage() as there, there.client() as client:
-        publisher = await there.robot.advertise("/chatter", string_type(there))
-        channel = await client.channel("/chatter")
-        await client.say("subscribe", subscriptions=[{"id": 1, "channelId": channel["id"]}])
-        await until(lambda: publisher.subscriber_count)
-        await publisher.close()
-        await client.wait("unadvertise", lambda message: message["channelIds"] == [channel["id"]])
-        await until(lambda: not there.gateway.shared.topics)
-        await there.robot.advertise("/chatter", string_type(there))
-        again = await client.channel("/chatter", after=channel["id"])
-        await client.say("subscribe", subscriptions=[{"id": 1, "channelId": again["id"]}])
-        await until(lambda: there.gateway.shared.topics)
-
-
-async def test_a_type_that_is_not_known_is_learned_from_its_publisher() -> None:
-    registry = Registry(bundled=False)
-    registry.add_full_text("mine/Odd", "int32 a\nmine/Part part\n" + "=" * 80 + "\nMSG: mine/Part\nuint8 b\n")
-    odd = registry.message_type("mine/Odd")
-    async with stage() as there, there.client() as client:
-        publisher = await there.robot.advertise("/odd", odd)
-        channel = await client.channel("/odd")
-        assert channel["schema"] == odd.definition
-        await until(lambda: publisher.subscriber_count == 0)
-        await client.say("subscribe", subscriptions=[{"id": 1, "channelId": channel["id"]}])
-        await until(lambda: publisher.subscriber_count)
-        publisher.publish_raw([b"\1\0\0\0\2"])
-        assert (await client.wait("messageData"))["payload"] == b"\1\0\0\0\2"
-
-
-async def test_a_publisher_with_another_definition_gets_a_channel_of_its_definition() -> None:
-    registry = Registry(bundled=False)
-    registry.add_full_text(STRING, "int32 number\n")
-    other = registry.message_type(STRING)
-    async with stage() as there, there.client() as client:
-        publisher = await there.robot.advertise("/chatter", other)
-        channel = await client.channel("/chatter")
-        assert channel["schema"] == "string data\n"
-        await client.say("subscribe", subscriptions=[{"id": 1, "channelId": channel["id"]}])
-        again = await client.channel("/chatter", after=channel["id"])
-        assert again["schema"] == "int32 number\n"
-        await client.say("subscribe", subscriptions=[{"id": 2, "channelId": again["id"]}])
-
-        def is_received() -> bool:
-            # The subscription of the channel that has ended may still be there.
-            publisher.publish_raw([b"\1\0\0\0"])
-            return bool(client.of("messageData"))
-
-        await until(is_received)
-        assert {each["id"] for each in client.of("messageData")} == {2}
-
-
-async def test_a_client_publishes_raw_and_json() -> None:
-    async with stage() as there, there.client() as client:
-        arrived: list[bytes] = []
-        await there.robot.subscribe("/cmd", string_type(there), arrived.extend)
-        channels = [
-            {"id": 1, "topic": "/cmd", "encoding": "ros1", "schemaName": STRING},
-            {"id": 2, "topic": "/cmd", "encoding": "json", "schemaName": "std_msgs/msg/String"},
-        ]
-        await client.say("advertise", channels=channels)
-        # At once: what comes before the graph has taken the topic is kept.
-        await client.publish(1, text(there, "raw"))
-        await client.publish(2, b'{"data": "json"}')
-        await until(lambda: len(arrived) == 2)
-        assert sorted(arrived) == sorted([text(there, "raw"), text(there, "json")])
-        await client.publish(1, b"\xff\xff\xff\xff")
-        assert "/cmd is not published" in (await client.wait("status"))["message"]
-        await client.say("unadvertise", channelIds=[1, 2])
-        await client.wait("unadvertise")
-    assert len(arrived) == 2
-
-
-async def test_messages_sent_before_a_client_leaves_are_published() -> None:
-    async with stage() as there, there.client() as client:
-        arrived: list[bytes] = []
-        await there.robot.subscribe("/said", string_type(there), arrived.extend)
-        channel = {"id": 1, "topic": "/said", "encoding": "ros1", "schemaName": STRING}
-        await client.say("advertise", channels=[channel])
-        await client.publish(1, text(there, "bye"))
-        await client.say("unadvertise", channelIds=[1])
-        await until(lambda: arrived == [text(there, "bye")])
-
-
-async def test_a_client_calls_services() -> None:
-    async with stage() as there, there.client() as client:
-        codec = there.store.codec("std_srvs/SetBoolResponse")
-
-        async def handle(request: bytes) -> bytes:
-            if request == b"\0":
-                raise ServiceCallError("the motor is blocked")
-            return codec.encode({"success": True, "message": "on"})
-
-        await there.robot.advertise_service("/motor", there.store.registry.service_type(SET_BOOL), handle)
-        service = await client.service("/motor")
-        assert service["type"] == SET_BOOL
-        assert service["request"]["schema"] == "bool data\n"
-        await client.call(service["id"], b"\1")
-        answer = await client.wait("serviceCallResponse")
-        assert codec.decode(answer["payload"]) == codec.conform({"success": True, "message": "on"})
-        await client.call(service["id"], b'{"data": true}', encoding="json", call_id=8)
-        answer = await client.wait("serviceCallResponse", lambda message: message["call"] == 8)
-        assert json.loads(answer["payload"]) == {"success": True, "message": "on"}
-        for call_id, payload, reason in ((1, b"\0", "blocked"), (2, b"", "SetBool"), (3, b"\1\2", "SetBool")):
-            await client.call(service["id"], payload, call_id=call_id)
-            await client.wait("serviceCallFailure", partial(answers, call_id))
-            assert reason in client.of("serviceCallFailure")[-1]["message"]
-        await client.call(999, b"", call_id=4)
-        await client.wait("serviceCallFailure", lambda each: each["callId"] == 4)
-
-
-def answers(call_id: int, failure: dict[str, Any]) -> bool:
-    return bool(failure["callId"] == call_id)
-
-
-async def test_service_types_are_requested_if_the_graph_does_not_know_them() -> None:
-    asked: list[str] = []
-
-    async def find(name: str) -> str:
-        asked.append(name)
-        return SET_BOOL
-
-    async with stage(find_service_type=find) as there, there.client() as client:
-        services = there.gateway.services
-        snapshot = await there.robot.snapshot()
-
-        async def handle(request: bytes) -> bytes:
-            return b"\1\0\0\0\0"
-
-        await there.robot.advertise_service("/known", there.store.registry.service_type(SET_BOOL), handle)
-        await client.service("/known")
-        untyped = {"/asked": ServiceEntry("/asked", ("/robot",))}
-        services.update(Snapshot(snapshot.nodes, snapshot.topics, untyped))
-        assert (await client.service("/asked"))["type"] == SET_BOOL
-        assert asked == ["/asked"]
 
 
 async def test_parameters_are_got_set_and_watched() -> None:
@@ -374,97 +187,12 @@ async def test_mistakes_are_reported_and_the_connection_stays() -> None:
         await client.wait("parameterValues")
 
 
-async def test_a_foreign_page_and_a_wrong_token_are_refused() -> None:
-    async with stage(FoxgloveSettings(port=0, token="secret")) as there:
-        with pytest.raises(InvalidStatus):
-            async with there.client():
-                pass
-        with pytest.raises(InvalidStatus):
-            async with there.client(path="/?token=secret", origin="https://evil.example"):
-                pass
-        assert "--origin https://evil.example" in there.reported[-1]
-        async with there.client(path="/?token=secret", origin="https://app.foxglove.dev") as client:
-            await client.wait("serverInfo")
-
-
-async def test_no_more_clients_than_allowed_and_a_free_place_is_taken() -> None:
-    async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(clients=1))) as there:
-        async with there.client():
-            with pytest.raises((OSError, InvalidHandshake)):
-                async with there.client():
-                    pass
-            assert "the limit of clients (1) is reached" in there.reported[-1]
-        await until(lambda: there.gateway.client_count == 0)
-        async with there.client() as client:
-            await client.wait("serverInfo")
-
-
-async def test_requests_in_one_breath_are_bounded() -> None:
-    async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(calls=3))) as there:
-        calls: list[bytes] = []
-
-        async def hang(request: bytes) -> bytes:
-            calls.append(request)
-            await asyncio.Event().wait()
-            return b""
-
-        service = there.store.registry.service_type("std_srvs/Empty")
-        await there.robot.advertise_service("/hang", service, hang)
-        async with there.client() as client:
-            offered = await client.service("/hang")
-            (inside,) = there.gateway._clients
-            request = b"\x02" + struct.pack("<III", offered["id"], 1, 4) + b"ros1"
-            for _ in range(5):
-                inside.received(request)
-            await until(lambda: len(client.of("serviceCallFailure")) == 2 and len(calls) == 3)
-
-
 async def test_a_new_client_gets_the_list_of_channels_even_if_empty() -> None:
     nothing = NameFilter.of([], "test")
     settings = FoxgloveSettings(port=0, capabilities=("parameters",), topics=nothing)
     async with stage(settings) as there, there.client() as client:
         assert (await client.wait("advertise"))["channels"] == []
         assert "supportedEncodings" not in await client.wait("serverInfo")
-
-
-async def test_only_a_part_of_the_graph_is_offered_where_that_is_asked_for() -> None:
-    settings = FoxgloveSettings(
-        port=0,
-        capabilities=("clientPublish", "parameters", "parametersSubscribe"),
-        topics=NameFilter.of(["/open.*"], "test"),
-        parameters=NameFilter.of(["/open"], "test"),
-        client_topics=NameFilter.of(["/open_cmd"], "test"),
-    )
-    async with stage(settings) as there, there.client() as client:
-        arrived: list[bytes] = []
-        await there.robot.subscribe("/open_cmd", string_type(there), arrived.extend)
-        await there.robot.subscribe("/cmd", string_type(there), arrived.extend)
-        await there.robot.advertise("/hidden", string_type(there))
-        await there.robot.advertise("/open", string_type(there))
-        for name in ("/open", "/hidden"):
-            await there.robot.set_param(name, 1)
-        await client.channel("/open")
-        assert [each["topic"] for message in client.of("advertise") for each in message["channels"]] == [
-            "/open"
-        ]
-        await client.say("getParameters", parameterNames=[], id="all")
-        answer = await client.wait("parameterValues")
-        assert [each["name"] for each in answer["parameters"]] == ["/open"]
-        await client.say("setParameters", parameters=[{"name": "/hidden", "value": 2}])
-        await client.say("subscribeParameterUpdates", parameterNames=["/hidden"])
-        channels = [
-            {"id": number, "topic": topic, "encoding": "ros1", "schemaName": STRING}
-            for number, topic in enumerate(("/cmd", "/open_cmd"))
-        ]
-        await client.say("advertise", channels=channels)
-        await client.publish(1, text(there, "open"))
-        await client.say("fetchAsset", uri="package://a/b", requestId=1)
-        await client.say("subscribeConnectionGraph")
-        await client.call(1, b"")
-        await until(lambda: len(client.of("status")) == 6 and arrived)
-        assert arrived == [text(there, "open")]
-        assert await there.robot.get_param("/hidden") == 1
-        assert not client.of("connectionGraphUpdate") + client.of("fetchAssetResponse")
 
 
 async def test_the_address_is_one_that_can_be_typed() -> None:
@@ -503,55 +231,6 @@ async def test_nothing_is_left_when_a_gateway_closes() -> None:
             assert await client.wait_closed() == 1001
         assert publisher.subscriber_count == 0
         assert "/cmd" not in (await there.robot.snapshot()).topics
-
-
-async def test_a_client_with_the_view_token_looks_and_does_nothing_else() -> None:
-    async with stage(FoxgloveSettings(port=0, token="full", view_token="look")) as there:
-        service = there.store.registry.service_type("std_srvs/Empty")
-        called: list[bytes] = []
-
-        async def handle(request: bytes) -> bytes:
-            called.append(request)
-            return b""
-
-        await there.robot.advertise_service("/home", service, handle)
-        await there.robot.set_param("/speed", 1.5)
-        async with there.client(path="/?token=full") as driver, there.client(path="/?token=look") as viewer:
-            for client, rights in ((driver, "full"), (viewer, "view")):
-                info = client.of("serverInfo")[0]
-                assert info["metadata"]["rights"] == rights
-                assert ("clientPublish" in info["capabilities"]) is (rights == "full")
-                assert ("services" in info["capabilities"]) is (rights == "full")
-            offered = await driver.service("/home")
-            channel = {"id": 1, "topic": "/cmd", "encoding": "ros1", "schemaName": "std_msgs/Empty"}
-            await viewer.say("advertise", channels=[channel | {"driver": "page"}])
-            await viewer.say("advertise", channels=[channel])
-            await viewer.publish(1, b"")
-            await viewer.say("setParameters", parameters=[{"name": "/speed", "value": 9.0}], id="s")
-            await until(lambda: len(viewer.of("status")) == 4)
-            assert all("this connection may only view" in each["message"] for each in viewer.of("status"))
-            await viewer.call(offered["id"], b"")
-            failure = await viewer.wait("serviceCallFailure")
-            assert "this connection may only view" in failure["message"]
-            await viewer.say("getParameters", parameterNames=["/speed"], id="g")
-            values = await viewer.wait("parameterValues")
-            assert values["parameters"][0]["value"] == 1.5
-            assert not viewer.of("advertiseServices")
-            assert called == []
-            assert "/cmd" not in there.network.snapshot().topics
-            assert await there.robot.get_param("/speed") == 1.5
-
-
-@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=lookx", "/?token=full&token=look"])
-async def test_the_view_token_is_asked_for_like_the_full_one(path: str) -> None:
-    async with stage(FoxgloveSettings(port=0, token="full", view_token="look")) as there:
-        if path.endswith("=full&token=look"):
-            async with there.client(path=path) as client:
-                assert client.of("serverInfo")[0]["metadata"]["rights"] == "full"
-            return
-        with pytest.raises(InvalidHandshake):
-            async with there.client(path=path):
-                pass
 
 
 async def test_a_client_asks_for_the_robot_s_time() -> None:
