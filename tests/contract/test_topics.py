@@ -301,7 +301,7 @@ async def test_names_are_resolved_and_remapped(join: JoinGraph) -> None:
     await until(lambda: inbox.payloads)
 
 
-async def test_a_node_that_has_left_takes_no_orders(join: JoinGraph) -> None:
+async def test_a_node_that_has_left_accepts_no_requests(join: JoinGraph) -> None:
     node = await join("/node")
     await node.close()
     with pytest.raises(GraphError, match="has left the graph"):

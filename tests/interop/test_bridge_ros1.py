@@ -269,7 +269,7 @@ async def test_rosnode_sees_each_board_and_ends_one_of_them_until_it_connects_ag
     assert "xmlrpc reply from" in await bridged.peers.run("rosnode", "ping", "-c", "1", "/arm_2")
 
 
-async def test_a_subscriber_goes_on_hearing_a_board_that_reconnected(bridged: Bridged) -> None:
+async def test_a_subscriber_still_receives_from_a_board_that_reconnected(bridged: Bridged) -> None:
     device = await bridged.device()
     device.publisher("counter", "std_msgs/String")
     await bridged.announced("publisher", "counter")

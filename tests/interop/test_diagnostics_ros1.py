@@ -104,7 +104,7 @@ async def test_several_boards_are_distinguishable_in_monitors(roscore: Ros1Peers
 
 
 @pytest.mark.simavr
-async def test_a_topic_that_brings_more_than_the_line_takes(roscore: Ros1Peers, tmp_path: Path) -> None:
+async def test_a_topic_with_more_data_than_the_line_carries(roscore: Ros1Peers, tmp_path: Path) -> None:
     sketch = tmp_path / "deaf" / "deaf.ino"
     sketch.parent.mkdir()
     sketch.write_text(DEAF_SKETCH)

@@ -20,7 +20,7 @@ SLOW_INPUTS = {"session": 40, "rosbridge": 100, "foxglove": 100, "recordings": 1
 
 
 @pytest.mark.parametrize("name", targets.NAMES)
-def test_promises_hold(name: str) -> None:
+def test_guarantees_hold(name: str) -> None:
     target = targets.load(name)
     made = itertools.islice(target.inputs(seed=4), SLOW_INPUTS.get(name, MADE_INPUTS))
     for data in itertools.chain(target.corpus(), made):

@@ -87,7 +87,7 @@ pieces = st.one_of(
 
 
 @given(st.lists(st.tuples(pieces, st.floats(0, 5)), max_size=30))
-def test_a_host_link_takes_anything(script: list[tuple[bytes, float]]) -> None:
+def test_a_host_link_accepts_any_bytes(script: list[tuple[bytes, float]]) -> None:
     link = HostLink()
     link.start(0.0)
     now_s = 0.0
@@ -104,7 +104,7 @@ def test_a_host_link_takes_anything(script: list[tuple[bytes, float]]) -> None:
 
 
 @given(st.lists(st.tuples(pieces, st.floats(0, 5)), max_size=30))
-def test_a_device_link_takes_anything(script: list[tuple[bytes, float]]) -> None:
+def test_a_device_link_accepts_any_bytes(script: list[tuple[bytes, float]]) -> None:
     link = DeviceLink()
     link.add_publisher("a", STRING, STRING_MD5)
     link.add_subscriber("b", EMPTY, EMPTY_MD5)

@@ -41,7 +41,7 @@ async def unplug(board: SimulatedBoard) -> None:
     await board.close()
 
 
-async def test_boards_that_do_not_speak_rosserial(tmp_path: Path) -> None:
+async def test_boards_without_rosserial(tmp_path: Path) -> None:
     found = await examine_all(
         {
             "well": Case(sketches.WELL),

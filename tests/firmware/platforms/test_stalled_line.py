@@ -9,7 +9,7 @@ from firmware.platforms.programs import NODE, compile_program
 
 
 @pytest.mark.gcc
-def test_a_line_that_takes_nothing_costs_its_wait_once(library: Path, tmp_path: Path) -> None:
+def test_a_line_that_accepts_nothing_is_waited_for_once(library: Path, tmp_path: Path) -> None:
     """A host that is asleep must not slow a robot down: each message would wait for it."""
     program = compile_program(["g++", "-O1"], [NODE / "stalled_line.cpp"], library, tmp_path / "line")
     done = subprocess.run([program], check=False)

@@ -164,7 +164,7 @@ async def test_an_answer_too_large_for_the_board_is_replaced(world: World) -> No
     assert "buffer of 280" in world.reporter.texts[0]
 
 
-async def test_a_board_that_takes_no_answer_at_all_is_named_and_later_questions_are_answered(
+async def test_a_board_that_accepts_no_answer_is_reported_and_later_requests_are_answered(
     world: World,
 ) -> None:
     await world.peer.set_param("/gain", 2)

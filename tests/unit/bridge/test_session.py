@@ -155,7 +155,7 @@ async def test_an_empty_time_request_is_answered_as_any_other(bridge: Bridge) ->
 
 
 @pytest.mark.parametrize("buffer_size", [0, 11])
-async def test_a_board_whose_buffer_takes_no_answer_is_served_further(
+async def test_a_board_whose_buffer_is_too_small_for_answers_is_still_served(
     bridge: Bridge, buffer_size: int
 ) -> None:
     await bridge.peer.set_param("/gain", 3)

@@ -204,7 +204,7 @@ async def test_a_board_that_stays_away_leaves_the_graph(site: Site) -> None:
     await site.serving("/arm")
 
 
-async def test_a_board_that_switched_off_without_a_word_gets_its_name_back(
+async def test_a_board_that_lost_power_gets_its_name_back(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.bridge.board_registry.HALF_OPEN_S", 0.05)
@@ -440,7 +440,7 @@ async def test_a_view_shows_the_state_of_a_board(site: Site) -> None:
     assert site.supervisor.boards()[0].peer == ""
 
 
-async def test_who_connects_and_never_speaks_gives_the_place_back(
+async def test_a_client_that_never_sends_a_frame_is_disconnected(
     site: Site, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rostether.bridge.supervisor.SPEECHLESS_S", 1.0)

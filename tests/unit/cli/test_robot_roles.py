@@ -5,7 +5,7 @@ from unit.cli.command_shell import LiveGraph, Shell
 from unit.robot.robots import ARM
 
 
-def test_a_robot_stands_up(graph: LiveGraph, shell: Shell) -> None:
+def test_roles_publish_joints_and_transforms(graph: LiveGraph, shell: Shell) -> None:
     graph.do(graph.node("setter").set_param("/robot_description", ARM))
     states = ("role", "joint-state-publisher", "__name:=joints", "_rate:=50", "joint_states:=arm/joints")
     frames = ("role", "robot-state-publisher", "joint_states:=arm/joints", "_publish_frequency:=20")

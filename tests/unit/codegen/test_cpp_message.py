@@ -92,7 +92,7 @@ def test_an_empty_message_has_no_unused_parameters() -> None:
     assert "  static void _fields(Archive&, Self&) {}\n" in text
 
 
-def test_floats_and_strings_stand_in_a_class_template() -> None:
+def test_float_and_string_constants_are_in_a_class_template() -> None:
     text = generated("float32 A=1.5\nfloat64 B=1e300\nstring C=x\nuint8 D=1\nuint8 field")
     assert "class Foo : public ros::Message<Foo>, public _constants_of_Foo<void> {\n" in text
     assert "  static constexpr float A = 1.5f;\n" in text

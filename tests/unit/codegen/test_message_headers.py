@@ -51,7 +51,7 @@ def test_a_message_that_holds_itself(tmp_path: Path) -> None:
     assert "a message cannot contain itself: pkg/A -> pkg/B -> pkg/A" in made.skipped[0]
 
 
-def test_what_cannot_stand_beside_the_librarys_own_headers(tmp_path: Path) -> None:
+def test_packages_that_conflict_with_the_librarys_own_headers(tmp_path: Path) -> None:
     made = headers(
         tmp_path,
         {"ros/msg/Time2.msg": "", "tf/msg/tf.msg": "", "tf/msg/fine.msg": "", "a/msg/A.msg": "tf/tf tf\n"},

@@ -27,7 +27,7 @@ def test_the_main_file_stands_for_its_folder(tmp_path: Path) -> None:
     assert open_sketch(folder / "Robot.ino") == open_sketch(folder)
 
 
-def test_a_file_among_strangers_stands_alone(tmp_path: Path) -> None:
+def test_a_file_among_unrelated_files_is_read_alone(tmp_path: Path) -> None:
     (tmp_path / "blink.ino").write_text(EMPTY)
     (tmp_path / "other.ino").write_text(EMPTY)
     (tmp_path / "other.cpp").write_text("")

@@ -159,7 +159,7 @@ async def test_working_folder_of_a_node_is_its_programs(stage: Stage) -> None:
     assert stage.log("n-1").strip() == str(stage.folder)
 
 
-async def test_launch_prefix_stands_before_the_program(stage: Stage) -> None:
+async def test_launch_prefix_comes_before_the_program(stage: Stage) -> None:
     stage.script("say.sh", "echo $0 $VALUE")
     await stage.run("""<node name="n" pkg="p" type="say.sh" launch-prefix="env 'VALUE=a b'"/>""")
     assert stage.log("n-1") == f"{stage.folder}/say.sh a b\n"

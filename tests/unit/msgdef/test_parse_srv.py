@@ -83,7 +83,7 @@ def test_mistakes_have_their_line_in_the_file(text: str, line: int) -> None:
         parse(text)
 
 
-def test_an_action_stands_for_seven_messages() -> None:
+def test_an_action_defines_seven_messages() -> None:
     texts = expand_action(TEXT, name="Fib")
     parsed = {name: parse_message(text, package="p", name=name) for name, text in texts.items()}
     found = {name: [(str(field.type), field.name) for field in spec.fields] for name, spec in parsed.items()}

@@ -13,7 +13,7 @@ from rostether.serde.store import TypeStore
 from waiting import until
 
 
-async def test_it_tells_md5sums_and_definitions() -> None:
+async def test_it_returns_md5sums_and_definitions() -> None:
     network, registry = MemoryNetwork(), Registry()
     node, asking = [
         TypedGraph(await network.join(name), TypeStore(registry)) for name in ("/info", "/asking")

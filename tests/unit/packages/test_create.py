@@ -31,7 +31,7 @@ def test_the_files_of_a_package(tmp_path: Path) -> None:
     assert "generate_messages(DEPENDENCIES std_msgs)" in cmake
 
 
-def test_folders_stand_where_they_are_needed(tmp_path: Path) -> None:
+def test_each_folder_is_in_the_package_that_needs_it(tmp_path: Path) -> None:
     assert create_package(tmp_path, NewPackage("a")).folders == []
     assert create_package(tmp_path, NewPackage("b", ["rospy"])).folders == [tmp_path / "b" / "src"]
     assert create_package(tmp_path, NewPackage("c", ["roscpp"], is_metapackage=True)).folders == []

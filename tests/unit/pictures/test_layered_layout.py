@@ -32,7 +32,7 @@ def test_a_cycle_has_an_arrow_back() -> None:
     assert back[0][0] > back[-1][0]
 
 
-def test_both_directions_stand_side_by_side() -> None:
+def test_both_directions_are_shown_side_by_side() -> None:
     layout = laid_out([("a", "b"), ("b", "a")])
     there, back = layout.routes["a", "b"], layout.routes["b", "a"]
     assert {y for _, y in there}.isdisjoint(y for _, y in back)
@@ -48,7 +48,7 @@ def test_crossings_are_undone() -> None:
     assert above == (layout.places["y"][1] < layout.places["x"][1])
 
 
-def test_a_source_stands_before_its_first_target() -> None:
+def test_a_source_is_left_of_its_first_target() -> None:
     layout = laid_out([("a", "b"), ("b", "c"), ("late", "c")])
     assert layout.places["late"][0] == layout.places["b"][0]
 

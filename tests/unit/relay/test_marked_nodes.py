@@ -80,7 +80,7 @@ async def test_what_another_relay_carries_is_left_to_it(world: World) -> None:
         await until(lambda: len(relay.relays) == 2)
 
 
-async def test_of_two_relays_that_carry_at_once_the_younger_one_gives_way(world: World) -> None:
+async def test_of_two_active_relays_the_younger_one_stops(world: World) -> None:
     await world.one.advertise("/chat", STRING)
     async with world.relaying(Topics("/*")):
         await until(lambda: world.carries("/chat", 1))

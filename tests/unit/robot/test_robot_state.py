@@ -28,7 +28,7 @@ def children(state: RobotState, names: list[str], stamp_ns: int, now_ns: int = N
     return [each.child for each in found]
 
 
-def test_fixed_joints_stand_apart_from_moving_ones() -> None:
+def test_fixed_joints_are_separate_from_moving_ones() -> None:
     model = parse_urdf(ROVER)
     state = RobotState(model)
     assert [each.child for each in state.fixed_transforms(NOW)] == ["body", "sled"]

@@ -15,7 +15,7 @@ def test_yaw_comes_before_pitch_and_roll() -> None:
     assert static.transform.rotation == quaternion_from_rpy(0.3, 0.2, 0.1)
 
 
-def test_a_quaternion_is_taken_as_it_stands() -> None:
+def test_a_quaternion_is_read_as_typed() -> None:
     static = parse_static_transform(["0", "0", "0", "0.5", "-0.5", "0.5", "0.5", "world", "laser"])
     assert static.transform.rotation == (0.5, -0.5, 0.5, 0.5)
 

@@ -22,7 +22,7 @@ def buffer() -> TransformBuffer:
     return buffer
 
 
-def test_the_tree_stands_below_its_root(buffer: TransformBuffer) -> None:
+def test_the_tree_is_below_its_root(buffer: TransformBuffer) -> None:
     assert list(frame_tree(buffer)) == [
         "root",
         "├─ a  (static, /still)",

@@ -236,7 +236,7 @@ async def test_candidates_take_no_place_and_are_bounded() -> None:
     medium.table.end_all(None)
 
 
-async def test_silent_peers_give_way_and_those_that_speak_do_not() -> None:
+async def test_silent_peers_are_replaced_and_sending_ones_are_not() -> None:
     medium = entering(max_peers=3)
     medium.table.receive("board", b"F")
     board, board_seen = await medium.arrivals.next_started()

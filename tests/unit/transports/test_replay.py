@@ -69,7 +69,7 @@ LINES = (
 )
 
 
-def test_the_device_speaks_at_the_times_it_did(tmp_path: Path) -> None:
+def test_the_device_sends_at_the_recorded_times(tmp_path: Path) -> None:
     host = run(played(capture_of(tmp_path, *LINES)))
     assert host.chunks == [(1.0, 1, b"\xaa"), (1.5, 1, b"\xbb"), (2.5, 2, b"\xcc"), (5.0, 3, b"\xdd")]
     assert [len(link.losses) for link in host.links] == [1, 1, 1]

@@ -161,7 +161,7 @@ async def test_bytes_wait_for_start_and_for_resume_up_to_a_limit() -> None:
         assert len(seen.data) <= 6 + 64 * 1024
 
 
-async def test_a_peer_that_we_closed_is_new_when_it_speaks_again() -> None:
+async def test_a_closed_peer_is_new_when_it_sends_again() -> None:
     async with listening() as (listener, arrivals), connected_to(listener) as (board, _):
         board.write(b"1")
         host, seen = await arrivals.next_started()

@@ -87,7 +87,7 @@ async def test_a_board_that_does_not_answer(world: World) -> None:
 
 
 @on_virtual_time
-async def test_a_late_response_is_nobodys() -> None:
+async def test_a_late_response_is_dropped() -> None:
     world = await World().open()
     line, switch = FakeLine(), endpoint(world, timeout_s=0.05)
     switch.attach(line, switch.info)

@@ -42,7 +42,7 @@ def slow(late_ms: int = 100) -> Finding:
     return warning(Code.SLOW_LOOP, f"late by {late_ms} ms", "spin more often")
 
 
-def test_a_finding_is_reported_once_while_it_stands() -> None:
+def test_a_finding_is_reported_once_while_it_lasts() -> None:
     ledger = FindingLedger()
     assert ledger.news([slow()], 0.0) == [slow()]
     for second in range(1, 600):

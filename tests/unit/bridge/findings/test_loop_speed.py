@@ -78,7 +78,7 @@ def test_our_own_library_asks_sooner() -> None:
     assert speed.find(is_listener=True) is not None
 
 
-def test_a_library_that_asks_sooner_is_taken_for_ours() -> None:
+def test_a_library_that_asks_sooner_is_regarded_as_ours() -> None:
     speed = LoopSpeed()
     for number in range(5):
         speed.request(number * 2.35, 0)

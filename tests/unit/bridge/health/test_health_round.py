@@ -212,7 +212,7 @@ def test_a_defect_is_reported_once_and_ends_nothing(monkeypatch: pytest.MonkeyPa
     run(main())
 
 
-def test_stale_headers_stand_in_the_status_and_once_in_the_log() -> None:
+def test_stale_headers_are_in_the_status_and_once_in_the_log() -> None:
     async def main() -> None:
         world = Rounds()
         await world.begin()

@@ -163,7 +163,7 @@ def test_a_hanging_board_is_waited_for_a_second_only() -> None:
     assert bench.dropped == [("flood", lane.dropped_count)]
 
 
-def test_a_slow_board_that_takes_bytes_is_waited_for() -> None:
+def test_a_slow_board_that_accepts_bytes_is_waited_for() -> None:
     bench = Bench()
     lane, source = TopicQueue(101, "flood"), FakeSource()
     lane.set_source(source)
@@ -176,7 +176,7 @@ def test_a_slow_board_that_takes_bytes_is_waited_for() -> None:
     assert bench.dropped == []
 
 
-def test_a_board_that_hung_and_takes_bytes_again_is_waited_for_again() -> None:
+def test_a_board_that_hung_and_accepts_bytes_again_is_waited_for_again() -> None:
     bench = Bench()
     lane, source = TopicQueue(101, "flood"), FakeSource()
     lane.set_source(source)
@@ -265,7 +265,7 @@ def test_a_serial_line_drops_the_oldest_of_the_topic_that_floods() -> None:
     assert b"%092d" % 999 in bench.transport.written
 
 
-def test_a_topic_that_the_board_no_longer_takes_stops_no_other() -> None:
+def test_a_topic_that_the_board_no_longer_accepts_stops_no_other() -> None:
     bench = Bench()
     gone, there = TopicQueue(101, "gone"), TopicQueue(102, "there")
     bench.link.refused.add(101)
@@ -309,7 +309,7 @@ def test_closing_lets_go_of_paused_sources() -> None:
     assert bench.transport.writes == []
 
 
-def test_a_depth_keeps_the_newest_while_the_link_takes_nothing() -> None:
+def test_a_depth_keeps_the_newest_while_the_link_accepts_nothing() -> None:
     bench = Bench()
     bench.block()
     lane = TopicQueue(101, "cmd_vel", 2)
@@ -321,7 +321,7 @@ def test_a_depth_keeps_the_newest_while_the_link_takes_nothing() -> None:
     assert bench.transport.written == b"101:3;101:4;"
 
 
-def test_a_depth_loses_nothing_while_the_link_takes_all() -> None:
+def test_a_depth_loses_nothing_while_the_link_accepts_everything() -> None:
     bench = Bench()
     bench.outbox.put(TopicQueue(101, "cmd_vel", 1), [b"%d" % number for number in range(40)])
     bench.loop.run_until(1.0)

@@ -83,7 +83,7 @@ async def test_full_bags_are_followed_by_others_and_the_oldest_go(tmp_path: Path
     await node.close()
 
 
-async def test_a_folder_that_takes_nothing_stops_the_recording_alone(tmp_path: Path) -> None:
+async def test_a_folder_that_cannot_be_written_stops_only_the_recording(tmp_path: Path) -> None:
     reporter = _Lines()
     async with bags_recorded(BagRecording(tmp_path / "gone", 1, None), MemoryNetwork().join, reporter):
         assert await reporter.wait_for("; boards stay connected") is Level.ERROR

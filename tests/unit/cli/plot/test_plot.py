@@ -61,7 +61,7 @@ def test_curves_are_bounded(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(first.points) == MAX_POINTS // MAX_CURVES
 
 
-def test_curves_stand_as_they_were_named() -> None:
+def test_curves_are_in_the_order_in_which_they_were_named() -> None:
     curves = Curves()
     curves.expect("/b", "/a")
     curves.add(0.0, "/a", 1.0)
@@ -87,7 +87,7 @@ def test_curves_have_their_own_colors() -> None:
     assert {"rgb(0,114,178)", "rgb(213,94,0)"} <= styles
 
 
-def test_a_window_without_room_does_no_harm() -> None:
+def test_a_window_without_room_is_allowed() -> None:
     assert plot_lines([Curve("/a", [(0.0, 0.0)])], 1, 1, Axis(0.0, 1.0))
 
 

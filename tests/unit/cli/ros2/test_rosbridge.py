@@ -20,7 +20,7 @@ async def received(client: ClientConnection, op: str, topic: str | None = None) 
             return message
 
 
-async def test_pages_see_ros2_in_its_own_words(world: ZenohWorld) -> None:
+async def test_pages_get_the_names_of_ros2(world: ZenohWorld) -> None:
     async with started("rosbridge", "0", "--ros2", "zenoh") as gateway:
         await gateway.wait_for("allows other machines")
         match = re.search(r"connect to (ws://localhost:\d+)", gateway.text)

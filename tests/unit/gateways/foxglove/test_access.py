@@ -38,7 +38,7 @@ async def test_no_more_clients_than_allowed_and_a_free_place_is_taken() -> None:
             await client.wait("serverInfo")
 
 
-async def test_requests_in_one_breath_are_bounded() -> None:
+async def test_requests_sent_together_are_bounded() -> None:
     async with stage(FoxgloveSettings(port=0, limits=FoxgloveLimits(calls=3))) as there:
         calls: list[bytes] = []
 

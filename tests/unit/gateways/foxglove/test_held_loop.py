@@ -19,7 +19,7 @@ async def advertise(client: ProtocolClient, encoding: str, type_name: str, schem
     await client.say("advertise", channels=[channel | {"schemaEncoding": "ros1msg"}])
 
 
-async def test_json_that_stands_for_many_messages(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_json_with_many_messages(monkeypatch: pytest.MonkeyPatch) -> None:
     async with stage() as there, there.client() as client:
         received: list[bytes] = []
         markers = there.store.registry.message_type("visualization_msgs/MarkerArray")

@@ -39,7 +39,7 @@ async def test_a_late_client_gets_what_was_latched_and_the_first_does_not_again(
         assert len(first.of("messageData")) == 1
 
 
-async def test_a_topic_that_ends_is_taken_back_with_its_subscriptions() -> None:
+async def test_a_topic_that_ends_is_removed_with_its_subscriptions() -> None:
     async with stage() as there, there.client() as client:
         publisher = await there.robot.advertise("/chatter", string_type(there))
         channel = await client.channel("/chatter")

@@ -98,7 +98,7 @@ async def test_goals_are_canceled_and_fail(there: World) -> None:
         assert "does not offer /count" in (await robot.receive("status"))["msg"]
 
 
-async def test_a_client_that_leaves_takes_its_goals_along(there: World) -> None:
+async def test_the_goals_of_a_client_that_leaves_are_canceled(there: World) -> None:
     async with there.client() as robot:
         await robot.say("advertise_action", **COUNT, type=FIBONACCI)
         await robot.settled()

@@ -68,7 +68,7 @@ def test_several_wishes_of_one_client_are_all_met() -> None:
     ) == Delivery(0.0, 1, 100, Compression.PNG)
 
 
-def test_wishes_are_taken_back_one_by_one_or_all() -> None:
+def test_requests_are_withdrawn_one_by_one_or_all() -> None:
     made, _, _ = subscription(throttle_rate=1000)
     made.add_request("b", delivery(throttle_rate=100), "")
     assert made.delivery.throttle_s == 0.1

@@ -70,7 +70,7 @@ async def test_messages_packed_into_each_other_without_end_are_refused(there: Wo
         assert "packed into too many others" in (await client.receive("status"))["msg"]
 
 
-async def test_statuses_are_as_loud_as_was_set(there: World) -> None:
+async def test_statuses_follow_the_level_that_was_set(there: World) -> None:
     async with there.client() as client:
         await client.say("set_level", level="none")
         await client.connection.send("garbage")

@@ -50,7 +50,7 @@ async def test_services_are_called_by_fields_by_order_and_by_a_single_value(ther
         assert (await client.receive("service_response"))["result"] is False
 
 
-async def test_a_call_that_takes_long_holds_up_nothing_and_ends_in_time(there: World) -> None:
+async def test_a_long_call_delays_nothing_and_ends_at_its_time_limit(there: World) -> None:
     called = asyncio.Event()
 
     async def hang(request: Message) -> dict[str, Any]:

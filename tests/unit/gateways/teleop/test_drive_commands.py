@@ -55,7 +55,7 @@ def test_a_reversal_goes_through_zero(commands: DriveCommands) -> None:
     assert limited(commands, 1.0, twist(-1.0))[0] == pytest.approx(-0.1)
 
 
-def test_a_clock_that_stands_still_lets_nothing_speed_up(commands: DriveCommands) -> None:
+def test_a_stopped_clock_speeds_nothing_up(commands: DriveCommands) -> None:
     first = limited(commands, 1.0, twist(1.0))[0]
     assert limited(commands, 1.0, twist(1.0))[0] == first
 

@@ -92,7 +92,7 @@ def test_a_device_that_is_full_from_the_start_is_reported() -> None:
         BagWriter(Path("/dev/full"))
 
 
-def test_the_first_chunk_stands_where_rosbag_puts_it(tmp_path: Path) -> None:
+def test_the_first_chunk_is_where_rosbag_writes_it(tmp_path: Path) -> None:
     # rosbag's reindex writes its own header over ours: what is shorter would lose the chunk behind it.
     write_bag(tmp_path / "a.bag")
     data = (tmp_path / "a.bag").read_bytes()

@@ -94,7 +94,7 @@ async def test_a_latecomer_gets_the_latched_message_behind_the_header() -> None:
             assert await peer.read_message() == b"next"
 
 
-async def test_peers_that_hang_up_at_once_do_no_harm(stage: Stage) -> None:
+async def test_peers_that_disconnect_at_once_affect_no_other(stage: Stage) -> None:
     for _ in range(20):
         async with RawPeer.subscribing(stage.listener.port, "/chat"):
             pass

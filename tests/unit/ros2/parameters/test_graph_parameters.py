@@ -122,7 +122,7 @@ async def test_a_node_cannot_be_set_to_a_value() -> None:
         await parameters.set("/me", 7)
 
 
-async def test_watches_bear_noise_and_nodes_that_go() -> None:
+async def test_watches_survive_noise_and_nodes_that_leave() -> None:
     network = MemoryNetwork()
     me, noise = await network.join("/me"), await network.join("/noise")
     store = ParameterStore({"a": 1})

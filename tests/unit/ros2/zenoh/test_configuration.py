@@ -55,19 +55,19 @@ def test_a_forced_router_listens_only_at_its_configured_endpoints() -> None:
 
 
 @pytest.mark.parametrize("everywhere", ["tcp/0.0.0.0:7447", "tcp/[::]:7447"])
-def test_all_addresses_take_loopbacks_place(everywhere: str) -> None:
+def test_all_addresses_replace_loopback(everywhere: str) -> None:
     configuration = router_configuration(Ros2Environment(), Reach(listen=(everywhere,)))
     assert endpoints(configuration, "listen/endpoints") == [everywhere]
 
 
-def test_overrides_have_the_last_word() -> None:
+def test_overrides_have_priority() -> None:
     environment = Ros2Environment(zenoh_overrides=(("mode", '"client"'), ("connect/endpoints", "[]")))
     configuration = peer_configuration(environment, Reach())
     assert configuration.get_json("mode") == '"client"'
     assert endpoints(configuration, "connect/endpoints") == []
 
 
-def test_a_file_stands_for_everything(tmp_path: Path) -> None:
+def test_a_file_replaces_all_defaults(tmp_path: Path) -> None:
     path = tmp_path / "zenoh.json5"
     path.write_text('{mode: "client", connect: {endpoints: ["tcp/10.0.0.9:7447"]}}')
     environment = Ros2Environment(zenoh_session_config=path, zenoh_router_config=path)
@@ -79,7 +79,7 @@ def test_a_file_stands_for_everything(tmp_path: Path) -> None:
         assert endpoints(configuration, "connect/endpoints") == ["tcp/10.0.0.9:7447"]
 
 
-def test_what_zenoh_does_not_take_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_what_zenoh_does_not_accept_is_refused_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "zenoh.json5"
     path.write_text("{mode: ")
     with pytest.raises(ConfigError, match=r"zenoh\.json5 is not a zenoh configuration") as caught:

@@ -143,7 +143,7 @@ async def test_types_and_requests_that_do_not_fit(session: ZenohSession) -> None
         await node.call_service("/switch", SET_BOOL, b"too long")
 
 
-async def test_a_late_answer_does_no_harm(session: ZenohSession) -> None:
+async def test_a_late_answer_is_ignored(session: ZenohSession) -> None:
     server, client = await session.join("server"), await session.join("client")
     go_on = asyncio.Event()
 

@@ -127,7 +127,7 @@ async def test_a_session_is_the_router_where_there_is_none(monkeypatch: pytest.M
     await second.close()
 
 
-async def test_a_closed_session_takes_no_nodes() -> None:
+async def test_a_closed_session_accepts_no_nodes() -> None:
     session, _ = await open_router()
     with pytest.raises(InvalidNameError):
         await session.join("no-name")

@@ -135,7 +135,7 @@ def test_records_with_padding_inside() -> None:
     assert converter.from_cdr(converter.to_cdr(u32(2) + b"\1abcd\2efgh")) == u32(2) + b"\1abcd\2efgh"
 
 
-def test_record_stands_where_its_first_field_may() -> None:
+def test_record_is_aligned_like_its_first_field() -> None:
     inner = "float32 x\nfloat32 y\nfloat64 z"
     converter = Pairs({"M": "float32 a\nN n", "N": inner}, {"M": "float32 a\nN n", "N": inner}).converter()
     assert converter.to_cdr(b"aaaaxxxxyyyyzzzzzzzz") == HEAD + b"aaaaxxxxyyyy" + bytes(4) + b"zzzzzzzz"

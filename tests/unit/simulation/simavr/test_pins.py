@@ -71,7 +71,7 @@ async def test_a_falling_edge_interrupts(start: Start, tmp_path: Path) -> None:
     assert await board.pin_level("D5")
 
 
-async def test_a_reset_takes_outputs_back(start: Start, tmp_path: Path) -> None:
+async def test_a_reset_releases_outputs(start: Start, tmp_path: Path) -> None:
     sketch = "void setup() { delay(5); pinMode(13, OUTPUT); digitalWrite(13, HIGH); }\nvoid loop() {}\n"
     board = await start(await build_text(tmp_path, sketch), "watch D13")
     await board.run("10ms")
