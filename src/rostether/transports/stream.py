@@ -84,9 +84,10 @@ class StreamTransport(asyncio.BaseProtocol):
     async def start_tls(self, context: ssl.SSLContext, *, listens: bool, host: str = "") -> None:
         """Encrypt all further bytes; call it before `start`. Raises OSError if the handshake fails."""
         assert self._wire is not None
+        closed = ConnectionAbortedError(errno.ECONNABORTED, "the connection was closed")
         # asyncio would wait for the handshake of a closed connection until the limit, with a large buffer.
         if self._wire.is_closing():
-            raise ConnectionAbortedError(errno.ECONNABORTED, "the connection was closed")
+            raise closed
         wire = None
         try:
             wire = await asyncio.get_running_loop().start_tls(
@@ -101,7 +102,9 @@ class StreamTransport(asyncio.BaseProtocol):
             # Until the handshake ends, asyncio does not report that the connection was lost.
             if wire is None:
                 self.connection_lost(None)
-        assert wire is not None  # asyncio raises instead, unlike its stubs
+        # asyncio returns None if the connection is closed during the handshake.
+        if wire is None:
+            raise closed
         # Bytes right after the handshake have paused the socket, which TLS controls now.
         self._wire.resume_reading()
         self._wire = wire

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import shutil
 import subprocess
 from collections.abc import AsyncIterator
@@ -181,6 +182,13 @@ async def test_a_plain_board_at_a_tls_listener_is_refused(certificates: Path) ->
         silent = await asyncio.gather(*(asyncio.open_connection("127.0.0.1", port) for _ in range(40)))
         await until(lambda: listener.refused_count == 41 - tcp.MAX_UNPROVEN_PER_HOST)
         await until(lambda: handshakes() == tcp.MAX_UNPROVEN_PER_HOST)
+        reports: list[object] = []
+        asyncio.get_running_loop().set_exception_handler(lambda _loop, report: reports.append(report))
+        silent.append(await asyncio.open_connection("127.0.0.1", port))
+        await until(lambda: listener.refused_count == 42 - tcp.MAX_UNPROVEN_PER_HOST)
+        await until(lambda: len(listener._greetings) == tcp.MAX_UNPROVEN_PER_HOST)
+        gc.collect()
+        assert reports == [], "displaced in its handshake"
         for _, writer in silent:
             writer.close()
 
