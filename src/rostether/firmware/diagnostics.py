@@ -16,7 +16,8 @@ from rostether.firmware.sketch import Sketch
 from rostether.msgdef.registry import Registry
 
 _MISSING_HEADER = re.compile(r"fatal error: (\S+): No such file or directory")
-_UNDECLARED = re.compile(r"'(\w+)' was not declared")
+# The quotes depend on the locale.
+_UNDECLARED = re.compile("['\u2018](\\w+)['\u2019] was not declared")
 # Lines with a second directive or code after an #include, and with setup() or loop() after a `//`.
 _JOINED = re.compile(
     r"^[ \t]*#[ \t]*include[ \t]*(?:<[^<>\n]+>|\"[^\"\n]+\")[ \t]*(?P<rest>(?!//|/\*)\S.*)$"

@@ -43,8 +43,10 @@ def test_messages_as_a_base_class_have_a_hint(tmp_path: Path) -> None:
     assert "generated messages are not ros::Msg" in _explained(tmp_path, "ros::Msg* m;", output * 2)
 
 
-def test_pins_of_the_opencr_have_a_hint(tmp_path: Path) -> None:
-    output = "S.ino:3:8: error: 'BDPIN_LED_USER_1' was not declared in this scope\n" * 2
+@pytest.mark.parametrize("quotes", ["''", "\u2018\u2019"])
+def test_pins_of_the_opencr_have_a_hint(tmp_path: Path, quotes: str) -> None:
+    name = "BDPIN_LED_USER_1".join(quotes)
+    output = f"S.ino:3:8: error: {name} was not declared in this scope\n" * 2
     text = _explained(tmp_path, "void setup() {}\n", output)
     assert text.count("note:") == 1
     assert "build with --board opencr, or name a pin here: -D BDPIN_LED_USER_1=13" in text
