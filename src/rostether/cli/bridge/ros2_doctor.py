@@ -12,6 +12,7 @@ from rostether.errors import RostetherError
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.rclpy.left_over_memory import SHARED_MEMORY, find_left_over
 
 
 class _Finding(NamedTuple):
@@ -34,6 +35,13 @@ async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
     if middleware is Middleware.ZENOH:
         async for finding in _routers(Ros2Environment.read()):
             yield finding
+    elif left := find_left_over():
+        # Before it joins, which they can delay too.
+        text = (
+            f"killed programs have left {len(left)} parts, such as {left[0]}. If programs hang at their "
+            "start, stop all ROS 2 programs and run `rm -f /dev/shm/*fastdds* /dev/shm/*fastrtps*`"
+        )
+        yield _Finding(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
     try:
         async with (
             ros2_access(middleware, reach=ZenohReach(router="never")) as access,
