@@ -6,7 +6,8 @@ It reads only visible files inside packages on this machine, and downloads nothi
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import asynccontextmanager, nullcontext
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -15,8 +16,9 @@ from rostether.errors import ConfigError
 # Maps the packages' names to their folders.
 FindPackages = Callable[[], Mapping[str, Path]]
 
-# The size of one read: about 0.3 ms in which no other task runs.
-_CHUNK_BYTES = 1 << 20
+# Most meshes are smaller. Larger ones are in memory for a few clients at a time: 64 would need 4 GB.
+_LARGE_BYTES = 4 << 20
+_LARGE_AT_ONCE = 4
 
 
 class Assets:
@@ -28,23 +30,41 @@ class Assets:
         self._folders: Mapping[str, Path] = {}
         # Clients request all meshes of a robot at the same time: one search serves them.
         self._turn = asyncio.Lock()
+        self._large_room = asyncio.Semaphore(_LARGE_AT_ONCE)
 
-    async def read(self, uri: str) -> bytes:
-        """Return a file's bytes. Raises ConfigError with the reason if it cannot."""
+    @asynccontextmanager
+    async def reading(self, uri: str, head: bytes = b"") -> AsyncIterator[bytes]:
+        """Yield `head` and a file's bytes; other clients wait if several large files are in use.
+
+        Raises ConfigError with the reason if it cannot.
+        """
         async with self._turn:
             # In a thread: packages are searched on disk.
-            path = await asyncio.to_thread(self._locate, uri)
-        data = bytearray()
+            path, size = await asyncio.to_thread(self._find, uri)
+        async with self._large_room if size > _LARGE_BYTES else nullcontext():
+            yield await asyncio.to_thread(self._read, uri, path, head)
+
+    def _find(self, uri: str) -> tuple[Path, int]:
+        path = self._locate(uri)
+        try:
+            size = path.stat().st_size
+        except OSError as error:
+            raise _unreadable(uri, error) from None
+        self._check_size(uri, size)
+        return path, size
+
+    def _read(self, uri: str, path: Path, head: bytes) -> bytes:
         try:
             with path.open("rb") as file:
-                while chunk := file.read(_CHUNK_BYTES):
-                    data += chunk
-                    if len(data) > self._max_bytes:
-                        raise ConfigError(f"{uri[:200]} is larger than {self._max_bytes >> 20} MB")
-                    await asyncio.sleep(0)
+                data = file.read(self._max_bytes + 1)
         except OSError as error:
-            raise ConfigError(f"{uri[:200]} cannot be read: {error.strerror or error}") from None
-        return bytes(data)
+            raise _unreadable(uri, error) from None
+        self._check_size(uri, len(data))
+        return head + data
+
+    def _check_size(self, uri: str, size: int) -> None:
+        if size > self._max_bytes:
+            raise ConfigError(f"{uri[:200]} is larger than {self._max_bytes >> 20} MB")
 
     def _locate(self, uri: str) -> Path:
         try:
@@ -93,6 +113,10 @@ class Assets:
             self._folders = self._find_packages()
             folder = self._folders.get(name)
         return folder
+
+
+def _unreadable(uri: str, error: OSError) -> ConfigError:
+    return ConfigError(f"{uri[:200]} cannot be read: {error.strerror or error}")
 
 
 def _inside(folder: Path, path: Path) -> Path | None:

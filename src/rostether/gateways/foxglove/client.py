@@ -243,10 +243,10 @@ class Client:
 
     def _fetch(self, request: requests.FetchAsset) -> None:
         async def fetch() -> None:
-            # One at a time: each may be large, and is sent before the next is read.
-            async with self._fetching:
-                data = await self._gateway.assets.read(request.uri)
-                await self.line.send_large(replies.asset(request.request_id, data))
+            # One at a time: each may be large, and the client reads it before the next is read.
+            head = replies.asset_head(request.request_id)
+            async with self._fetching, self._gateway.assets.reading(request.uri, head) as message:
+                await self.line.send_large(message)
 
         self._work.ask(
             fetch,

@@ -88,11 +88,12 @@ class Line:
             self.abort()
 
     async def send_large(self, message: bytes) -> None:
-        """Send an answer of any size, after the client has read the previous one."""
+        """Send an answer of any size, and wait until the client has read most of it."""
         async with self._large_turn:
             await self._connection.has_room.wait()
             self._large_bytes = len(message)
             self.send(message)
+            await self._connection.has_room.wait()
 
     def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Send messages of a topic, or queue them."""

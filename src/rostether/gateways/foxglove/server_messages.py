@@ -180,9 +180,9 @@ def time(time_ns: int) -> bytes:
     return _TIME.pack(_TIME_OPCODE, time_ns)
 
 
-def asset(request_id: int, data: bytes) -> bytes:
-    """Return a requested file."""
-    return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FOUND, 0) + data
+def asset_head(request_id: int) -> bytes:
+    """Return what precedes the bytes of a requested file."""
+    return _ASSET_RESPONSE.pack(_ASSET_RESPONSE_OPCODE, request_id, _ASSET_FOUND, 0)
 
 
 def asset_failure(request_id: int, text: str) -> bytes:

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import asyncio
+from contextlib import AsyncExitStack
 from pathlib import Path
 
 import pytest
 
 from loop_watch import LoopWatch
 from rostether.errors import ConfigError
+from rostether.gateways.foxglove import assets as assets_module
 from rostether.gateways.foxglove.assets import Assets
 from rostether.packages.locate import package_folders
 
@@ -26,6 +29,11 @@ def folder(tmp_path: Path) -> Path:
     return package
 
 
+async def read(assets: Assets, uri: str) -> bytes:
+    async with assets.reading(uri) as data:
+        return data
+
+
 async def test_files_of_packages_are_read(folder: Path) -> None:
     assets = Assets(lambda: {"arm": folder}, 1000)
     for uri in (
@@ -35,7 +43,7 @@ async def test_files_of_packages_are_read(folder: Path) -> None:
         f"file://{folder}/meshes/left%20arm.stl",
         f"file://localhost{folder}/meshes/left arm.stl",
     ):
-        assert await assets.read(uri) == b"solid"
+        assert await read(assets, uri) == b"solid"
 
 
 async def test_nothing_else_is(folder: Path) -> None:
@@ -64,23 +72,38 @@ async def test_nothing_else_is(folder: Path) -> None:
         "",
     ):
         with pytest.raises(ConfigError) as caught:
-            await assets.read(uri)
+            await read(assets, uri)
         assert "\n" not in str(caught.value)
 
 
 async def test_a_file_that_is_too_large_is_not_sent(folder: Path) -> None:
     (folder / "large.stl").write_bytes(bytes(5000))
     with pytest.raises(ConfigError, match="larger than"):
-        await Assets(lambda: {"arm": folder}, 1000).read("package://arm/large.stl")
+        await read(Assets(lambda: {"arm": folder}, 1000), "package://arm/large.stl")
+
+
+async def test_large_files_are_in_memory_for_a_few_clients_at_a_time(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(assets_module, "_LARGE_BYTES", 3)
+    assets = Assets(lambda: {"arm": folder}, 1000)
+    (folder / "small").write_bytes(b"abc")
+    async with AsyncExitStack() as clients:
+        for _ in range(assets_module._LARGE_AT_ONCE):
+            await clients.enter_async_context(assets.reading("package://arm/meshes/left arm.stl"))
+        another = asyncio.ensure_future(read(assets, "package://arm/meshes/left arm.stl"))
+        assert await read(assets, "package://arm/small") == b"abc"
+        assert not another.done()
+    assert await another == b"solid"
 
 
 async def test_a_package_that_comes_later_is_found(folder: Path) -> None:
     found: dict[str, Path] = {}
     assets = Assets(lambda: dict(found), 1000)
     with pytest.raises(ConfigError, match="ROS_PACKAGE_PATH"):
-        await assets.read("package://arm/meshes/left arm.stl")
+        await read(assets, "package://arm/meshes/left arm.stl")
     found["arm"] = folder
-    assert await assets.read("package://arm/meshes/left arm.stl") == b"solid"
+    assert await read(assets, "package://arm/meshes/left arm.stl") == b"solid"
 
 
 async def test_a_workspace_whose_files_are_links_to_their_sources(folder: Path, tmp_path: Path) -> None:
@@ -90,10 +113,10 @@ async def test_a_workspace_whose_files_are_links_to_their_sources(folder: Path, 
     for name in ("package.xml", "meshes", "link"):
         (share / name).symlink_to(folder / name)
     assets = Assets(lambda: {"arm": share}, 1000)
-    assert await assets.read("package://arm/meshes/left arm.stl") == b"solid"
+    assert await read(assets, "package://arm/meshes/left arm.stl") == b"solid"
     for name in ("link", ".git/config", "meshes/../../secret"):
         with pytest.raises(ConfigError):
-            await assets.read(f"package://arm/{name}")
+            await read(assets, f"package://arm/{name}")
 
 
 async def test_packages_are_searched_while_the_loop_continues(
@@ -101,7 +124,7 @@ async def test_packages_are_searched_while_the_loop_continues(
 ) -> None:
     watch = LoopWatch(monkeypatch)
     assets = Assets(lambda: package_folders({}, folder.parent), 1000)
-    assert await assets.read("package://arm/meshes/left%20arm.stl") == b"solid"
-    assert await assets.read(f"file://{folder}/meshes/left%20arm.stl") == b"solid"
+    assert await read(assets, "package://arm/meshes/left%20arm.stl") == b"solid"
+    assert await read(assets, f"file://{folder}/meshes/left%20arm.stl") == b"solid"
     assert watch.folders
     assert watch.held == 0
