@@ -256,3 +256,7 @@ async def test_an_endpoint_that_does_not_answer(folder: Path) -> None:
         await other.wait_for("Only this machine can reach it")
     finally:
         await other.stop(signal.SIGTERM)
+    session = {"ZENOH_CONFIG_OVERRIDE": f'connect/endpoints=["tcp/localhost:{port}"]'}
+    listing = await start_command("topic", "list", "--ros2", "zenoh", environment=session)
+    assert "no zenoh router answers at the configured endpoints" in await listing.finish()
+    assert listing.process.returncode == 1

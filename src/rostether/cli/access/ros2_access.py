@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Iterable, Mapping
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 class Ros2Access:
     """A session on a ROS 2 graph: its node factory, its types, and a line for users.
 
-    Over zenoh, `listens_on` and `connects_to` are endpoints of the session, and
-    `is_router` is true if it is the router of this machine.
+    Over zenoh, `listens_on` and `connects_to` are endpoints of the session, `is_router` is true if it is the
+    router of this machine, and `is_linked` returns whether a router or another peer is connected.
     """
 
     join: JoinGraph
@@ -34,6 +34,7 @@ class Ros2Access:
     listens_on: tuple[str, ...] = ()
     connects_to: tuple[str, ...] = ()
     is_router: bool = False
+    is_linked: Callable[[], bool] = lambda: True
 
 
 @asynccontextmanager
@@ -108,7 +109,15 @@ async def _over_zenoh(
 
     async with closed_at_end(session):
         line = _zenoh_line(session, environment)
-        yield Ros2Access(join, types, line, session.listens_on, session.connects_to, session.is_router)
+        yield Ros2Access(
+            join,
+            types,
+            line,
+            session.listens_on,
+            session.connects_to,
+            session.is_router,
+            session.is_linked,
+        )
 
 
 def _zenoh_line(session: ZenohSession, environment: Ros2Environment) -> str:

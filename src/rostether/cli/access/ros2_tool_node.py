@@ -40,12 +40,18 @@ class ToolNode:
     """The node of one command on a ROS 2 graph."""
 
     def __init__(
-        self, graph: TypedGraph, registry: NativeRegistry, types: Ros2Types, middleware: Middleware
+        self,
+        graph: TypedGraph,
+        registry: NativeRegistry,
+        types: Ros2Types,
+        middleware: Middleware,
+        is_linked: Callable[[], bool],
     ) -> None:
         self.graph = graph
         self.registry = registry
         self.types = types
         self.middleware = middleware
+        self.is_linked = is_linked
         self._domains_reported = False
 
     async def snapshot(self) -> GraphView:
@@ -158,7 +164,9 @@ async def tool_node(
             namespace=options.arguments.get("__ns", "/"),
         )
         async with closed_at_end(graph):
-            yield ToolNode(TypedGraph(graph, TypeStore(registry)), registry, types, middleware)
+            yield ToolNode(
+                TypedGraph(graph, TypeStore(registry)), registry, types, middleware, access.is_linked
+            )
 
 
 async def warn_without_router(*, is_error: bool = False) -> None:
@@ -186,6 +194,12 @@ def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -
     async def ask() -> T:
         # A list without a router would be empty, as if no node ran.
         async with tool_node(options, needs_router=True) as tool:
-            return await question(tool)
+            answer = await question(tool)
+            if not tool.is_linked():
+                raise GraphError(
+                    "no zenoh router answers at the configured endpoints, so nodes cannot be found; "
+                    "`rostether doctor --ros2 zenoh` shows the reason"
+                )
+            return answer
 
     return run(ask())

@@ -216,17 +216,18 @@ class ZenohSession:
         """Wait for the first connection: a query sent earlier reaches no peer."""
         deadline_s = time.monotonic() + FIRST_LINK_TIMEOUT_S
         # Zenoh does not report connections; polling is cheap.
-        while not self._is_linked() and time.monotonic() < deadline_s:  # noqa: ASYNC110
+        while not self.is_linked() and time.monotonic() < deadline_s:  # noqa: ASYNC110
             await asyncio.sleep(LINK_POLL_S)
 
-    def _is_linked(self) -> bool:
+    def is_linked(self) -> bool:
+        """Return whether a router or another peer is connected."""
         info = self.zenoh.info
         return bool(info.routers_zid() or info.peers_zid())
 
     async def _report_faults(self, named: Sequence[str], configuration: zenoh.Config) -> None:
         await self._report_unreachable(named, tls_of(configuration))
         await asyncio.sleep(ACCESS_CHECK_AFTER_S)
-        for endpoint in named if self._is_linked() else ():
+        for endpoint in named if self.is_linked() else ():
             ends = [end for _, end in self.graph.all_endpoints() if end.session_id == self.session_id]
             denied = await find_denied_topics(configuration, endpoint, self.domain_id, ends)
             if denied:
@@ -242,7 +243,7 @@ class ZenohSession:
         faults = await find_faults(named, tls)
         if self.is_router:
             await self._wait_for_link()
-        if not faults and not self._is_linked():
+        if not faults and not self.is_linked():
             faults = dict.fromkeys(named, NO_SESSION)
         for endpoint, fault in faults.items():
             _log.warning("no zenoh router answers at %s yet, still trying: %s", endpoint, fault)
