@@ -27,7 +27,8 @@ def read_toml_text(path: Path) -> str:
     if len(data) > MAX_FILE_BYTES:
         raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; check that it is the right file")
     try:
-        return data.decode()
+        # Editors of Windows write a byte order mark.
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: not UTF-8 text at byte {error.start}") from None
 

@@ -31,3 +31,8 @@ def test_files_without_end_and_other_texts_are_refused(tmp_path: Path) -> None:
     for name, reason in (("a", "longer than"), ("b", "not UTF-8 text at byte 0"), (".", "cannot be read")):
         with pytest.raises(ConfigError, match=reason):
             read_toml_text(tmp_path / name)
+
+
+def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"\xef\xbb\xbfx = 1\n")
+    assert read_toml_text(tmp_path / "a") == "x = 1\n"
