@@ -63,6 +63,10 @@ class LearntTypes:
                 self._found[key] = self._look_up(type_name, type_hash)
         return self._found.get(key)
 
+    def get(self, type_name: str, type_hash: str) -> MessageSupport | None:
+        """Return a type that was found before; can be called in any thread."""
+        return self._found.get(f"{type_name}/{type_hash}")
+
     def close(self) -> None:
         """Stop waiting for answers."""
         for task in self._asking.values():

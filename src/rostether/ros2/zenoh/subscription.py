@@ -148,8 +148,10 @@ class Subscription:
     def _put(self, sample: zenoh.Sample) -> None:
         # Called in a zenoh thread, or in this one during a publication.
         stay_known()
+        assert self._support is not None
         data = sample.payload.to_bytes()
-        self._queue.put(("", b"", self._convert_if_large(data)), len(data))
+        received = convert_if_large(self._support.converter.from_cdr, data)
+        self._queue.put(("", b"", received), len(data))
 
     def _put_of_any(self, sample: zenoh.Sample) -> None:
         stay_known()
@@ -161,11 +163,13 @@ class Subscription:
                 if self._own_gids is not None and gid in self._own_gids():
                     return
         data = sample.payload.to_bytes()
-        key = "" if self._support else str(sample.key_expr)
-        self._queue.put((key, gid, self._convert_if_large(data)), len(data))
-
-    def _convert_if_large(self, cdr: bytes) -> Received:
-        return cdr if self._support is None else convert_if_large(self._support.converter.from_cdr, cdr)
+        key, support = "", self._support
+        if support is None:
+            key = str(sample.key_expr)
+            _, type_name, type_hash = key.rsplit("/", 2)
+            support = self._learnt.get(type_name, type_hash)
+        received = data if support is None else convert_if_large(support.converter.from_cdr, data)
+        self._queue.put((key, gid, received), len(data))
 
     def _handle_samples(self, samples: Sequence[tuple[str, bytes, Received]]) -> None:
         payloads: list[bytes] = []

@@ -88,14 +88,17 @@ async def test_bytes_that_fit_no_string_are_reported_once(
 async def test_large_messages_are_converted_outside_of_the_event_loop(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    node, inbox = await session.join("node"), Inbox()
+    node, inbox, any_inbox = await session.join("node"), Inbox(), Inbox()
     subscriber = await node.subscribe("/many", FLOATS, inbox.take)
+    await node.subscribe("/many", ANY_MESSAGE, any_inbox.take)
+    await (await session.join("talker")).advertise("/many", FLOATS)
+    await until(lambda: subscriber.publisher_count)
     watch = CallbackWatch(monkeypatch)
     # Each big-endian number takes a microsecond.
     head = b"\0\0\0\0" + bytes(4) + bytes(4) + struct.pack(">I", 150_000)
     for data in (head + bytes(600_000), head + bytes(600_000 - 1)):
         await asyncio.to_thread(session.zenoh.put, key_of("/many", FLOATS), data)
-    await until(lambda: inbox.payloads and subscriber.dropped_count)
+    await until(lambda: inbox.payloads and any_inbox.payloads and subscriber.dropped_count)
     watch.check("a large message")
     assert [len(each) for each in inbox.payloads] == [600_012]
     assert "a message that does not fit its type" in caplog.text
