@@ -21,7 +21,6 @@ REVIEWED_LONG_FILES = {
     "gateways/websocket/connection.py",
     "msgdef/registry.py",
     "recording/mcap/content.py",
-    "recording/recorder.py",
     "rospy/bag/bag.py",
     "rosserial/device_link.py",
     "rosserial/frame_scan.py",

@@ -65,11 +65,6 @@ def reason_of(error: Exception) -> str:
     return f"{type(error).__name__}: {error}; please report it"
 
 
-def byte_count(number: int) -> str:
-    """Return `1 byte`, `2 bytes`."""
-    return f"{number} byte{'' if number == 1 else 's'}"
-
-
 class Notices:
     """The lines of one board: to the reporter, and to the graph's log once the board has a node there."""
 

@@ -40,6 +40,11 @@ def first_line(error: Exception) -> str:
     return str(error).split("\n", 1)[0][:200]
 
 
+def counted(number: int, noun: str) -> str:
+    """Return the number with its noun, such as `1 byte` and `2 bytes`."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def did_you_mean(name: str, known: Iterable[str], *, prefix: str = "", then: str = "") -> str:
     """Return `did you mean X?` with the most similar of the known names; empty if none is similar.
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from struct import Struct as Packing
 from typing import Final
 
+from rostether.mechanisms.text import counted
 from rostether.serde.layout_source import compile_layout
 from rostether.serde.type_tree import Array, Node, Struct, Text
 
@@ -59,10 +60,10 @@ class Layout:
         try:
             walk.over(self._tree, "")
         except _DoesNotFit as reason:
-            return f"the payload of {_count(len(payload), 'byte')} {reason} of {self._tree.name}"
+            return f"the payload of {counted(len(payload), 'byte')} {reason} of {self._tree.name}"
         extra_bytes = len(payload) - walk.at
         if extra_bytes:
-            return f"the payload has {_count(extra_bytes, 'byte')} more than {self._tree.name}"
+            return f"the payload has {counted(extra_bytes, 'byte')} more than {self._tree.name}"
         return f"the payload fits {self._tree.name}"
 
 
@@ -138,9 +139,5 @@ class _Walk:
     def _skip(self, size: int, path: str) -> None:
         missing_bytes = self.at + size - len(self._payload)
         if missing_bytes > 0:
-            raise _DoesNotFit(f"ends {_count(missing_bytes, 'byte')} early in field '{path}'")
+            raise _DoesNotFit(f"ends {counted(missing_bytes, 'byte')} early in field '{path}'")
         self.at += size
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -18,6 +18,7 @@ from typing import Any, Final
 
 from rostether.bounded_yaml import YamlError, load, load_all
 from rostether.errors import SerializationError
+from rostether.mechanisms.text import counted
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
@@ -81,8 +82,7 @@ class _Form:
         if isinstance(value, list):
             if len(value) != len(nodes):
                 names = f" ({', '.join(nodes)})" if nodes else ""
-                values = "value" if len(nodes) == 1 else "values"
-                wanted = f"{len(nodes)} {values}{names}, or a mapping"
+                wanted = f"{counted(len(nodes), 'value')}{names}, or a mapping"
                 raise self._wants(path, wanted, f"{len(value)}", quote=False)
             value = dict(zip(nodes, value, strict=True))
         if not isinstance(value, dict):

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from rostether.mechanisms.text import escape_line, escape_text, fold_line
+from rostether.mechanisms.text import counted, escape_line, escape_text, fold_line
 
 EVIL = "a\x1b[2J\x9b31m\u202e\x7f\r\nFAKE\tb\u00e4\u6c34"
 
@@ -42,3 +42,8 @@ def test_a_line_is_cut_at_its_limit() -> None:
     assert escape_line("x" * 501, 500) == "x" * 497 + "..."
     assert escape_line("\x1b" * 501, 500).startswith("\\u001b" * 80)
     assert len(escape_line("\x1b" * 501, 500)) == 500
+
+
+@pytest.mark.parametrize(("number", "text"), [(0, "0 bytes"), (1, "1 byte"), (2, "2 bytes")])
+def test_a_noun_has_its_number(number: int, text: str) -> None:
+    assert counted(number, "byte") == text

@@ -12,10 +12,11 @@ from __future__ import annotations
 import asyncio
 
 from rostether.bridge.endpoint.board_line import BoardLine
-from rostether.bridge.reporter import Notices, byte_count
+from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, ServiceCallError, ServiceTimeoutError
 from rostether.graph.ports import Graph, Level, ServiceServer
+from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
 from rostether.serde.layout import Layout
@@ -172,8 +173,8 @@ class ServiceServerEndpoint:
         limit_bytes = self.info.request.buffer_size
         if len(request) > limit_bytes:
             reason = (
-                f"the request has {byte_count(len(request))}, but the board's buffer has only {limit_bytes};"
-                f" enlarge it in the sketch, or send less"
+                f"the request has {counted(len(request), 'byte')}, but the board's buffer has only "
+                f"{limit_bytes}; enlarge it in the sketch, or send less"
             )
             self._notices.episode(f"request {name}", Level.ERROR, f"a call of {name} failed: {reason}")
             raise ServiceCallError(f"{name}: {reason}")

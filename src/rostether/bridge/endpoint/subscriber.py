@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from rostether.bridge.endpoint.board_line import BoardLine
 from rostether.bridge.outbound.topic_queue import TopicQueue
-from rostether.bridge.reporter import Notices, byte_count
+from rostether.bridge.reporter import Notices
 from rostether.graph.ports import Graph, Level, Subscriber
+from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import MessageType
 from rostether.rosserial.packets import TopicInfo
 from rostether.serde.layout import Layout
@@ -131,7 +132,7 @@ class SubscriberEndpoint:
             f"oversize {self.info.topic_name}",
             Level.ERROR,
             f"not sent: a message of {self.info.topic_name} [{self._type.name}] has "
-            f"{byte_count(size)}, but the board's buffer has only {self.info.buffer_size}; enlarge it in "
-            f"the sketch, or send less",
+            f"{counted(size, 'byte')}, but the board's buffer has only {self.info.buffer_size}; enlarge "
+            f"it in the sketch, or send less",
             count=count,
         )

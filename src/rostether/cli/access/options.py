@@ -9,6 +9,11 @@ import click
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.shell.option_group import PATH, Function, add_option, ignored_options
 
+# For commands with a link address.
+ADDRESS_HINTS = dict.fromkeys(
+    ("--baud", "--baudrate", "-b"), 'write it after the port: "/dev/ttyACM0?baud=115200"'
+)
+
 msg_path_option = add_option(
     "--msg-path msg_paths DIR",
     "Search this folder for packages, .msg and .srv files before ROS_PACKAGE_PATH; may be repeated.",

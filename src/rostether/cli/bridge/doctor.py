@@ -10,12 +10,12 @@ import click
 
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.graph_options import ros2_option
-from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.options import ADDRESS_HINTS, msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import NumberRange, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
+from rostether.cli.shell.verbs import verb
 from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:

@@ -20,6 +20,7 @@ from rostether.cli.shell.output import json_option, shows_live, warn, write_json
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.block_end import task_beside
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -111,7 +112,7 @@ def _picture(boards: Sequence[BoardStatus], master_uri: str, width: int, height:
     if not boards:
         return Text(f"{master_uri}: {NOTHING}; press Ctrl-C to stop")
     text = Text(no_wrap=True, overflow="crop", end="")
-    count = f"{len(boards)} board{'' if len(boards) == 1 else 's'}"
+    count = counted(len(boards), "board")
     for line in table(boards, width, height - 3):
         for piece, style in line.pieces:
             text.append(piece, style)

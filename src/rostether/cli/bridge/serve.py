@@ -16,7 +16,7 @@ from click.core import ParameterSource
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import listen_option, msg_path_option
+from rostether.cli.access.options import ADDRESS_HINTS, listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.access.served_graphs import served_graphs
 from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
@@ -48,7 +48,7 @@ from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
 from rostether.cli.shell.option_group import FILE, PORT, flag, option, option_group, shared
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
+from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.ports.config_paths import known_boards_path

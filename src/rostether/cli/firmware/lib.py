@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from rostether.cli.shell.failures import EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_result
 from rostether.cli.shell.verbs import verb
+from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.codegen.arduino_library import WrittenLibrary
@@ -106,11 +107,7 @@ def _summary(written: WrittenLibrary) -> str:
     types = written.library.types
     packages = {name.partition("/")[0] for name in types}
     verb = "replaced" if written.replaced else "wrote"
-    return f"{verb} {written.path}: {_count(types, 'type')} of {_count(packages, 'package')}"
-
-
-def _count(things: Collection[str], noun: str) -> str:
-    return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
+    return f"{verb} {written.path}: {counted(len(types), 'type')} of {counted(len(packages), 'package')}"
 
 
 def _record(written: WrittenLibrary) -> dict[str, object]:

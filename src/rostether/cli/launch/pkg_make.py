@@ -13,6 +13,7 @@ from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb, verb
 from rostether.errors import RostetherError
+from rostether.mechanisms.text import counted
 from rostether.packages.executables import programs
 from rostether.packages.python_scripts import explain_python2
 
@@ -87,7 +88,7 @@ def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> Non
         has_problems = has_problems or bool(problems)
         _show(contents, problems, workspace, as_json=as_json)
     if not as_json:
-        count = f"{len(packages)} package{'' if len(packages) == 1 else 's'}"
+        count = counted(len(packages), "package")
         write_line(f"{count} in {workspace / SOURCE_FOLDER}; nothing needs to be built")
         if any(file.name == "setup.bash" for file in written):
             write_line(f"In other shells, run `source {workspace / 'devel' / 'setup.bash'}`")

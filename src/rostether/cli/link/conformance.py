@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.completions import complete_ports
-from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.options import ADDRESS_HINTS, msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import argument, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.running import run
-from rostether.cli.shell.verbs import ADDRESS_HINTS, verb
+from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.block_end import closed_at_end
 
 if TYPE_CHECKING:

@@ -105,9 +105,13 @@ def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, r
     write_line("rostether starts at boot; to see its state: rostether status")
 
 
+def _enabling_link(root: Path, installation: Installation) -> Path:
+    return path_below(root, installation.enabling_link.parent) / installation.enabling_link.name
+
+
 def _enable_below(root: Path, installation: Installation) -> None:
     """Make systemd start the unit in an image: `systemctl` enables units of the running machine only."""
-    link = path_below(root, installation.enabling_link.parent) / installation.enabling_link.name
+    link = _enabling_link(root, installation)
     try:
         link.parent.mkdir(exist_ok=True)
         link.unlink(missing_ok=True)
@@ -132,9 +136,8 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
             clean(installation)
         elif is_lingering():
             write_line("your services may still start at boot; if you need none:  loginctl disable-linger")
-    if root is not None:
-        link = path_below(root, installation.enabling_link.parent) / installation.enabling_link.name
-        link.unlink(missing_ok=True)
+    else:
+        _enabling_link(root, installation).unlink(missing_ok=True)
     for path in paths:
         path_below(root, path).unlink()
         write_line(f"removed {path_below(root, path)}")

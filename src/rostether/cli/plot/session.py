@@ -17,6 +17,7 @@ from rostether.cli.shell.option_group import FILE, POSITIVE, flag, option, share
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.picture_files import encode, picture_format, save
 from rostether.errors import ConfigError, GraphError, SerializationError, first_error
+from rostether.mechanisms.text import counted
 from rostether.msgdef.registry import Registry
 from rostether.serde.field_units import unit_of
 
@@ -126,8 +127,9 @@ class PlotSession:
             curves = self._placed(self._curves.curves(since_s))
             labels = Labels(self._options.title or "", self._begin_unix_s, self._options.is_clock)
             save(file, encode(draw_plot(curves, labels), picture_format(file)))
-            noun = "curve" if len(curves) == 1 else "curves"
-            write_line(f"{file}: {len(curves)} {noun}, {sum(len(each.points) for each in curves)} values")
+            write_line(
+                f"{file}: {counted(len(curves), 'curve')}, {sum(len(each.points) for each in curves)} values"
+            )
         elif not self._is_live:
             from rostether.pictures.terminal_plot import as_plain
 

@@ -27,10 +27,6 @@ _MIN_HELP_WIDTH = 20
 _WIDTH_FOR_COLUMNS = 60
 
 _LONG_DASHES = ("\u2013", "\u2014", "\u2212")
-# For commands with a link address.
-ADDRESS_HINTS = dict.fromkeys(
-    ("--baud", "--baudrate", "-b"), 'write it after the port: "/dev/ttyACM0?baud=115200"'
-)
 # The module of the groups, which imports no verb.
 _GROUPS = "rostether.cli.groups:"
 # click's names of the types of numbers.

@@ -13,7 +13,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
 from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris, unknown_topic
-from rostether.mechanisms.text import escape_line
+from rostether.mechanisms.text import counted, escape_line
 from rostether.names.graph_name import in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
@@ -120,7 +120,7 @@ def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) 
 
 def _write_count(topic: TopicView, count: int, what: str, indent: str) -> None:
     if count:
-        write_line(f"{indent} * {topic.name} [{topic.type}] {count} {what}{'s' if count > 1 else ''}")
+        write_line(f"{indent} * {topic.name} [{topic.type}] {counted(count, what)}")
 
 
 async def _by_host(topics: list[TopicView], environment: RosEnvironment) -> dict[str, list[TopicView]]:

@@ -13,7 +13,7 @@ from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.topic.options import TopicListing
 from rostether.errors import UnknownNameError
-from rostether.mechanisms.text import did_you_mean, escape_line
+from rostether.mechanisms.text import counted, did_you_mean, escape_line
 from rostether.names.graph_name import in_namespace, namespace_of
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
 from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
@@ -94,7 +94,7 @@ def _write_counts(view: GraphView, names: list[str], kind: EndpointKind, title: 
         count = len(view.of(kind, name))
         if count:
             types = ", ".join(view.types(TOPIC_KINDS, name))
-            write_line(escape_line(f" * {name} [{types}] {count} {what}{'s' if count > 1 else ''}"))
+            write_line(escape_line(f" * {name} [{types}] {counted(count, what)}"))
     write_line()
 
 

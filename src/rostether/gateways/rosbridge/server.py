@@ -31,6 +31,7 @@ from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Level, Publisher
+from rostether.mechanisms.text import counted
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
 
@@ -167,8 +168,7 @@ class RosbridgeServer:
             self._changed(f"rosbridge: {session.name} disconnected{why}")
 
     def _changed(self, text: str) -> None:
-        count = len(self._clients)
-        self._report(Level.INFO, f"{text} ({count} client{'' if count == 1 else 's'})")
+        self._report(Level.INFO, f"{text} ({counted(len(self._clients), 'client')})")
         self._publish_count()
 
     def _publish_count(self) -> None:

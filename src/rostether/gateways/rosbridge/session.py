@@ -33,7 +33,7 @@ from rostether.gateways.websocket.admission import Token
 from rostether.gateways.websocket.message_stream import MessageStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
-from rostether.mechanisms.text import fold_line
+from rostether.mechanisms.text import counted, fold_line
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.gateway_context import GatewayContext
@@ -269,13 +269,9 @@ class Session:
             return
         subscription.reported_count += lost
         subscription.next_report_s = now_s + REPORT_INTERVAL_S
-        topic, messages = subscription.topic, "message" if lost == 1 else "messages"
-        self._report_status(
-            StatusLevel.WARNING, f"{topic} is too fast for this client: {lost} {messages} lost"
-        )
-        self._context.report(
-            Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {lost} {messages} lost"
-        )
+        topic, messages = subscription.topic, counted(lost, "message")
+        self._report_status(StatusLevel.WARNING, f"{topic} is too fast for this client: {messages} lost")
+        self._context.report(Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {messages} lost")
 
 
 def _ignore(_: Request) -> None:

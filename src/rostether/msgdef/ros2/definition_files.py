@@ -42,7 +42,7 @@ class Declared(Enum):
 
     ROS1 = auto()
     ROS2 = auto()
-    UNSAID = auto()
+    UNKNOWN = auto()
 
 
 def named_distro(environ: Mapping[str, str]) -> str:
@@ -123,15 +123,15 @@ def declared_by(file: Path) -> Declared:
         except OSError:
             continue
         except ConfigError:
-            return Declared.UNSAID
+            return Declared.UNKNOWN
         ros1 = "catkin" in package.dependencies or package.build_type == "catkin"
         ros2 = package.build_type.startswith("ament") or not _ROS2_BUILD_TOOLS.isdisjoint(
             package.dependencies
         )
         if ros1 == ros2:
-            return Declared.UNSAID
+            return Declared.UNKNOWN
         return Declared.ROS1 if ros1 else Declared.ROS2
-    return Declared.UNSAID
+    return Declared.UNKNOWN
 
 
 @functools.lru_cache(maxsize=MAX_LISTED_PACKAGES)

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
+from rostether.errors import ConfigError, UnknownTypeError
 from rostether.msgdef.definition_files import Kind, PackageFiles, find_definitions, read_definition
 from rostether.msgdef.ros2.action_parts import ActionParts, action_of_part, action_parts
 from rostether.msgdef.ros2.definition_files import (
@@ -22,7 +22,7 @@ from rostether.msgdef.ros2.definition_files import (
 )
 from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
-from rostether.msgdef.ros2.parse_file import Definition, parse_file
+from rostether.msgdef.ros2.parse_file import Definition, parse_file, reads_as_ros2
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
 from rostether.msgdef.ros2.to_ros1 import joined_services
 from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
@@ -249,12 +249,8 @@ class Ros2Definitions:
         raise UnknownTypeError(f"{explain_unknown(self, kind, package, name)} (searched: {self.places})")
 
     def _file(self, kind: Kind, package: str, name: str) -> Path | None:
-        on_path = self._on_path().get(package)
-        if (
-            on_path is not None
-            and (file := on_path.of(kind).get(name))
-            and self._is_ros2(file, kind, package)
-        ):
+        file = self._own(package, kind).get(name)
+        if file is not None and self._is_ros2(file, kind, package):
             return file
         if file := self._installed.of(package, kind).get(name):
             return file
@@ -276,28 +272,18 @@ class Ros2Definitions:
         )
 
     def _is_ros2(self, file: Path, kind: Kind, package: str) -> bool:
-        """Return whether a text of the user's folders is ROS 2's: its package says so, or it reads as one."""
+        """Return whether a user's file is ROS 2's: by its package.xml, or else by its text."""
         known = self._is_ros2_file.get(file)
         if known is None:
             declared = declared_by(file)
             known = declared is Declared.ROS2 or (
-                declared is Declared.UNSAID and self._reads_as_ros2(file, kind, package)
+                declared is Declared.UNKNOWN
+                and reads_as_ros2(
+                    kind, file, package, has_header="Header" in self._own(package, Kind.MESSAGE)
+                )
             )
             self._is_ros2_file[file] = known
         return known
-
-    def _reads_as_ros2(self, file: Path, kind: Kind, package: str) -> bool:
-        try:
-            found = parse_file(kind, file, package, file.stem)
-        except DefinitionError:
-            return False
-        # A plain `Header` is std_msgs' in ROS 1 and the package's own in ROS 2.
-        header = f"{package}/msg/Header"
-        return package == "std_msgs" or not any(
-            field.type.base == header and "Header" not in self._own(package, Kind.MESSAGE)
-            for half in found.parts
-            for field in half.fields
-        )
 
     def _on_path(self) -> dict[str, PackageFiles]:
         if self._found is None:

@@ -279,22 +279,14 @@ class RclpySubscriber:
         if self._is_closed or self._support is None:
             return
         from_cdr = self._support.converter.from_cdr
-        try:
-            payloads = [payload_of(from_cdr, message) for message in messages]
-        except SerializationError:
-            payloads = self._convert_one_by_one(messages)
-        if payloads:
-            call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
-
-    def _convert_one_by_one(self, messages: Sequence[Received]) -> list[bytes]:
-        assert self._support is not None
         payloads = []
         for message in messages:
             try:
-                payloads.append(payload_of(self._support.converter.from_cdr, message))
+                payloads.append(payload_of(from_cdr, message))
             except SerializationError as error:
                 self._report_once(f"dropped a message of {self.topic}: {first_lines(str(error))}")
-        return payloads
+        if payloads:
+            call_contained(f"on_messages of {self.topic}", self._on_messages, payloads)
 
     def _report_once(self, text: str) -> None:
         # Reported once: the next check or message would report the same.

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from rostether.errors import SerializationError
+from rostether.mechanisms.text import counted
 from rostether.msgdef.ros2.spec import Ros2Message
 from rostether.serde.cdr.conversion_tree import DUMMY_NAME, Array, Node, Plain, Record, Side, Text
 from rostether.serde.cdr.converter_source import ERRORS, LITTLE_ENDIAN, compile_conversion
@@ -170,5 +171,5 @@ class PayloadWalker:
     def _skip(self, size: int, path: str) -> None:
         missing = self.at + size - len(self.payload)
         if missing > 0:
-            raise Misfit(f"ends {missing} {'byte' if missing == 1 else 'bytes'} early in field '{path}'")
+            raise Misfit(f"ends {counted(missing, 'byte')} early in field '{path}'")
         self.at += size
