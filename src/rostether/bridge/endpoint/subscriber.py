@@ -95,10 +95,11 @@ class SubscriberEndpoint:
         line, queue = self._line, self._queue
         if line is None or queue is None:
             return
-        if not self._accepts_all(payloads):
-            payloads = self._drop_misfits(payloads)
+        # First, because checking a message of many MB would block all boards.
         if payloads and max(map(len, payloads)) > self.info.buffer_size:
             payloads = self._drop_oversize(payloads)
+        if not self._accepts_all(payloads):
+            payloads = self._drop_misfits(payloads)
         if payloads:
             self.message_count += len(payloads)
             line.outbox.put(queue, payloads)

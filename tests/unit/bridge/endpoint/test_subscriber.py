@@ -62,6 +62,10 @@ async def test_a_publishers_malformed_message_never_reaches_the_board(world: Wor
     assert line.transport.written == b"100:" + text("good") + b";"
     assert led.misfit_count == 2
     assert len(world.reporter.texts) == 1
+    # Too long for the board, it is not even checked, which takes long for many MB.
+    led.deliver([b"\xff\xff\xff\xff" + bytes(300)])
+    assert led.misfit_count == 2
+    assert "304 bytes" in world.reporter.texts[1]
 
 
 async def test_while_detached_messages_go_nowhere(world: World) -> None:
