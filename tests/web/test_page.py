@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 
 import pytest
 
+import rostether
 from rostether.cli.dashboard.view import read_view
-from web.browser import Browser
+from web.browser import PATIENCE_S, Browser
 from web.robot import Robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="session")
@@ -145,6 +147,28 @@ async def test_a_graph_fits_into_the_width(robot: Robot, browser: Browser) -> No
     script = f"void ({focus}, document.activeElement.dispatchEvent({press}))"
     await browser.do("evaluate", page=page, script=script)
     await browser.wait_for(page, "location.hash.startsWith('#/topics')")
+
+
+async def test_the_map_keeps_moving_robots_in_the_picture(robot: Robot, browser: Browser) -> None:
+    page = await browser.do("open", url=robot.url + "#/map")
+    async with rostether.join("gps", master=robot.master) as graph:
+        robots = [await graph.publisher(f"/gps{number}/fix", "sensor_msgs/NavSatFix") for number in (1, 2)]
+        inside = (
+            "((map) => [...document.querySelectorAll('.leaflet-interactive')].filter((dot) => {"
+            " const { left, right, top, bottom } = dot.getBoundingClientRect();"
+            " return right > left && right - left === bottom - top && left >= map.left && right <= map.right"
+            " && top >= map.top && bottom <= map.bottom; }).length)"
+            "(document.querySelector('.map-picture')?.getBoundingClientRect())"
+        )
+        # The second one drives away.
+        for longitude in (11.575, 11.58, 11.7):
+            async with asyncio.timeout(PATIENCE_S):
+                while True:
+                    robots[0].publish(latitude=48.137, longitude=11.575)
+                    robots[1].publish(latitude=48.138, longitude=longitude)
+                    await asyncio.sleep(0.1)
+                    if await browser.do("evaluate", page=page, script=inside) == 2:
+                        break
 
 
 async def test_the_page_connects_again(robot: Robot, browser: Browser) -> None:

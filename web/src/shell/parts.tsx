@@ -1,6 +1,6 @@
 // Small parts that many panels use.
 import { useSignal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
+import { type ComponentChildren, Fragment } from "preact";
 import { texts } from "../texts.ts";
 import { copyText } from "./copy_text.ts";
 import { Icon, type IconName } from "./icons.tsx";
@@ -24,6 +24,18 @@ export function EmptyState(props: { icon: IconName; title: string; text?: string
       )}
     </div>
   );
+}
+
+/** A name that breaks after its slashes and underscores first. */
+export function breakable(name: string): ComponentChildren {
+  const parts = name.split(/(?<=.[/_])/);
+  if (parts.length === 1) return name;
+  return parts.map((part, index) => (
+    <Fragment key={index}>
+      {part}
+      <wbr />
+    </Fragment>
+  ));
 }
 
 export function IconButton(props: {

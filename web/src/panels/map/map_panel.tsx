@@ -45,7 +45,8 @@ function MapPanel({ context }: { context: PanelContext }) {
           const message = feed.lastMessage();
           if (message === undefined || message instanceof Error) return;
           const fix = message as unknown as Fix;
-          const found = fix.status.status !== NO_FIX && Number.isFinite(fix.latitude + fix.longitude);
+          const isPlace = Math.abs(fix.latitude) <= 90 && Math.abs(fix.longitude) <= 180;
+          const found = fix.status.status !== NO_FIX && isPlace;
           if (found === withoutFix.has(topic.name)) {
             if (found) withoutFix.delete(topic.name);
             else withoutFix.add(topic.name);

@@ -3,6 +3,8 @@ import L from "leaflet";
 import { type Place, Track } from "./track.ts";
 
 const COLORS = ["#4c9aff", "#f5a524", "#36b37e", "#e5618a", "#9a6cf5", "#2bb8c4"];
+// At the edges, in pixels.
+const PADDING: L.PointTuple = [40, 40];
 
 interface Robot {
   readonly track: Track;
@@ -60,7 +62,17 @@ export class MapView {
     }
     robot.dot.setLatLng(at);
     if (robot.track.add(place)) robot.line.addLatLng(at);
-    if (this.isFollowing && this.robots.size === 1) this.map.panTo(at, { animate: false });
+    if (this.isFollowing) this.follow(at);
+  }
+
+  /** Keeps one robot in the middle, and several in the picture. */
+  private follow(moved: L.LatLngTuple): void {
+    if (this.robots.size === 1) this.map.panTo(moved, { animate: false });
+    else if (!this.map.getBounds().contains(moved)) {
+      const places = [...this.robots.values()].map(({ dot }) => dot.getLatLng());
+      const options = { padding: PADDING, maxZoom: this.map.getZoom(), animate: false };
+      this.map.fitBounds(L.latLngBounds(places), options);
+    }
   }
 
   /** Show all robots. */
@@ -70,7 +82,7 @@ export class MapView {
       bounds.extend(dot.getLatLng());
       if (line.getLatLngs().length > 0) bounds.extend(line.getBounds());
     }
-    if (bounds.isValid()) this.map.fitBounds(bounds, { padding: [40, 40], maxZoom: 19 });
+    if (bounds.isValid()) this.map.fitBounds(bounds, { padding: PADDING, maxZoom: 19 });
   }
 
   dispose(): void {

@@ -2,7 +2,7 @@
 import { type Signal, signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Parameter } from "../../connection/protocol.ts";
-import { EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
+import { breakable, EmptyState, IconButton, SearchField } from "../../shell/parts.tsx";
 import { byNode, describeParameters, type ParameterLimits } from "../../store/parameter_limits.ts";
 import { texts } from "../../texts.ts";
 import type { PanelContext } from "../panel.ts";
@@ -129,7 +129,7 @@ function Row({ name, parameter, context }: { name: string; parameter: Parameter;
     <div class="parameter">
       {/* biome-ignore lint/a11y/noLabelWithoutControl: one of the fields below is the control. */}
       <label class="form-row" title={title.filter(Boolean).join("\n")}>
-        <span class="form-name">{name}</span>
+        <span class="form-name">{breakable(name)}</span>
         {typeof value === "boolean" ? (
           <input
             type="checkbox"

@@ -1,9 +1,8 @@
 // All topics with rates and last values, and the messages of a chosen one.
 import { useComputed } from "@preact/signals";
-import { type ComponentChildren, Fragment } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import { compareNames, formatBandwidth, formatRate } from "../../shell/format.ts";
-import { EmptyState, SearchField } from "../../shell/parts.tsx";
+import { breakable, EmptyState, SearchField } from "../../shell/parts.tsx";
 import { isHidden } from "../../store/topics.ts";
 import { texts } from "../../texts.ts";
 import { useTick } from "../hooks.ts";
@@ -150,18 +149,6 @@ function isNewGroup(rows: Row[], index: number): boolean {
   // One topic needs no heading.
   const isAlone = index + 1 >= rows.length || group(rows[index + 1]!.name) !== own;
   return own !== "" && !isAlone && (index === 0 || group(rows[index - 1]!.name) !== own);
-}
-
-/** A name that breaks after its slashes first. */
-function breakable(name: string): ComponentChildren {
-  const parts = name.split(/(?<=.\/)/);
-  if (parts.length === 1) return name;
-  return parts.map((part, index) => (
-    <Fragment key={index}>
-      {part}
-      <wbr />
-    </Fragment>
-  ));
 }
 
 function TopicRow(props: {
