@@ -16,6 +16,7 @@ from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Graph, Level, ListsClients, ServiceClient
 from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.serde.layout import Layout
 
 # A board waits for each response before it calls again; more than a few waiting requests are damage.
@@ -133,7 +134,8 @@ class ServiceClientEndpoint:
         except Exception as error:  # noqa: BLE001 - the board waits, and calls again
             self._report(f"{reason_of(error)}; the board gets an empty response")
             return self._zero_response
-        if not self._response_layout.accepts(response):
+        # A longer one is refused later: checking a response of many MB would block all boards.
+        if len(response) <= MAX_PAYLOAD_BYTES and not self._response_layout.accepts(response):
             self._report(f"{self._response_layout.explain(response)}; the board gets an empty response")
             return self._zero_response
         self.message_count += 1

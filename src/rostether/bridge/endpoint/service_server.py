@@ -19,6 +19,7 @@ from rostether.graph.ports import Graph, Level, ServiceServer
 from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
+from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
 from rostether.serde.layout import Layout
 
 # A board requests the time every 2.5 s, and unconfigures itself after 11 s without an answer. If it has not
@@ -132,7 +133,8 @@ class ServiceServerEndpoint:
     async def call(self, request: bytes) -> bytes:
         """Pass a call on to the board. Raises ServiceCallError, ServiceTimeoutError."""
         name = self.info.name
-        if not self._request_layout.accepts(request):
+        # A longer one is refused later: checking a request of many MB would block all boards.
+        if len(request) <= MAX_PAYLOAD_BYTES and not self._request_layout.accepts(request):
             raise ServiceCallError(f"{name}: bad request: {self._request_layout.explain(request)}")
         if self._waiting >= self._settings.queued_calls:
             raise ServiceCallError(
