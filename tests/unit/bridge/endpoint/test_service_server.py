@@ -191,9 +191,7 @@ async def test_a_malformed_request_never_reaches_the_board(world: World) -> None
     switch.attach(line, switch.info)
     with pytest.raises(ServiceCallError, match="bad request"):
         await switch.call(b"far too long")
-    with pytest.raises(
-        ServiceCallError, match="the request has 70000 bytes, but the board's buffer has only"
-    ):
+    with pytest.raises(ServiceCallError, match="70000 bytes, but the board's buffer has only"):
         await switch.call(bytes(70_000))
     assert line.transport.written == b""
 
