@@ -68,7 +68,7 @@ ODD_TEXTS = {
     "Empty": "",
     "OnlyComment": "# nothing here",
     "NoFinalNewline": "int32 x",
-    "CommentsAfterFields": "int32 x # metres = 3\n  float32   y#tight\n#int8 z\n",
+    "CommentsAfterFields": "int32 x # meters = 3\n  float32   y#tight\n#int8 z\n",
     "CarriageReturns": "int32 x\r\nstring NAME=text\r\nfloat64[3] y\r\n",
     "OldMacReturns": "int32 x\rint32 y\r",
     "Integers": "\n".join(

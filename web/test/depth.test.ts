@@ -47,12 +47,12 @@ test("other and damaged files", async () => {
   assert.equal(await decodeGrey16(huge), undefined);
 });
 
-test("depth in millimetres and in metres", async () => {
+test("depth in millimeters and in meters", async () => {
   const whole = await decodeDepth("16UC1; compressedDepth png", withHeader(0, 0));
   assert.deepEqual(pixels(whole.data), PIXELS);
   const inverse = await decodeDepth("32FC1; compressedDepth", withHeader(1e4, 100));
-  const metres = new Float32Array(inverse.data.buffer);
+  const meters = new Float32Array(inverse.data.buffer);
   assert.equal(inverse.encoding, "32FC1");
-  assert.ok(Math.abs(metres[0]! - 1e4 / (53182 - 100)) < 1e-6);
+  assert.ok(Math.abs(meters[0]! - 1e4 / (53182 - 100)) < 1e-6);
   await assert.rejects(decodeDepth("16UC1; compressedDepth rvl", withHeader(0, 0)), /RVL/);
 });

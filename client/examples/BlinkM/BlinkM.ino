@@ -1,5 +1,5 @@
-// BlinkM: the colour of a BlinkM, an RGB light on I2C, by the topic "blinkm". Its messages are texts:
-//   r, g, b, y (yellow), c (cyan), m (magenta), w (white), o (off)     fades to that colour
+// BlinkM: the color of a BlinkM, an RGB light on I2C, by the topic "blinkm". Its messages are texts:
+//   r, g, b, y (yellow), c (cyan), m (magenta), w (white), o (off)     fades to that color
 //   S before it, as in "Sr"                                            changes at once
 //
 // Wiring:  BlinkM + - 5V, - - GND, d (SDA) - A4, c (SCL) - A5; on a Mega SDA - 20, SCL - 21.
@@ -24,14 +24,14 @@ void command(char name, uint8_t red, uint8_t green, uint8_t blue) {
 
 void light_cb(const std_msgs::String& light) {
   const bool at_once = light.data[0] == 'S';
-  const char colour = light.data[at_once ? 1 : 0];
-  if (colour == '\0' || strchr("rgbycmwo", colour) == NULL) {
-    nh.logwarn(F("colours are r g b y c m w o"));
+  const char color = light.data[at_once ? 1 : 0];
+  if (color == '\0' || strchr("rgbycmwo", color) == NULL) {
+    nh.logwarn(F("colors are: r g b y c m w o"));
     return;
   }
-  const uint8_t red = strchr("rymw", colour) ? 255 : 0;
-  const uint8_t green = strchr("gycw", colour) ? 255 : 0;
-  const uint8_t blue = strchr("bcmw", colour) ? 255 : 0;
+  const uint8_t red = strchr("rymw", color) ? 255 : 0;
+  const uint8_t green = strchr("gycw", color) ? 255 : 0;
+  const uint8_t blue = strchr("bcmw", color) ? 255 : 0;
   command(at_once ? 'n' : 'c', red, green, blue);
 }
 

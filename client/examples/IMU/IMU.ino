@@ -109,7 +109,7 @@ void setup() {
 
   transform.header.frame_id = "base_link";
   transform.child_frame_id = "imu_link";
-  transform.transform.translation.x = 1.0;  // metres; apart, so that one sees both in rviz
+  transform.transform.translation.x = 1.0;  // meters; apart, so that one sees both in rviz
 
   has_sensor = sensor.begin();
   sensor.measure();

@@ -16,8 +16,8 @@ sensor_msgs::Range range_msg;
 ros::Publisher pub_range("range_data", &range_msg);
 unsigned long measured_ms;
 
-// Metres. The nearer, the more volts; drawn over 1 / (distance + 0.42 cm) the data sheet's curve is a straight line:
-//   volts = 12.2 / (centimetres + 0.42)
+// Meters. The nearer, the more volts; drawn over 1 / (distance + 0.42 cm) the data sheet's curve is a straight line:
+//   volts = 12.2 / (centimeters + 0.42)
 float measureRange() {
   const float volts = analogRead(SENSOR) * (5.0 / 1024);
   if (volts < 0.3) return INFINITY;  // nothing within its reach

@@ -10,7 +10,7 @@
 const int TRIG = 6;
 const int ECHO = 5;
 
-const float SPEED_OF_SOUND = 343.0e-6;        // metres in a microsecond, at 20 degrees Celsius
+const float SPEED_OF_SOUND = 343.0e-6;        // meters in a microsecond, at 20 degrees Celsius
 const unsigned long PERIOD_MS = 50;           // under 25 ms the last echo would disturb the next
 const unsigned long LONGEST_ECHO_US = 25000;  // there and back over 4 m
 
@@ -30,7 +30,7 @@ unsigned long endOf(int level) {
   return micros();
 }
 
-// Metres; infinite when no echo came back.
+// Meters; infinite when no echo came back.
 float measureRange() {
   digitalWrite(TRIG, HIGH);  // ten microseconds make it send
   delayMicroseconds(10);
@@ -48,7 +48,7 @@ void setup() {
   range_msg.header.frame_id = "ultrasound";
   range_msg.radiation_type = sensor_msgs::Range::ULTRASOUND;
   range_msg.field_of_view = 0.26;  // radians: 15 degrees
-  range_msg.min_range = 0.02;      // metres, as all lengths in ROS
+  range_msg.min_range = 0.02;      // meters, as all lengths in ROS
   range_msg.max_range = 4.0;
 
   pinMode(TRIG, OUTPUT);

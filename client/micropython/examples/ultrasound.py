@@ -9,7 +9,7 @@ import ros
 from machine import Pin, time_pulse_us
 from sensor_msgs.msg import Range
 
-SPEED_OF_SOUND = 343.0e-6  # metres in a microsecond, at 20 degrees Celsius
+SPEED_OF_SOUND = 343.0e-6  # meters in a microsecond, at 20 degrees Celsius
 PERIOD_MS = 50  # under 25 ms the last echo would disturb the next
 LONGEST_ECHO_US = 25000  # there and back over 4 m
 
@@ -21,14 +21,14 @@ ultrasound = ros.Publisher("ultrasound", Range)
 message = Range(
     radiation_type=Range.ULTRASOUND,
     field_of_view=0.26,  # radians: 15 degrees
-    min_range=0.02,  # metres
+    min_range=0.02,  # meters
     max_range=4.0,
 )
 message.header.frame_id = "ultrasound"
 
 
 def measure():
-    """Return the distance in metres; infinite if no echo came back."""
+    """Return the distance in meters; infinite if no echo came back."""
     trigger.value(1)  # ten microseconds start a measurement
     time.sleep_us(10)
     trigger.value(0)

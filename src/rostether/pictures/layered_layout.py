@@ -37,7 +37,7 @@ _PLACING_SWEEPS = 8
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The centres of the vertices, and the points of each edge between the borders of its vertices."""
+    """The centers of the vertices, and the points of each edge between the borders of its vertices."""
 
     width: float
     height: float

@@ -36,7 +36,7 @@ class JointStateSettings:
 
 @dataclass(slots=True)
 class FreeJoint:
-    """One joint that can be set: radians or metres within its limits; None is not published."""
+    """One joint that can be set: radians or meters within its limits; None is not published."""
 
     lower: float
     upper: float

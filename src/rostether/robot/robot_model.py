@@ -26,7 +26,7 @@ ONE_DEGREE_OF_FREEDOM = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, Joi
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The range of a joint in radians or metres; `soft_*`: its safety controller, None if not given."""
+    """The range of a joint in radians or meters; `soft_*`: its safety controller, None if not given."""
 
     lower: float = 0.0
     upper: float = 0.0
@@ -63,7 +63,7 @@ class Joint:
 class Shape:
     """One geometry of a link: `kind` is box, cylinder, sphere or mesh.
 
-    `size` is in metres: a box's edges, a cylinder's radius and length, a sphere's radius; a mesh's scale.
+    `size` is in meters: a box's edges, a cylinder's radius and length, a sphere's radius; a mesh's scale.
     `color` is red, green, blue, alpha from 0 to 1; None if not given.
     """
 

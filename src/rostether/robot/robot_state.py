@@ -142,7 +142,7 @@ def prefixed(prefix: str, frame: str) -> str:
 
 
 def joint_transform(joint: Joint, position: float = 0.0) -> Transform:
-    """Return the transform from a joint's parent to its child, for a position in radians or metres."""
+    """Return the transform from a joint's parent to its child, for a position in radians or meters."""
     turn = matrix_from_quaternion(joint.origin.rotation)
     place = joint.origin.translation
     if joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS):

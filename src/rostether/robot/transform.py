@@ -1,4 +1,4 @@
-"""Rigid transforms: rotations as unit quaternions (x, y, z, w), translations in metres.
+"""Rigid transforms: rotations as unit quaternions (x, y, z, w), translations in meters.
 
 Formulas follow tf2's and KDL's conventions down to the signs of quaternions, so that results can be compared
 number by number. Plain floats are used: a robot has tens of joints, and importing numpy would cost more time

@@ -1,7 +1,7 @@
 """The motion of the virtual robot: a circle on the floor, swaying, and its sensor values.
 
 All values are functions of time only, so that pose, turn rate and acceleration are consistent.
-Axes as in REP 103: x forward, y left, z up; metres, radians, seconds.
+Axes as in REP 103: x forward, y left, z up; meters, radians, seconds.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ class Obstacle:
         self._placed_at: float | None = None
 
     def distance(self, time_s: float) -> float:
-        """Return the distance in metres, inf if nothing is there.
+        """Return the distance in meters, inf if nothing is there.
 
         The walk is between 0.25 m and 2.75 m, never faster than 1 m/s.
         """
@@ -42,7 +42,7 @@ class Obstacle:
 
 
 class Ultrasound:
-    """Simulates readings of the distance to an obstacle in metres; `rng` makes their noise."""
+    """Simulates readings of the distance to an obstacle in meters; `rng` makes their noise."""
 
     def __init__(self, rng: Random, obstacle: Obstacle) -> None:
         self._rng = rng

@@ -96,5 +96,5 @@ async def test_blinkm_sends_colors_and_reports_a_missing_light(kind: str) -> Non
             blinkm.publish(data=text)
             await stage.memory_becomes("_ZN7TwoWire8txBufferE", sent)
         blinkm.publish(data="")
-        await log.next(lambda line: line.msg == "colours are r g b y c m w o")
+        await log.next(lambda line: line.msg == "colors are: r g b y c m w o")
         assert "no BlinkM answers on I2C" in [line.msg for line in log.received]

@@ -14,11 +14,11 @@ RANGE = "sensor_msgs/Range"
 async def test_ultrasound(kind: str) -> None:
     async with running("Ultrasound", kind, ["hcsr04 trig=D6,echo=D5", "range 0.5"]) as stage:
         received = await stage.listen("/ultrasound", RANGE)
-        for metres in (0.5, 0.03, 1.234, 2.9):
-            await stage.board.set_range(metres)
+        for meters in (0.5, 0.03, 1.234, 2.9):
+            await stage.board.set_range(meters)
             await received.several(2)  # one may have been on its way
             for measured in await received.several(3):
-                assert measured.range == pytest.approx(metres, abs=0.01)
+                assert measured.range == pytest.approx(meters, abs=0.01)
         await stage.board.set_range(None)
         assert math.isinf((await received.next(lambda measured: measured.range > 4)).range)
 
@@ -40,11 +40,11 @@ async def test_ultrasound_measures_twenty_times_a_second() -> None:
 async def test_ir_ranger(kind: str) -> None:
     async with running("IrRanger", kind) as stage:
         received = await stage.listen("/range_data", RANGE)
-        for centimetres in (4.5, 10, 17, 25):
-            await stage.board.set_adc("A0", 12.2 / (centimetres + 0.42))
+        for centimeters in (4.5, 10, 17, 25):
+            await stage.board.set_adc("A0", 12.2 / (centimeters + 0.42))
             await received.several(2)
             for measured in await received.several(2):
-                assert measured.range == pytest.approx(centimetres / 100, abs=0.005)
+                assert measured.range == pytest.approx(centimeters / 100, abs=0.005)
                 assert measured.radiation_type == 1
         await stage.board.set_adc("A0", 0.1)
         assert math.isinf((await received.next(lambda measured: measured.range > 1)).range)

@@ -179,7 +179,7 @@ export class GridDisplay extends HeaderDisplay<OccupancyGrid> {
     setPose(this.holder, origin.position, origin.orientation);
   }
 
-  /** The plane of one metre with the cells on it; maps that grow need a new picture. */
+  /** The plane of one meter with the cells on it; maps that grow need a new picture. */
   private paint(cells: Int8Array, width: number, height: number): Mesh {
     const step = Math.ceil(Math.max(width, height) / MAX_SIDE);
     const [columns, rows] = [Math.ceil(width / step), Math.ceil(height / step)];

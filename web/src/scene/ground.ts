@@ -6,7 +6,7 @@ const REACH = 20;
 /** Cells along the longest side of the robot. */
 const CELLS_PER_ROBOT = 5;
 
-/** The side of a cell for a robot of this size: 1, 2 or 5 times a power of ten metres. */
+/** The side of a cell for a robot of this size: 1, 2 or 5 times a power of ten meters. */
 export function cellFor(sizeM: number): number {
   const wanted = sizeM / CELLS_PER_ROBOT;
   const power = 10 ** Math.floor(Math.log10(wanted));

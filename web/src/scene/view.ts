@@ -117,7 +117,7 @@ export class SceneView {
     this.standAt(direction, this.camera.position.distanceTo(this.controls.target));
   }
 
-  /** Look at the whole of a box, and lay the ground below it; returns the side of the ground's cells in metres. */
+  /** Look at the whole of a box, and lay the ground below it; returns the side of the ground's cells in meters. */
   fit(box: Box3): number {
     const halfAngle = MathUtils.degToRad(this.camera.fov) / 2;
     box.getCenter(this.controls.target);

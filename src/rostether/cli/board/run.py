@@ -46,7 +46,7 @@ class BoardOptions:
     adc: tuple[str, ...] = option("--adc A0=VOLTS", "Set the voltage of an analog input.", multiple=True)
     pin: tuple[str, ...] = option("--pin D7=0|1", "Set the level of a digital pin.", multiple=True)
     range: str | None = option(
-        "--range", "Connect an HC-SR04 with an obstacle at this distance.", metavar="METRES|none"
+        "--range", "Connect an HC-SR04 with an obstacle at this distance.", metavar="METERS|none"
     )
     hcsr04: str | None = option("--hcsr04", "The pins of the HC-SR04.", metavar="trig=D6,echo=D5")
     attitude: str | None = option(

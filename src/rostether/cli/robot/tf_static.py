@@ -34,7 +34,7 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
 def static(words: tuple[str, ...]) -> None:
     """Publish the transform from PARENT to CHILD on /tf_static until Ctrl-C.
 
-    The units are metres, and radians or a quaternion. With a number of milliseconds at the end, it publishes
+    The units are meters, and radians or a quaternion. With a number of milliseconds at the end, it publishes
     repeatedly on /tf, like tf's node. PARAMETER contains a geometry_msgs/TransformStamped.
     """
     _run(words, f"static_transform_publisher_{os.getpid()}")

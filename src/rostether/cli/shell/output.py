@@ -112,7 +112,7 @@ def shows_live() -> bool:
 
 
 def paint_keys(text: str) -> str:
-    """Return YAML or labelled lines with colored keys."""
+    """Return YAML or labeled lines with colored keys."""
     text = _KEY.sub(lambda found: found[1] + click.style(found[2], fg="cyan"), text)
     return _BETWEEN.sub(click.style("---", dim=True), text)
 

@@ -12,7 +12,7 @@ from rostether.extras import install_command
 # NMEA 0183 allows 82; receivers send longer ones.
 MAX_LINE_BYTES = 1024
 
-# The error of one range measurement of a simple receiver, in metres; HDOP multiplies it.
+# The error of one range measurement of a simple receiver, in meters; HDOP multiplies it.
 RANGE_ERROR_M = 5.0
 
 # sensor_msgs/NavSatStatus by the quality in GGA: 2 means corrections by satellites, 4 and 5 by ground
@@ -26,7 +26,7 @@ _COVARIANCE_APPROXIMATED = 1
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """A position on the WGS 84 ellipsoid in degrees and metres; NaN without a fix."""
+    """A position on the WGS 84 ellipsoid in degrees and meters; NaN without a fix."""
 
     status: int
     satellites: int

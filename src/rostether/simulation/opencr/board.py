@@ -165,9 +165,9 @@ class OpenCrBoard:
         for servo in self.base.servos.values():
             servo.set_voltage(volts)
 
-    def set_range(self, metres: float | None) -> None:
+    def set_range(self, meters: float | None) -> None:
         """Set the distance of the obstacle in front of the sonar; None removes it."""
-        self._send_to_sketch(f"sonar {0 if metres is None else round(metres * _ECHO_US_PER_M)}\n")
+        self._send_to_sketch(f"sonar {0 if meters is None else round(meters * _ECHO_US_PER_M)}\n")
 
     def send_remote_buttons(self, buttons: int) -> None:
         """Send a packet of the remote control RC-100. `buttons` are bits up 1, down 2, left 4, right 8."""

@@ -53,11 +53,11 @@ def _battery(board: OpenCrBoard, arguments: list[str]) -> None:
 
 
 def _range(board: OpenCrBoard, arguments: list[str]) -> None:
-    (metres,) = _some(arguments, "range 0.5", count=1)
-    value = None if metres == "none" else _number(metres, "range 0.5")
+    (meters,) = _some(arguments, "range 0.5", count=1)
+    value = None if meters == "none" else _number(meters, "range 0.5")
     if value is not None and not 0.02 <= value <= _MAX_RANGE_M:
         raise ConfigError(
-            f"range {metres}: the sonar measures 0.02 to {_MAX_RANGE_M:g} m; write range none for nothing"
+            f"range {meters}: the sonar measures 0.02 to {_MAX_RANGE_M:g} m; write range none for nothing"
         )
     board.set_range(value)
 

@@ -171,9 +171,9 @@ class SimulatedBoard:
         """Set the voltage of an analog input, 0 to 5.5 V."""
         await self.send_command(f"adc {pin}={volts:.6f}")
 
-    async def set_range(self, metres: float | None) -> None:
+    async def set_range(self, meters: float | None) -> None:
         """Set the distance in front of the HC-SR04; None means no obstacle."""
-        await self.send_command("range none" if metres is None else f"range {metres:.6f}")
+        await self.send_command("range none" if meters is None else f"range {meters:.6f}")
 
     async def set_attitude(self, roll: float, pitch: float, yaw: float, *, over_s: float = 0.0) -> None:
         """Turn the board to angles in radians, at once or within `over_s` of its time."""

@@ -74,7 +74,7 @@ def test_lists(shell: Shell) -> None:
 def test_own_definitions(shell: Shell, tmp_path: Path) -> None:
     folder = tmp_path / "my_robot" / "msg"
     folder.mkdir(parents=True)
-    (folder / "Probe.msg").write_text("# how deep\nfloat32 depth  # metres\nuint8 MAX = 7\n")
+    (folder / "Probe.msg").write_text("# how deep\nfloat32 depth  # meters\nuint8 MAX = 7\n")
     arguments = ("--msg-path", str(tmp_path))
     assert (
         shell.output("msg", "show", *arguments, "Probe")

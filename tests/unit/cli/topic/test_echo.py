@@ -11,7 +11,7 @@ from rostether.serde.store import TypeStore
 from unit.cli.command_shell import STORE, LiveGraph, Shell
 from unit.cli.talking import call, command_node, in_background, publish, shut_down
 
-RANGES = [{"range": metres, "header": {"frame_id": "sonar", "stamp": {"secs": 5}}} for metres in (0.5, 2.0)]
+RANGES = [{"range": meters, "header": {"frame_id": "sonar", "stamp": {"secs": 5}}} for meters in (0.5, 2.0)]
 
 
 def test_echo_prints_as_rostopic_does(graph: LiveGraph, shell: Shell) -> None:

@@ -106,12 +106,12 @@ async def test_volts_beyond_the_reference_read_full(start: Start, tmp_path: Path
     assert await number(board, "internal") == 1023
 
 
-@pytest.mark.parametrize("metres", [0.02, 0.5, 1.0, 2.0, 3.2])
-async def test_an_echo_is_as_far_as_it_was_set(start: Start, tmp_path: Path, metres: float) -> None:
-    board = await start(await build_text(tmp_path, SONAR), f"range {metres}")
+@pytest.mark.parametrize("meters", [0.02, 0.5, 1.0, 2.0, 3.2])
+async def test_an_echo_is_as_far_as_it_was_set(start: Start, tmp_path: Path, meters: float) -> None:
+    board = await start(await build_text(tmp_path, SONAR), f"range {meters}")
     await board.run("200ms")
     for name in ("pulse", "timed"):
-        assert await number(board, name) / 58.3 / 100 == pytest.approx(metres, abs=0.01)
+        assert await number(board, name) / 58.3 / 100 == pytest.approx(meters, abs=0.01)
 
 
 @pytest.mark.parametrize("distance", ["none", "0.01", "4.1"])

@@ -45,7 +45,7 @@ async def test_odometry_of_a_route(tmp_path: Path) -> None:
         await board.run("1500ms")
         event = await board.ask("wheels", "wheels")
         assert event["heading_rad"] == pytest.approx(2.5, abs=0.02)
-        # Back a quarter of a metre, against a heading of 2.5 rad.
+        # Back a quarter of a meter, against a heading of 2.5 rad.
         assert event["x_m"] == pytest.approx(0.5 + 0.249 * 0.8011, abs=0.01)
         assert event["y_m"] == pytest.approx(-0.249 * 0.5985, abs=0.01)
         assert abs(event["heading_rad"]) <= pi

@@ -7,7 +7,7 @@ export interface Stick {
   readonly y: number;
 }
 export interface Limits {
-  /** Metres a second; for directions and speeds a share of the full speed. */
+  /** Meters a second; for directions and speeds a share of the full speed. */
   readonly linear: number;
   /** Radians a second. */
   readonly angular: number;

@@ -13,7 +13,7 @@ export function isCompressedDepth(format: string): boolean {
  * Decode the picture of a message.
  *
  * @param format of the message, such as "32FC1; compressedDepth png".
- * @returns millimetres (16UC1) or, of the encoding 32FC1, metres.
+ * @returns millimeters (16UC1) or, of the encoding 32FC1, meters.
  * @throws Error with a sentence when it cannot be shown.
  */
 export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>): Promise<RawImage> {
@@ -26,7 +26,7 @@ export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>)
   const [a, b] = [header.getFloat32(4, true), header.getFloat32(8, true)];
   const steps = new DataView(picture.data.buffer);
   // The step 0 is a missing measurement.
-  const metres = Float32Array.from({ length: picture.width * picture.height }, (_, at) => {
+  const meters = Float32Array.from({ length: picture.width * picture.height }, (_, at) => {
     const step = steps.getUint16(2 * at);
     return step === 0 ? Number.NaN : a / (step - b);
   });
@@ -36,6 +36,6 @@ export async function decodeDepth(format: string, data: Uint8Array<ArrayBuffer>)
     step: 4 * picture.width,
     // Typed arrays have the byte order of the machine, which is little endian wherever browsers run.
     is_bigendian: 0,
-    data: new Uint8Array(metres.buffer),
+    data: new Uint8Array(meters.buffer),
   };
 }

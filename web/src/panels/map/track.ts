@@ -4,12 +4,12 @@ export interface Place {
   readonly longitude: number;
 }
 
-/** Metres between points of the track; a GPS is not more exact. */
+/** Meters between points of the track; a GPS is not more exact. */
 const STEP_M = 0.5;
 const MAX_POINTS = 20_000;
 const EARTH_RADIUS_M = 6_371_000;
 
-/** Metres between two places near each other. */
+/** Meters between two places near each other. */
 export function distanceM(a: Place, b: Place): number {
   const radians = Math.PI / 180;
   const north = (b.latitude - a.latitude) * radians;

@@ -157,7 +157,7 @@ void adc_set_reference(double volts);
 /* sonar.c: an HC-SR04. */
 void sonar_wire(struct pin *trig, struct pin *echo);
 bool sonar_is_wired(void);
-void sonar_set_range(double metres); /* negative: nothing in sight */
+void sonar_set_range(double meters); /* negative: nothing in sight */
 void sonar_reset(void);
 
 /* twi.c, mpu9150.c, magnetometer.c, attitude.c: sensors on I2C. */

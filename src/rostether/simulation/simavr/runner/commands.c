@@ -150,13 +150,13 @@ static const char *do_hcsr04(int count, char **words) {
 }
 
 static const char *do_range(int count, char **words) {
-    double metres = -1;
+    double meters = -1;
     bool none = count == 2 && strcmp(words[1], "none") == 0;
-    if (count != 2 || (!none && (!read_number(words[1], &metres) || metres < 0)))
-        return "the distance is written in metres: range 0.5, or range none";
+    if (count != 2 || (!none && (!read_number(words[1], &meters) || meters < 0)))
+        return "the distance is written in meters: range 0.5, or range none";
     /* The pins of the established Ultrasound sketch. */
     if (!sonar_is_wired()) sonar_wire(pin_named("D6"), pin_named("D5"));
-    sonar_set_range(metres);
+    sonar_set_range(meters);
     return NULL;
 }
 

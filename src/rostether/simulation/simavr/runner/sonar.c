@@ -3,8 +3,8 @@
  * An HC-SR04: a trigger pulse of at least 10 us, then an echo pulse as long as sound travels to the obstacle and back.
  * Nothing in sight, or nearer than 2 cm or farther than 4 m: no echo.
  *
- * Sound has 342 m/s here, as in air of 18 degrees. A sketch that calculates with 343 m/s (58.3 us a centimetre) is then
- * right within a centimetre up to 3.4 m both when it times the echo with micros() and when it does with pulseIn(), which
+ * Sound has 342 m/s here, as in air of 18 degrees. A sketch that calculates with 343 m/s (58.3 us a centimeter) is then
+ * right within a centimeter up to 3.4 m both when it times the echo with micros() and when it does with pulseIn(), which
  * loses half a percent to the timer's interrupts, here as on a real board.
  */
 #include "board.h"
@@ -59,7 +59,7 @@ void sonar_wire(struct pin *new_trig, struct pin *new_echo) {
     pin_drive(echo, false);
 }
 
-void sonar_set_range(double metres) { range = metres; }
+void sonar_set_range(double meters) { range = meters; }
 
 /* The simulator's reset has cancelled the echo. */
 void sonar_reset(void) {

@@ -71,7 +71,7 @@ const char *wheels_set(char *settings) {
     bool fits = true;
     wheels_start();
     for (char *part = strtok_r(settings, ",", &rest); fits && part; part = strtok_r(NULL, ",", &rest)) fits = set_one(part);
-    return fits ? NULL : "wheels have pins for PWM and direction, and metres: wheels left=D3/D8,right=D9/D7,speed=0.48,track=0.14";
+    return fits ? NULL : "wheels have pins for PWM and direction, and meters: wheels left=D3/D8,right=D9/D7,speed=0.48,track=0.14";
 }
 
 void wheels_start(void) {

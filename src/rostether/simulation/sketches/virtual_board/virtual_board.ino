@@ -22,7 +22,7 @@ const unsigned long BAUD = 115200;
 const unsigned long PERIOD_MS = 50;           // of the sensor and of /tf
 const unsigned long SLOW_PERIOD_MS = 1000;    // of led and count
 const unsigned long LONGEST_ECHO_US = 25000;  // there and back over 4 m
-const float SPEED_OF_SOUND = 343.0e-6;        // metres in a microsecond, at 20 degrees Celsius
+const float SPEED_OF_SOUND = 343.0e-6;        // meters in a microsecond, at 20 degrees Celsius
 const float LAP_S = 20.0;                     // one circle of 1 m radius
 const int MAX_BLINK_HZ = 50;
 
@@ -73,7 +73,7 @@ unsigned long endOf(int level) {
   return micros();
 }
 
-// Metres; infinite when no echo came back.
+// Meters; infinite when no echo came back.
 float measureRange() {
   digitalWrite(TRIG, HIGH);  // ten microseconds make it send
   delayMicroseconds(10);

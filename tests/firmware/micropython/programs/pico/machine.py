@@ -51,5 +51,5 @@ class I2C:
 
 
 def time_pulse_us(pin, level, timeout_us):
-    """Return the echo of a wall at half a metre."""
+    """Return the echo of a wall at half a meter."""
     return 2915
