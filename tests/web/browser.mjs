@@ -98,12 +98,12 @@ const commands = {
 };
 
 for await (const line of createInterface({ input: process.stdin })) {
-  const { command, ...given } = JSON.parse(line);
+  const { id, command, ...given } = JSON.parse(line);
   let answer;
   try {
-    answer = { result: (await commands[command](given)) ?? null };
+    answer = { id, result: (await commands[command](given)) ?? null };
   } catch (error) {
-    answer = { error: String(error) };
+    answer = { id, error: String(error) };
   }
   process.stdout.write(`${JSON.stringify(answer)}\n`);
 }

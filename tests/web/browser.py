@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import json
 import os
 import shutil
@@ -32,6 +33,7 @@ class Browser:
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._process = process
+        self._numbers = itertools.count(1)
 
     @classmethod
     async def start(cls, packages: Path) -> Browser:
@@ -67,10 +69,14 @@ class Browser:
         """Run a command of `browser.mjs`."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._process.stdin.write(json.dumps({"command": command, **given}).encode() + b"\n")
-        line = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
-        assert line, "the browser's program has ended"
-        answer = json.loads(line)
+        number = next(self._numbers)
+        self._process.stdin.write(json.dumps({"id": number, "command": command, **given}).encode() + b"\n")
+        answer: dict[str, Any] = {}
+        # A command that was cancelled still has its answer.
+        while answer.get("id") != number:
+            line = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
+            assert line, "the browser's program has ended"
+            answer = json.loads(line)
         if "error" in answer:
             raise AssertionError(f"{command} {given}: {answer['error']}")
         return answer["result"]
