@@ -54,6 +54,8 @@ ESTABLISHED: Mapping[str, Mapping[str, tuple[int, int]]] = {
 # The deepest stack of the established library on a simulated Uno is 127 to 138 bytes.
 ESTABLISHED_STACK_BYTES = 127
 USES_WIRE = frozenset({"BlinkM"})
+# Static RAM on an Uno of a sketch that only uses Wire, less that of one without it.
+WIRE_RAM_BYTES = 216
 _SERIAL = "#ifdef USBCON\n#define Serial Serial1\n#endif\nvoid loop() { Serial.write(Serial.read()); }\n"
 _BARE = {
     False: _SERIAL + "void setup() { Serial.begin(57600); }\n",
