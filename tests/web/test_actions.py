@@ -126,3 +126,8 @@ async def test_a_page_that_may_only_view_cannot_act(robot: Robot, browser: Brows
     await browser.wait_for(page, "rostether.feed('/diagnostics').last !== undefined")
     banner = "document.querySelector('.banner')?.innerText"
     assert await browser.do("evaluate", page=page, script=banner) is None
+    async with rostether.join("driven", master=robot.master) as graph:
+        await graph.subscriber("/cmd_vel", "geometry_msgs/Twist", lambda _: None)
+        await browser.do("evaluate", page=page, script="void (location.hash = '#/drive')")
+        state = "document.querySelector('.drive-state')?.innerText"
+        await browser.wait_for(page, f"{state} === 'View only: this page cannot drive'")

@@ -273,6 +273,7 @@ export const texts = {
     blocked: "The robot has stopped. Let go, then drive again.",
     taken: (driver: string) => `Now driven by ${driver}`,
     notConnected: "Not connected: commands are not sent",
+    viewOnly: "View only: this page cannot drive",
     hintTouch: "Drag the stick to drive. The robot stops when you let go.",
     hint: "Drag the stick, hold W A S D or the arrow keys, or use a gamepad. Space stops. The robot stops when you let go.",
     direction: (degrees: string, speed: string) => `${degrees}° · speed ${speed}`,

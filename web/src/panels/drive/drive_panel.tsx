@@ -79,11 +79,12 @@ function Drive(props: {
   };
   const lease = driver.lease.value;
   const isReadOnly = !context.robot.mayAct.value;
+  const whyReadOnly = context.robot.canCommand.value ? texts.drive.viewOnly : texts.drive.notConnected;
   return (
     <fieldset class="drive-body" disabled={isReadOnly}>
       <p class={lease.state === "taken" ? "drive-state problem" : "drive-state"}>
         {isReadOnly
-          ? texts.drive.notConnected
+          ? whyReadOnly
           : lease.state === "taken"
             ? texts.drive.taken(lease.driver)
             : lease.state === "driving"
