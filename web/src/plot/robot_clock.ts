@@ -1,9 +1,9 @@
 // The robot's clock now, from the times of its messages: the right edge of plots that run.
 
-// More than any delay on a line: then one of the two clocks was set.
-const SET_S = 2;
+// A larger difference is no delay of the line: one of the two clocks was set.
+const MAX_DELAY_S = 2;
 // The estimate follows a drifting clock slowly; delays only ever make messages late.
-const FORGET = 0.0005;
+const SHARE_OF_A_MESSAGE = 0.0005;
 
 export class RobotClock {
   private offsetS = Number.NaN;
@@ -17,9 +17,9 @@ export class RobotClock {
   /** Records a message's time on the robot and its arrival time. */
   note(timeS: number, receivedMs: number): void {
     const offset = timeS - receivedMs / 1000;
-    if (!(Math.abs(offset - this.offsetS) < SET_S)) this.offsetS = offset;
+    if (!(Math.abs(offset - this.offsetS) < MAX_DELAY_S)) this.offsetS = offset;
     else if (offset > this.offsetS) this.offsetS = offset;
-    else this.offsetS += (offset - this.offsetS) * FORGET;
+    else this.offsetS += (offset - this.offsetS) * SHARE_OF_A_MESSAGE;
   }
 
   /** The robot's time in seconds since 1970; this machine's while no message came. */
