@@ -40,8 +40,10 @@ def test_a_signal_ends_a_command_that_then_leaves_the_graph(
     with running(*ECHO, ignores_sigint=ignores_sigint, ROS_MASTER_URI=graph.uri) as process:
         graph.wait_until(lambda: command_node(graph) is not None)
         process.send_signal(number)
-        # As `timeout` does.
-        time.sleep(0.001)
+        # As `timeout` does. On a busy machine, a sleep would take longer than two signals count as one.
+        sent_s = time.monotonic()
+        while time.monotonic() < sent_s + 0.001:
+            pass
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code
