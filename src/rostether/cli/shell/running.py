@@ -102,7 +102,9 @@ class _Ending:
 
         def cancel() -> None:
             self._loop_answered = True
-            task.cancel()
+            # A second cancellation would end the clean-up after the first.
+            if not task.cancelling():
+                task.cancel()
 
         with contextlib.suppress(NotImplementedError):
             for number in self._codes:
