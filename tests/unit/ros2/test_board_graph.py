@@ -49,15 +49,18 @@ class Board:
                 f"{ACTION}/{part}", STORE.registry.message_type(name)
             )
         goal, cancel = STORE.codec(f"{TYPE}ActionGoal"), STORE.codec("actionlib_msgs/GoalID")
-        await self.graph.subscribe(
-            f"{ACTION}/cancel",
-            STORE.registry.message_type("actionlib_msgs/GoalID"),
-            lambda payloads: self.cancels.extend(cancel.decode(each).id for each in payloads),
-        )
-        await self.graph.subscribe(
-            f"{ACTION}/goal",
-            STORE.registry.message_type(f"{TYPE}ActionGoal"),
-            lambda payloads: self.goals.extend(map(goal.decode, payloads)),
+        # The bridge subscribes to cancels while the action is opened.
+        await asyncio.gather(
+            self.graph.subscribe(
+                f"{ACTION}/goal",
+                STORE.registry.message_type(f"{TYPE}ActionGoal"),
+                lambda payloads: self.goals.extend(map(goal.decode, payloads)),
+            ),
+            self.graph.subscribe(
+                f"{ACTION}/cancel",
+                STORE.registry.message_type("actionlib_msgs/GoalID"),
+                lambda payloads: self.cancels.extend(cancel.decode(each).id for each in payloads),
+            ),
         )
 
     def send(self, part: str, goal: Message, status: int, **fields: Any) -> None:
@@ -79,7 +82,11 @@ async def a_stage() -> AsyncIterator[tuple[Board, GoalCall, TypeStore, NativeSes
     types = NativeTypes(registry)
     network = MemoryNetwork()
 
-    session = NativeSession(network.join, types, registry)
+    async def join_slowly(node_name: str, *, namespace: str = "/", **_: Any) -> Graph:
+        await asyncio.sleep(0.01)
+        return await network.join(node_name, namespace=namespace)
+
+    session = NativeSession(join_slowly, types, registry)
     join = BoardJoin(network.join, Ros2Types(STORE.registry, Ros2Definitions()), lambda: nullcontext(session))
     board = Board(await join("arm"))
     await board.open()

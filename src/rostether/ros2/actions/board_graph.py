@@ -140,15 +140,16 @@ class _BoardGraph:
         action = BoardAction(
             name.removesuffix(GOAL[0]), message_type.name.removesuffix(GOAL[1]), self._join.types
         )
-        action.on_goals, action.on_cancels = on_goals, topics.on_cancels
         await topics.close()
-        topics.node = await session.join(f"{self._graph.node_name.strip('/').replace('/', '_')}_actions")
+        action.on_goals, action.on_cancels = on_goals, topics.on_cancels
+        # The board may subscribe to cancels while the action is opened.
+        topics.action = action
         try:
+            topics.node = await session.join(f"{self._graph.node_name.strip('/').replace('/', '_')}_actions")
             await action.open(topics.node, session.types, session.registry)
         except BaseException:
             await topics.close()
             raise
-        topics.action = action
         self._graph.log(Level.INFO, f"serves the action {action.action} [{action.action_type}]")
 
     def _topics(self, part: tuple[str, str], name: str) -> _Topics:
