@@ -16,6 +16,11 @@ from rostether.gateways.websocket.connection import Connection
 # 50 ms of a fast network; further messages wait in queues where they can be dropped.
 HIGH_WATER_BYTES = 1 << 20
 
+# A client that reads fewer bytes of a large answer in this time is disconnected: the answer occupies memory
+# for which other clients wait.
+_LARGE_STEP_BYTES = 128 << 10
+_LARGE_STEP_S = 20.0
+
 
 class LineUser(Protocol):
     """Receives the events of one connection."""
@@ -88,12 +93,15 @@ class Line:
             self.abort()
 
     async def send_large(self, message: bytes) -> None:
-        """Send an answer of any size, and wait until the client has read most of it."""
+        """Send an answer of any size, and wait until the client has read most of it.
+
+        A client that reads almost nothing is disconnected.
+        """
         async with self._large_turn:
-            await self._connection.has_room.wait()
+            await self._wait_for_room()
             self._large_bytes = len(message)
             self.send(message)
-            await self._connection.has_room.wait()
+            await self._wait_for_room()
 
     def send_data(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Send messages of a topic, or queue them."""
@@ -113,3 +121,15 @@ class Line:
         """End the connection at once."""
         self._data.end()
         self._connection.abort()
+
+    # Internal methods.
+
+    async def _wait_for_room(self) -> None:
+        while not self._connection.has_room.is_set():
+            before = self._connection.unsent_bytes
+            try:
+                await asyncio.wait_for(self._connection.has_room.wait(), _LARGE_STEP_S)
+            except TimeoutError:
+                if self._connection.unsent_bytes > before - _LARGE_STEP_BYTES:
+                    self.abort()
+                    return

@@ -124,19 +124,6 @@ async def test_assets_of_packages_are_read(tmp_path: Path) -> None:
         assert (answer["status"], answer["data"]) == (1, b"")
 
 
-async def test_all_meshes_of_a_robot_come_however_large_and_many_they_are(tmp_path: Path) -> None:
-    (tmp_path / "mesh.stl").write_bytes(bytes(6 << 20))
-    limits = FoxgloveLimits(control_bytes=1 << 20, calls=2)
-    async with (
-        stage(FoxgloveSettings(port=0, limits=limits), find_packages=lambda: {"arm": tmp_path}) as there,
-        there.client() as client,
-    ):
-        for number in range(5):
-            await client.say("fetchAsset", uri="package://arm/mesh.stl", requestId=number)
-        await until(lambda: len(client.of("fetchAssetResponse")) == 5)
-        assert {len(each["data"]) for each in client.of("fetchAssetResponse")} == {6 << 20}
-
-
 async def test_a_client_that_does_not_read_loses_messages_and_does_not_delay_others() -> None:
     limits = FoxgloveLimits(waiting_bytes=4 << 20)
     async with stage(FoxgloveSettings(port=0, limits=limits)) as there:
